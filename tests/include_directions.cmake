@@ -40,7 +40,7 @@ set(doors
   "^openssl/"                        "^common/transport/signature\\.cpp$"
   "^opencv2/"                        "^((server/(source|vision)|client/view|tests)/|server/preview)"
   "^turbojpeg\\.h$"                  "^client/view/picture\\.cpp$"
-  "^nlohmann/"                       "^(server/source/clip_files\\.cpp$|client/(report/summary|device/inverse3/protocol)\\.cpp$|tests/)"
+  "^nlohmann/"                       "^(server/source/clip_meta\\.cpp$|client/(report/summary|device/inverse3/protocol)\\.cpp$|tests/)"
   "^SDL"                             "^(client/(view/(window/|sound)|device/gamepad)|tests/)"
   "^(imgui|backends/imgui)"          "^(client/view/window/|tests/)"
   "^avahi-"                          "^(common/transport/mdns_session|client/discovery/mdns_browser|server/stream/announce)\\.cpp$"

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: MIT
 #include "server/source/clip_files.hpp"
 
-#include <spdlog/fmt/fmt.h>
 #include <spdlog/spdlog.h>
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 #include <fstream>
+#include <initializer_list>
 #include <iterator>
 #include <map>
-#include <nlohmann/json.hpp>
+#include <span>
 #include <string_view>
 #include <utility>
 
@@ -17,106 +18,6 @@
 #include "server/source/rgbd_source.hpp"
 
 namespace hapticast::server {
-
-namespace {
-
-using Json = nlohmann::json;
-
-// Returns null if the text is no JSON object or exceeds the limits.
-Json parseObject(std::string_view text) {
-  if (text.size() > kMaxMeta_bytes) return nullptr;
-  bool too_deep = false;
-  const auto bounded = [&](int depth, Json::parse_event_t event, Json&) {
-    const bool opens =
-        event == Json::parse_event_t::object_start || event == Json::parse_event_t::array_start;
-    too_deep = too_deep || (opens && depth >= kMaxMetaDepth);
-    return !too_deep;
-  };
-  Json out = Json::parse(text.begin(), text.end(), bounded, /*allow_exceptions=*/false);
-  if (too_deep || !out.is_object()) return nullptr;
-  return out;
-}
-
-// Returns a value as its author wrote it: a string without quotes, any other value as JSON.
-std::string toText(const Json& value) {
-  if (value.is_string()) return value.get<std::string>();
-  return value.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
-
-// Range-checked members of one object of the file.
-class Members {
- public:
-  /// `object` must outlive Members; null has no members. `prefix`: its name in messages.
-  Members(const Json& object, const std::string& name, std::string prefix)
-      : object_(object), name_(name), prefix_(std::move(prefix)) {}
-
-  /// Returns null if the member is missing.
-  [[nodiscard]] const Json& at(const char* key) const {
-    static const Json kNone;
-    const auto member = object_.find(key);
-    return member == object_.end() ? kNone : *member;
-  }
-  [[nodiscard]] std::optional<double> number(const char* key, double low, double high) const {
-    const Json& value = at(key);
-    if (value.is_null()) return std::nullopt;
-    const std::string text = toText(value);
-    const auto number = parseNumber(text);
-    if (number && *number >= low && *number <= high) return number;
-    throw SourceError(fmt::format("{}: \"{}{}\" is {}, where a number from {} to {} is expected",
-                                  name_, prefix_, key, quote(text), low, high));
-  }
-
- private:
-  const Json& object_;
-  const std::string& name_;
-  std::string prefix_;
-};
-
-std::optional<int> depthBits(const Members& meta, bool has_scale) {
-  if (const auto bits = meta.number("depth_bits", 8.0, 16.0)) return *bits > 8.0 ? 16 : 8;
-  const std::string words = toText(meta.at("depth"));
-  const auto says = [&](const char* a, const char* b) {
-    return words.find(a) != std::string::npos || words.find(b) != std::string::npos;
-  };
-  if (says("16-bit", "16 bit")) return 16;
-  if (says("8-bit", "8 bit")) return 8;
-  return has_scale ? std::optional(16) : std::nullopt;
-}
-
-std::optional<CameraModel> parseCamera(const Members& intrinsics) {
-  const auto fx = intrinsics.number("fx", 1.0, 1e5);
-  const auto fy = intrinsics.number("fy", 1.0, 1e5);
-  const auto cx = intrinsics.number("cx", -1e5, 1e5);
-  const auto cy = intrinsics.number("cy", -1e5, 1e5);
-  if (!fx || !fy || !cx || !cy) return std::nullopt;
-  return CameraModel{*fx, *fy, *cx + 0.5, *cy + 0.5};
-}
-
-}  // namespace
-
-ClipMeta parseClipMeta(std::string_view text, const std::string& name) {
-  const Json object = parseObject(text);
-  if (object.is_null()) {
-    throw SourceError(name +
-                      ": is not a JSON object in UTF-8 (of at most 64 KiB); mend or remove it");
-  }
-  const Members meta(object, name, "");
-  ClipMeta out;
-  out.fps = meta.number("fps", 1.0, 240.0);
-  if (const auto scale = meta.number("depth_scale_m_per_unit", 1e-6, 1.0))
-    out.mm_per_unit = 1000.0 * *scale;
-  out.depth_bits = depthBits(meta, out.mm_per_unit.has_value());
-  out.fov_deg = meta.number("fov_deg", 10.0, 170.0);
-  const auto side_px = [&meta](const char* key) -> std::optional<int> {
-    const auto side = meta.number(key, 1.0, 1e5);
-    return side ? std::optional(static_cast<int>(*side)) : std::nullopt;
-  };
-  out.width_px = side_px("width");
-  out.height_px = side_px("height");
-  const Json& intrinsics = meta.at("intrinsics");
-  if (intrinsics.is_object()) out.camera = parseCamera({intrinsics, name, "intrinsics."});
-  return out;
-}
 
 namespace fs = std::filesystem;
 
@@ -139,19 +40,24 @@ std::string readText(const fs::path& file) {
   return text;
 }
 
-bool isImage(const fs::path& file) {
+constexpr std::array<std::string_view, 3> kColorEndings{".png", ".jpg", ".jpeg"};
+constexpr std::array<std::string_view, 8> kDepthEndings{".png",  ".jpg", ".jpeg", ".tif",
+                                                        ".tiff", ".exr", ".pgm",  ".npy"};
+
+bool isImage(const fs::path& file, std::span<const std::string_view> endings) {
   std::string extension = file.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension == ".png" || extension == ".jpg" || extension == ".jpeg";
+  return std::find(endings.begin(), endings.end(), extension) != endings.end();
 }
 
-std::vector<fs::path> listImages(const fs::path& folder) {
+std::vector<fs::path> listImages(const fs::path& folder,
+                                 std::span<const std::string_view> endings = kColorEndings) {
   std::vector<fs::path> files;
   std::error_code error;
   for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
     const fs::path& file = it->path();
-    if (file.filename().string().front() != '.' && isImage(file)) files.push_back(file);
+    if (file.filename().string().front() != '.' && isImage(file, endings)) files.push_back(file);
   }
   if (error) throw SourceError(folder.string() + ": cannot be read (" + error.message() + ")");
   std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
@@ -218,15 +124,45 @@ void warnOfOtherNumbers(const ClipFiles& clip) {
   }
 }
 
+/// Returns the first of `names` that is a folder in `folder`. Returns an empty path if none is.
+fs::path findFolder(const fs::path& folder, std::initializer_list<const char*> names) {
+  for (const char* name : names) {
+    if (fs::is_directory(folder / name)) return folder / name;
+  }
+  return {};
+}
+
+/// Pairs images by the frame numbers in their names. A colour image without depth is a gap.
+std::vector<FrameFiles> pairByNumber(const std::vector<fs::path>& colors,
+                                     const std::vector<fs::path>& depths,
+                                     const fs::path& depth_folder) {
+  std::map<double, fs::path> by_number;
+  for (const fs::path& depth : depths) {
+    if (const auto number = frameNumber(depth)) by_number[*number] = depth;
+  }
+  std::vector<FrameFiles> frames;
+  std::size_t pairs = 0;
+  for (const fs::path& color : colors) {
+    const auto number = frameNumber(color);
+    const auto found = number ? by_number.find(*number) : by_number.end();
+    const bool has_depth = found != by_number.end();
+    frames.push_back({color, has_depth ? found->second : fs::path(), {}});
+    pairs += has_depth ? 1 : 0;
+  }
+  if (pairs == 0) requireCount(depth_folder, depths.size(), colors.size());
+  return frames;
+}
+
 ClipFiles findInFolders(const fs::path& folder) {
-  const fs::path color_folder =
-      fs::is_directory(folder / "rgb") ? folder / "rgb" : folder / "color";
-  if (!fs::is_directory(color_folder)) {
+  const fs::path color_folder = findFolder(folder, {"rgb", "color", "colour", "image", "images"});
+  if (color_folder.empty()) {
     const bool empty = fs::is_empty(folder);
     throw SourceError(folder.string() + (empty ? ": is empty" : ": has no folder rgb/ or color/") +
                       "; put colour images into rgb/ and depth images into depth/");
   }
-  if (!fs::is_directory(folder / "depth")) {
+  const fs::path depth_folder =
+      findFolder(folder, {"depth", "aligned_depth", "depth_aligned", "depths"});
+  if (depth_folder.empty()) {
     throw SourceError(folder.string() +
                       ": has no folder depth/; put a depth image for each colour image into it");
   }
@@ -234,12 +170,21 @@ ClipFiles findInFolders(const fs::path& folder) {
   if (colors.empty()) {
     throw SourceError(color_folder.string() + ": has no PNG or JPEG images; put the frames there");
   }
-  const auto depths = listImages(folder / "depth");
-  requireCount(folder / "depth", depths.size(), colors.size());
+  const auto depths = listImages(depth_folder, kDepthEndings);
+  if (depths.empty()) {
+    throw SourceError(
+        depth_folder.string() +
+        ": has no PNG, JPEG, TIFF, EXR, PGM or NPY images; put a depth image for each "
+        "colour image there");
+  }
   ClipFiles clip;
-  clip.frames.reserve(colors.size());
-  for (std::size_t i = 0; i < colors.size(); ++i) clip.frames.push_back({colors[i], depths[i], {}});
-  warnOfOtherNumbers(clip);
+  if (depths.size() != colors.size()) {
+    clip.frames = pairByNumber(colors, depths, depth_folder);
+  } else {
+    for (std::size_t i = 0; i < colors.size(); ++i)
+      clip.frames.push_back({colors[i], depths[i], {}});
+    warnOfOtherNumbers(clip);
+  }
   if (fs::is_directory(folder / "mask")) addMasks(folder / "mask", clip);
   return clip;
 }
@@ -327,7 +272,7 @@ ClipFiles findTum(const fs::path& folder) {
 void applyMeta(const fs::path& file, ClipFiles& clip) {
   const ClipMeta meta = parseClipMeta(readText(file), file.string());
   clip.fps = meta.fps.value_or(clip.fps);
-  clip.mm_per_unit = meta.mm_per_unit.value_or(clip.mm_per_unit);
+  if (meta.mm_per_unit) clip.mm_per_unit = meta.mm_per_unit;
   if (meta.depth_bits) clip.declared_depth_bits = meta.depth_bits;
   if (meta.fov_deg) clip.fov_deg = meta.fov_deg;
   clip.camera = meta.camera;

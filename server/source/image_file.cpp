@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <fstream>
+#include <opencv2/core/utils/logger.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <optional>
@@ -13,6 +14,7 @@
 #include <vector>
 
 #include "common/haptic_frame.hpp"
+#include "server/source/depth_file.hpp"
 
 namespace hapticast::server {
 
@@ -44,6 +46,7 @@ std::optional<PictureSize> jpegSize(std::span<const std::uint8_t> jpeg) {
 namespace {
 
 constexpr std::uintmax_t kMaxFile_bytes = 64U << 20U;
+constexpr float kFarthest_mm = 1e7F;  // 10 km: a float beyond it is no measured depth
 
 using Bytes = std::span<const std::uint8_t>;
 
@@ -88,15 +91,20 @@ ImageResult readFile(const std::filesystem::path& file, int flags) {
 
 ImageResult decodeImage(std::span<const std::uint8_t> bytes, int flags) {
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  if (isNpy(bytes)) return decodeNpy(bytes);
   auto size = pngSize(bytes);
   if (!size) size = jpegSize(bytes);
-  if (!size) return {{}, "is not a PNG or JPEG image"};
+  const bool has_end_mark = size.has_value();
+  if (!size) size = depthFileSize(bytes);
+  if (!size) return {{}, "is not a whole PNG, JPEG, TIFF, EXR, PGM or NPY image"};
   if (size->width_px > kMaxWidth_px || size->height_px > kMaxHeight_px) {
     return {{}, tooLarge(size->width_px, size->height_px)};
   }
   // Decoders would fill a missing part with grey.
   const std::string_view last = bytes[0] == 0x89 ? "IEND" : "\xFF\xD9";
-  if (text.rfind(last) == std::string_view::npos) return {{}, "is cut off"};
+  if (has_end_mark && text.rfind(last) == std::string_view::npos) return {{}, "is cut off"};
+  // Decoders describe damaged files on stderr. The caller reports each with its name.
+  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
   cv::Mat image;
   try {
     image = cv::imdecode(cv::Mat(1, static_cast<int>(bytes.size()), CV_8UC1,
@@ -105,7 +113,9 @@ ImageResult decodeImage(std::span<const std::uint8_t> bytes, int flags) {
   } catch (const cv::Exception&) {
     image.release();
   }
-  if (image.empty()) return {{}, "cannot be decoded"};
+  if (image.empty() || image.cols != static_cast<int>(size->width_px) ||
+      image.rows != static_cast<int>(size->height_px))
+    return {{}, "cannot be decoded"};
   return {image, ""};
 }
 
@@ -129,8 +139,11 @@ ImageResult readRawFile(const std::filesystem::path& file) {
 ImageResult toDepth(const cv::Mat& raw, const DepthFormat& format) {
   const bool metric = format.kind == DepthKind::kMetric;
   cv::Mat depth;
-  if (metric && raw.type() == CV_16UC1) {
+  if (metric && (raw.type() == CV_16UC1 || raw.type() == CV_32FC1)) {
     raw.convertTo(depth, CV_32F, format.mm_per_unit);
+    // Estimators mark a missing depth by NaN, infinity or a negative value; here it is 0.
+    const cv::Mat usable = (depth > 0.0F) & (depth < kFarthest_mm);
+    depth.setTo(0.0F, ~usable);
   } else if (!metric && raw.type() == CV_8UC1) {
     raw.convertTo(depth, CV_32F);
   } else if (!metric && raw.type() == CV_8UC3) {
@@ -141,7 +154,7 @@ ImageResult toDepth(const cv::Mat& raw, const DepthFormat& format) {
     return {{},
             "has " + std::to_string(raw.channels()) + " channel(s) of " +
                 std::to_string(8 * raw.elemSize1()) + " bits where " +
-                (metric ? "one of 16" : "one of 8") + " is expected"};
+                (metric ? "one of 16, or of 32 (float)," : "one of 8") + " is expected"};
   }
   return {depth, ""};
 }

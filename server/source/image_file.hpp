@@ -49,17 +49,19 @@ struct DepthFormat {
 /// common/haptic_frame.hpp).
 [[nodiscard]] bool sizeAllowed(int width_px, int height_px);
 
-/// Return the image of a PNG or JPEG file of at most 1920x1080 px and 64 MiB, or the problem of the
-/// file. readColorFile() converts the image to BGR (CV_8UC3). readRawFile() does not convert it.
+/// Return the image of a file of at most 1920x1080 px and 64 MiB, or the problem of the file. The
+/// formats are PNG, JPEG and those of depth_file.hpp. readColorFile() converts the image to BGR
+/// (CV_8UC3). readRawFile() does not convert it.
 [[nodiscard]] ImageResult readColorFile(const std::filesystem::path& file);
 [[nodiscard]] ImageResult readRawFile(const std::filesystem::path& file);
 
-/// Decodes `bytes`, the content of a PNG or JPEG file. Returns the image, or the problem of the
+/// Decodes `bytes`, the content of such a file. Returns the image, or the problem of the
 /// file. `flags`: cv::ImreadModes.
 [[nodiscard]] ImageResult decodeImage(std::span<const std::uint8_t> bytes, int flags);
 
 /// Returns the depth picture `raw`, converted to the values of RgbdFrame::depth (CV_32FC1), or its
-/// problem. `raw`: CV_8UC1, CV_8UC3 with equal channels, or CV_16UC1.
+/// problem. `raw`: CV_8UC1, CV_8UC3 with equal channels, CV_16UC1, or CV_32FC1. A float that is not
+/// positive, not a number or beyond 10 km becomes 0, as a missing depth.
 [[nodiscard]] ImageResult toDepth(const cv::Mat& raw, const DepthFormat& format);
 
 /// Returns the mask picture `raw` (CV_8UC1) with 0 outside the objects and n for object n, or its

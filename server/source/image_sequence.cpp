@@ -2,6 +2,8 @@
 #include "server/source/image_sequence.hpp"
 
 #include <spdlog/spdlog.h>
+
+#include <algorithm>
 #include <vector>
 
 namespace hapticast::server {
@@ -14,6 +16,8 @@ DepthFormat detectFormat(const std::filesystem::path& file, const ClipFiles& cli
   if (!first.ok())
     throw SourceError(file.string() + ": " + first.problem + "; mend this first frame");
   const int bits = static_cast<int>(8 * first.image.elemSize1());
+  constexpr double kMm_m = 1000.0;  // estimators and simulators write metres
+  if (first.image.depth() == CV_32F) return {DepthKind::kMetric, clip.mm_per_unit.value_or(kMm_m)};
   const int declared = clip.declared_depth_bits.value_or(bits);
   if (bits != declared) {
     throw SourceError(file.string() + ": depth has " + std::to_string(bits) + " bits where " +
@@ -28,7 +32,7 @@ DepthFormat detectFormat(const std::filesystem::path& file, const ClipFiles& cli
         ": shows depth as colours; save it as grey (8 bit, near is white) or as 16-bit "
         "PNG in millimetres");
   }
-  return {bits == 16 ? DepthKind::kMetric : DepthKind::kHeight, clip.mm_per_unit};
+  return {bits == 16 ? DepthKind::kMetric : DepthKind::kHeight, clip.mm_per_unit.value_or(1.0)};
 }
 
 }  // namespace
@@ -39,7 +43,10 @@ ImageSequence::ImageSequence(const std::filesystem::path& folder, double fps, bo
     const std::vector<FrameFiles> back(files_.frames.rbegin() + 1, files_.frames.rend() - 1);
     files_.frames.insert(files_.frames.end(), back.begin(), back.end());
   }
-  const FrameFiles& first = files_.frames.front();
+  // A gap has no depth.
+  const auto whole = std::find_if(files_.frames.begin(), files_.frames.end(),
+                                  [](const FrameFiles& frame) { return !frame.depth.empty(); });
+  const FrameFiles& first = *whole;
   const ImageResult color = readColorFile(first.color);
   if (!color.ok()) {
     throw SourceError(first.color.string() + ": " + color.problem + "; mend this first frame");
@@ -58,7 +65,8 @@ ImageSequence::ImageSequence(const std::filesystem::path& folder, double fps, bo
     info_.camera = CameraModel::ofFieldOfView(*files_.fov_deg, info_.width_px, info_.height_px);
   if (info_.key_masks) checkKeyMasks();
   RgbdFrame frame;
-  if (const std::string problem = load(0, frame); !problem.empty()) {
+  const auto index = static_cast<std::uint64_t>(whole - files_.frames.begin());
+  if (const std::string problem = load(index, frame); !problem.empty()) {
     throw SourceError(problem + "; mend this first frame");
   }
 }
@@ -98,7 +106,7 @@ std::optional<RgbdFrame> ImageSequence::read() {
 bool ImageSequence::vanished(const FrameFiles& frame) {
   std::error_code error;
   return !std::filesystem::exists(frame.color, error) ||
-         !std::filesystem::exists(frame.depth, error);
+         (!frame.depth.empty() && !std::filesystem::exists(frame.depth, error));
 }
 
 void ImageSequence::exclude(std::uint64_t first, std::uint64_t end, const std::string& problem) {
@@ -152,6 +160,7 @@ std::string ImageSequence::otherSize(const cv::Mat& image) const {
 
 std::string ImageSequence::load(std::uint64_t index, RgbdFrame& frame) const {
   const FrameFiles& files = files_.frames[index];
+  if (files.depth.empty()) return files.color.string() + ": has no depth image";
   const auto checked = [&](const std::filesystem::path& file, const ImageResult& result) {
     const std::string problem = result.ok() ? otherSize(result.image) : result.problem;
     return problem.empty() ? "" : file.string() + ": " + problem;

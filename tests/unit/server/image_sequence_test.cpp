@@ -192,9 +192,13 @@ TEST_F(ImageSequenceFolder, MissingParts) {
 
 TEST_F(ImageSequenceFolder, AnotherCountOfDepthOrMaskIsRefused) {
   fill();
-  fs::remove(folder / "depth/000003.png");
-  EXPECT_THAT(openError(), HasSubstr("depth: 4 images, but there are 5 colour images"));
-  folder.write("depth/000003.png", depth16(1));
+  fs::rename(folder / "depth", folder / "aside");
+  for (const char* name : {"a", "b", "c", "d"})
+    folder.write("depth/" + std::string(name) + ".png", depth16(1));
+  EXPECT_THAT(openError(), HasSubstr("depth: 4 images, but there are 5 colour images"))
+      << "no numbers to pair them by";
+  fs::remove_all(folder / "depth");
+  fs::rename(folder / "aside", folder / "depth");
   for (int i = 0; i < 6; ++i) folder.write("mask/" + number(i) + ".png", depth8(1));
   EXPECT_THAT(openError(), HasSubstr("mask: 6 images, but there are 5 colour images"));
 }
@@ -234,8 +238,9 @@ TEST_F(ImageSequenceFolder, UnreadableImagesInTheMiddleAreLeftOutWithOneWarningE
   while (source.read()) {
   }
   EXPECT_EQ(log.count(), 2) << "not again in every loop";
-  EXPECT_THAT(log.text(), AllOf(HasSubstr("000001.png: is not a PNG or JPEG image"),
-                                HasSubstr("000003.png: is cut off")));
+  EXPECT_THAT(log.text(),
+              AllOf(HasSubstr("000001.png: is not a whole PNG, JPEG, TIFF, EXR, PGM or NPY image"),
+                    HasSubstr("000003.png: is cut off")));
 }
 
 TEST_F(ImageSequenceFolder, AnotherKindOfDepthInTheMiddleIsLeftOut) {
@@ -270,7 +275,8 @@ TEST_F(ImageSequenceFolder, FilesThatVanishEndItInOneLineWhereNoneIsLeft) {
 TEST_F(ImageSequenceFolder, AnUnreadableFirstFrameIsRefused) {
   fill();
   folder.write("depth/000000.png", std::string("x"));
-  EXPECT_THAT(openError(), HasSubstr("depth/000000.png: is not a PNG or JPEG image"));
+  EXPECT_THAT(openError(),
+              HasSubstr("depth/000000.png: is not a whole PNG, JPEG, TIFF, EXR, PGM or NPY image"));
   folder.write("rgb/000000.png", std::string());
   EXPECT_THAT(openError(), HasSubstr("rgb/000000.png: is empty"));
 }
