@@ -120,7 +120,7 @@ struct NpyHeader {
 };
 
 /// Returns the text between `begin` and `end` behind `key`.
-std::string_view valueOf(std::string_view text, std::string_view key, char begin, char end) {
+std::string_view findValue(std::string_view text, std::string_view key, char begin, char end) {
   const std::size_t at = text.find(key);
   const std::size_t from = at == std::string_view::npos ? at : text.find(begin, at + key.size());
   const std::size_t to = from == std::string_view::npos ? from : text.find(end, from + 1);
@@ -135,10 +135,10 @@ std::optional<NpyHeader> readNpyHeader(Bytes bytes) {
   if (!in.good || version < 1 || version > 3 || length > bytes.size() - begin) return std::nullopt;
   const std::string_view text = toText(bytes).substr(begin, length);
   if (text.find("'fortran_order': False") == std::string_view::npos) return std::nullopt;
-  NpyHeader header{.type = std::string(valueOf(text, "'descr':", '\'', '\'')),
+  NpyHeader header{.type = std::string(findValue(text, "'descr':", '\'', '\'')),
                    .size = {},
                    .content = begin + length};
-  const std::string_view shape = valueOf(text, "'shape':", '(', ')');
+  const std::string_view shape = findValue(text, "'shape':", '(', ')');
   const std::size_t comma = shape.find(',');
   if (comma == std::string_view::npos) return std::nullopt;
   const auto height = parseNumber(trimmed(shape.substr(0, comma)));

@@ -251,7 +251,9 @@ TEST_F(ProgramsInputTest, FramesThatCannotBeReadAreLeftOut) {
   const auto server = startServer({"--source", clip, "--loop", "--frames", "20", "--quiet"});
   EXPECT_EQ(server->wait(kStart), 0) << server->output();
   const std::string text = server->output();
-  EXPECT_EQ(countOf("depth/102.png: is not a whole PNG, JPEG, TIFF, EXR, PGM or NPY image", text), 1U) << text;
+  EXPECT_EQ(countOf("depth/102.png: is not a whole PNG, JPEG, TIFF, EXR, PGM or NPY image", text),
+            1U)
+      << text;
   EXPECT_EQ(countOf("depth/104.png: is 64x48", text), 1U) << text;
   EXPECT_EQ(countOf("left out", text), 2U) << text;
 }

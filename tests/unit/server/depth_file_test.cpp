@@ -76,7 +76,7 @@ class DepthFile : public testing::Test {
     slope_mm().convertTo(truth, CV_32F);
     return cv::norm(frame->depth, truth, cv::NORM_INF);
   }
-  [[nodiscard]] std::string bytesOf(const std::string& name) const {
+  [[nodiscard]] std::string readBytes(const std::string& name) const {
     std::ifstream in(folder / name, std::ios::binary);
     return {std::istreambuf_iterator<char>(in), {}};
   }
@@ -159,7 +159,7 @@ TEST_F(DepthFile, CutAndChangedFilesAreRefusedOrHaveTheirSize) {
   fill(".npy", npy("<f4", slope_m()));
   std::mt19937 random(34);
   for (const std::string name : {"0.tif", "0.exr", "0.pgm", "0.npy"}) {
-    const std::string good = bytesOf("depth/" + name);
+    const std::string good = readBytes("depth/" + name);
     for (int i = 0; i < 200; ++i) {
       std::string bytes = good;
       if (i % 2 == 0) bytes.resize(random() % bytes.size());
