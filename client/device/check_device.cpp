@@ -18,17 +18,17 @@ namespace hapticast::client {
 
 namespace {
 
-constexpr double kPush_N = 0.3;
-constexpr int kPush_ticks = 100;
-constexpr int kRamp_ticks = 20;    // of the push, up and down
-constexpr int kStill_ticks = 500;  // of a grip that is held still, before each push
+constexpr double kCheckPush_N = 0.3;
+constexpr int kCheckPush_ticks = 100;
+constexpr int kCheckRamp_ticks = 20;  // of the push, up and down
+constexpr int kStill_ticks = 500;     // of a grip that is held still, before each push
 constexpr double kStill_mm = 1.0;
-constexpr int kSettle_ticks = 100;  // the motion goes on for a while after the push
+constexpr int kCheckSettle_ticks = 100;  // the motion goes on for a while after the push
 constexpr auto kStillPatience = std::chrono::seconds(60);
 // 0.3 N for 0.1 s move a free grip of 50 to 500 g by 3 to 30 mm, and one in a loose hand by less.
-constexpr double kLeast_mm = 0.2;
-constexpr double kMost_mm = 40.0;
-constexpr std::array<const char*, 3> kAxes{"x (right)", "y (up)", "z (towards you)"};
+constexpr double kLeastResponse_mm = 0.2;
+constexpr double kMostResponse_mm = 40.0;
+constexpr std::array<const char*, 3> kAxisNames{"x (right)", "y (up)", "z (towards you)"};
 
 /// The check was stopped.
 struct Stopped {};
@@ -61,9 +61,9 @@ class CheckRun {
   Vec3 push(const Vec3& force_N) {
     waitForRest();
     const Vec3 begin_mm = position_mm_;
-    for (int i = 0; i < kPush_ticks + kSettle_ticks; ++i) {
-      const double up = static_cast<double>(i) / kRamp_ticks;
-      const double down = static_cast<double>(kPush_ticks - i) / kRamp_ticks;
+    for (int i = 0; i < kCheckPush_ticks + kCheckSettle_ticks; ++i) {
+      const double up = static_cast<double>(i) / kCheckRamp_ticks;
+      const double down = static_cast<double>(kCheckPush_ticks - i) / kCheckRamp_ticks;
       (void)tick(std::clamp(std::min(up, down), 0.0, 1.0) * force_N);
     }
     return position_mm_ - begin_mm;
@@ -115,11 +115,12 @@ DeviceCheck judgeDevice(const Eigen::Matrix3d& response_mm) {
     const Vec3 moved_mm = response_mm.col(axis);
     const double along_mm = moved_mm[axis];
     const double aside_mm = (moved_mm - along_mm * Vec3::Unit(axis)).norm();
-    const bool follows = along_mm >= kLeast_mm && along_mm <= kMost_mm && aside_mm < along_mm;
+    const bool follows =
+        along_mm >= kLeastResponse_mm && along_mm <= kMostResponse_mm && aside_mm < along_mm;
     if (follows && moved_mm.allFinite()) continue;
     check.fault = fmt::format("a push of {} N along {} moved the grip by {:.1f} {:.1f} {:.1f} mm",
-                              kPush_N, kAxes[static_cast<std::size_t>(axis)], moved_mm.x(),
-                              moved_mm.y(), moved_mm.z());
+                              kCheckPush_N, kAxisNames[static_cast<std::size_t>(axis)],
+                              moved_mm.x(), moved_mm.y(), moved_mm.z());
   }
   return check;
 }
@@ -132,7 +133,7 @@ std::optional<DeviceCheck> checkDevice(HapticDevice& device, const Clock& clock,
   Eigen::Matrix3d response_mm;
   try {
     for (int axis = 0; axis < 3; ++axis) {
-      const Vec3 force_N = kPush_N * Vec3::Unit(axis);
+      const Vec3 force_N = kCheckPush_N * Vec3::Unit(axis);
       response_mm.col(axis) = 0.5 * (run.push(force_N) - run.push(-force_N));
     }
   } catch (const Stopped&) {
