@@ -123,7 +123,7 @@ TEST_F(ProgramsInputTest, FlagsOfTheClient) {
   clientEnds({"a", "b"}, 2, {"b"});
   clientEnds({"--bogus"}, 2, {"--bogus"});
   expectEnd(*start(HAPTICAST_CLIENT_PROGRAM, {"--device", "spoon"}), 2,
-            {"--device", "'spoon'", "mouse|virtual"});
+            {"--device", "'spoon'", "|mouse|", "|virtual"});
   clientEnds({"--fault-dir", write("file", "") + "/below"}, 2, {"--fault-dir", "file/below"});
   for (const char* flag : {"--log", "--summary", "--screenshot"})
     clientEnds({flag, path("missing/file.png")}, 2, {flag, "missing/file.png", "folder"});
@@ -208,6 +208,11 @@ TEST_F(ProgramsInputTest, ClipsThatDoNotFit) {
   serverEnds({"--source", clip}, 2, {"depth/100.png", "64x48", "128x96"});
   clip = makeClip("count");
   std::filesystem::remove(clip + "/depth/103.png");
+  for (const int i : {100, 101, 102, 104, 105}) {  // no numbers to pair them by
+    const std::string folder = clip + "/depth/";
+    std::filesystem::rename(folder + std::to_string(i) + ".png",
+                            folder + static_cast<char>('a' + i - 100) + ".png");
+  }
   serverEnds({"--source", clip}, 2, {"count/depth", "5 images", "6"});
   clip = makeClip("bits");
   setDepth(clip, 100, cv::Mat(96, 128, CV_8UC1, cv::Scalar(90)));
