@@ -102,7 +102,7 @@ const hapticast_driver* loadDriverFile(const std::string& name,
                                        const std::vector<std::string>& folders) {
   if (!isDriverName(name)) return nullptr;
   for (const std::string& folder : folders) {
-    const std::string file = folder + "/" + name + ".so";
+    const std::string file = fs::path(folder) / (name + ".so");
     std::error_code error;
     if (!fs::exists(file, error)) continue;
     requireSafe(folder);

@@ -61,6 +61,7 @@ class SpawnSettings {
   /// Starts `arguments`. Returns 0 or the error.
   int spawn(pid_t& pid, std::vector<std::string>& arguments) const {
     std::vector<char*> pointers;
+    pointers.reserve(arguments.size() + 1);
     for (std::string& each : arguments) pointers.push_back(each.data());
     pointers.push_back(nullptr);
     return posix_spawn(&pid, pointers.front(), &actions_, &attributes_, pointers.data(), environ);
@@ -102,7 +103,7 @@ HelperProcess::HelperProcess(const std::string& program, const std::string& driv
   const int shared = page == nullptr ? -1 : moveUp(dup(page->fileDescriptor()));
   std::vector<std::string> arguments{program, driver, task};
   for (const auto& [key, value] : options) {
-    if (!value.empty()) arguments.push_back(key + "=" + value);
+    if (!value.empty()) arguments.emplace_back(key).append("=").append(value);
   }
   const int error = SpawnSettings(theirs, shared).spawn(pid_, arguments);
   close(theirs);

@@ -87,7 +87,7 @@ class Touch {
 
  private:
   [[nodiscard]] std::string requireSerial(const char* wanted) const {
-    const std::string serial = functions_.readSerial();
+    std::string serial = functions_.readSerial();
     if (wanted == nullptr || *wanted == '\0' || serial == wanted) return serial;
     throw std::runtime_error("the device has the serial number " + serial + ", not " + wanted +
                              "; --device-option name=NAME selects another device by its name in "

@@ -3,6 +3,7 @@
 
 #include <dlfcn.h>
 
+#include <fmt/core.h>
 #include <stdexcept>
 
 namespace hapticast::client {
@@ -38,11 +39,12 @@ Library::Library(const hapticast_host& host, const std::string& owner,
     // The text begins with the name of the missing file: another one is a library that it needs.
     const std::string reason = takeReason();
     if (!reason.starts_with(file_ + ": cannot open"))
-      throw std::runtime_error("the library " + file_ + " of " + owner +
-                               " cannot be loaded: " + reason);
+      throw std::runtime_error(
+          fmt::format("the library {} of {} cannot be loaded: {}", file_, owner, reason));
   }
-  throw std::runtime_error("the library " + std::string(*names.begin()) + " of " + owner +
-                           " was not found; install it or name it with " + kLibraryOption + "FILE");
+  throw std::runtime_error(
+      fmt::format("the library {} of {} was not found; install it or name it with {}FILE",
+                  *names.begin(), owner, kLibraryOption));
 }
 
 void* Library::findSymbol(const char* symbol) const noexcept { return dlsym(handle_, symbol); }
