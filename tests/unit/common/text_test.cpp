@@ -68,7 +68,7 @@ TEST(Text, ABinaryFileIsToldWithoutItsBytes) {
   const std::string all(
       "\x7f"
       "ELF\x02\x01\x01\0 = 1\n",
-      14);
+      13);
   EXPECT_EQ(complaint(all), "f: is not a text file; save it as plain text in UTF-8");
   EXPECT_EQ(complaint(std::string("a\0b = 1", 7)), complaint(all));
   EXPECT_EQ(complaint("a = 1\r\n\tb = 2\r\n"), "accepted");
