@@ -39,14 +39,10 @@ SelectedDevice selectDevice(const Settings& settings, const Clock& clock,
                               .log = [](const std::string& line) { spdlog::info("{}", line); }};
   const bool scripted = settings.device == "auto" && settings.hand_given;
   if (settings.device == "auto" && !scripted) {
-    if (auto device = findDevice(request)) {
-      requireNotRefused(*device);
+    if (auto device = findDevice(request))
       return {.device = std::move(device), .auto_detected = true};
-    }
   }
-  auto device = openDevice(scripted ? "virtual" : settings.device, request);
-  requireNotRefused(*device);
-  return {.device = std::move(device)};
+  return {.device = openDevice(scripted ? "virtual" : settings.device, request)};
 }
 
 RendererSettings rendererSettings(const Settings& settings, const SelectedDevice& selected) {
@@ -67,6 +63,7 @@ struct LocalDevice {
         settings(rendererSettings(settings, selected)),
         renderer(std::make_unique<HapticRenderer>(this->settings, pool, stream, ui.controls(),
                                                   &reports)) {
+    requireNotRefused(*selected.device);
     ui.setDevice(selected.device->profile(), followsPointer(*selected.device));
   }
 

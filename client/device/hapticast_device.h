@@ -11,15 +11,16 @@
  *   thread, the loop's. zero() may run in any thread from the return of open() to the begin of
  *   close(), also while another call hangs.
  * - Force. The force of an exchange() acts until the next exchange() or zero(). The driver never
- *   repeats or changes a force by itself. If no exchange() follows for 20 ms, the host calls zero().
+ *   repeats or changes a force by itself. If no exchange() follows for 20 ms, the host calls
+ *   zero().
  * - Zero. zero() commands a force of zero to the motors. The device is at zero after open() and
  *   after close().
  * - Time. exchange() does not block. The host counts and reports a call of more than 0.5 ms.
  * - Positions. Before the device is homed, exchange() reports HAPTICAST_NO_DATA. 20 ticks of
  *   HAPTICAST_NO_DATA end the touch. After HAPTICAST_LOST the force waits for the user's consent.
- * - Process. A driver throws no exception, does not call exit(), sets no signal handler, and changes
- *   neither the floating-point mode nor the priority of the calling thread. The process may not open
- *   internet sockets, unless the driver has the flag HAPTICAST_NEEDS_NETWORK.
+ * - Process. A driver throws no exception, does not call exit(), sets no signal handler, and
+ *   changes neither the floating-point mode nor the priority of the calling thread. The process may
+ *   not open internet sockets, unless the driver has the flag HAPTICAST_NEEDS_NETWORK.
  * - Versions. Structures grow at their end. `size` is the size that the author of the structure
  *   knows. A reader reads and writes no further.
  *
@@ -55,21 +56,21 @@ typedef struct hapticast_host {
  * each value, and assumes a careful value for an unknown one. */
 typedef struct hapticast_profile {
   uint32_t size;
-  int32_t delay_ticks;     /* ms from the reading of a position to the begin of its force; -1:
-                              unknown. The host measures it, too, and uses the larger one. */
-  double mass_kg;          /* apparent mass at the grip, never overstated; 0: unknown */
-  double peak_N;           /* largest force; 0: unknown */
-  double continuous_N;     /* force that the motors can exert for ever; 0: unknown */
-  double count_mm;         /* smallest measured change of the position; 0: unknown */
-  double stiffness_N_mm;   /* stiffness for surfaces without one; 0: unknown */
-  double workspace_mm[3];  /* width, height, depth; 0: unknown */
-  int32_t enable_button;   /* bit of the dead-man's switch in `buttons`; -1: none */
-  int32_t pause_button;    /* bit of the button that pauses play time; -1: none */
-  int32_t rearm_button;    /* bit of the button that re-arms the force; -1: none */
-  int32_t watchdog_ms;     /* the device itself ends a force after so long without a command; 0:
-                              never. Without a watchdog the host limits peak_N to 3.3 N until the
-                              user gives a --profile. */
-  char serial[64];         /* distinguishes devices of one kind; "": unknown */
+  int32_t delay_ticks;    /* ms from the reading of a position to the begin of its force; -1:
+                             unknown. The host measures it, too, and uses the larger one. */
+  double mass_kg;         /* apparent mass at the grip, never overstated; 0: unknown */
+  double peak_N;          /* largest force; 0: unknown */
+  double continuous_N;    /* force that the motors can exert for ever; 0: unknown */
+  double count_mm;        /* smallest measured change of the position; 0: unknown */
+  double stiffness_N_mm;  /* stiffness for surfaces without one; 0: unknown */
+  double workspace_mm[3]; /* width, height, depth; 0: unknown */
+  int32_t enable_button;  /* bit of the dead-man's switch in `buttons`; -1: none */
+  int32_t pause_button;   /* bit of the button that pauses play time; -1: none */
+  int32_t rearm_button;   /* bit of the button that re-arms the force; -1: none */
+  int32_t watchdog_ms;    /* the device itself ends a force after so long without a command; 0:
+                             never. Without a watchdog the host limits peak_N to 3.3 N until the
+                             user gives a --profile. */
+  char serial[64];        /* distinguishes devices of one kind; "": unknown */
 } hapticast_profile;
 
 /* Status of a reading, and return value of wait() and exchange(). */

@@ -105,10 +105,11 @@ std::unique_ptr<HapticDevice> openDevice(const std::string& name, const DeviceRe
 std::unique_ptr<HapticDevice> findDevice(const DeviceRequest& request) {
   for (const DeviceKind& kind : deviceKinds()) {
     if (kind.list == nullptr || !kind.by_itself) continue;
+    const DeviceRequest its = withKind(request, kind.name);
     bool found = false;
     try {
-      found = !kind.list(withKind(request, kind.name)).empty();
-      if (found) return kind.open(withKind(request, kind.name));
+      found = !kind.list(its).empty();
+      if (found) return kind.open(its);
     } catch (const std::runtime_error& error) {
       // Without access nothing counts as plugged in; --list-devices shows the reason.
       if (found)

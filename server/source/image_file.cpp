@@ -104,7 +104,8 @@ ImageResult decodeImage(std::span<const std::uint8_t> bytes, int flags) {
   const std::string_view last = bytes[0] == 0x89 ? "IEND" : "\xFF\xD9";
   if (has_end_mark && text.rfind(last) == std::string_view::npos) return {{}, "is cut off"};
   // Decoders describe damaged files on stderr. The caller reports each with its name.
-  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
+  [[maybe_unused]] static const auto kBefore =
+      cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
   cv::Mat image;
   try {
     image = cv::imdecode(cv::Mat(1, static_cast<int>(bytes.size()), CV_8UC1,

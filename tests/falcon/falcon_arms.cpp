@@ -58,7 +58,7 @@ Vec3 forceAt_N(const Vec3& position_m, const Vec3& motors, double gain) {
     const Vec3 step_m = kStep_m * Vec3::Unit(axis);
     for (int leg = 0; leg < 3; ++leg) {
       const double deg = kLegs_deg[static_cast<std::size_t>(leg)];
-      // Virtual work: a motor that is told a positive count turns its arm back.
+      // Virtual work: a positive motor count turns its arm back.
       const double rate =
           (legAngle(position_m + step_m, deg) - legAngle(position_m - step_m, deg)) /
           (2.0 * kStep_m);

@@ -37,8 +37,8 @@ static inline void sleep_ms(long ms) {
 static inline int begin_light_device(struct light_device* device, const char* file) {
   const int descriptor = open(file == NULL ? "" : file, O_RDWR | O_CLOEXEC);
   if (descriptor < 0) return 0;
-  device->trace = mmap(NULL, sizeof *device->trace, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor,
-                       0);
+  device->trace =
+      mmap(NULL, sizeof *device->trace, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor, 0);
   close(descriptor);
   device->z_mm = 25.0;
   device->speed_mm_s = device->force_N = 0.0;
@@ -66,8 +66,8 @@ static inline void move_light_device(struct light_device* device, int64_t now) {
 static inline void record_force(struct light_device* device, const double force_N[3]) {
   struct standin_trace* const trace = device->trace;
   struct standin_force* const each = &trace->forces[trace->exchanges % STANDIN_FORCES];
-  const double magnitude_N = sqrt(force_N[0] * force_N[0] + force_N[1] * force_N[1] +
-                                  force_N[2] * force_N[2]);
+  const double magnitude_N =
+      sqrt(force_N[0] * force_N[0] + force_N[1] * force_N[1] + force_N[2] * force_N[2]);
   device->force_N = force_N[2];
   each->at_ns = now_ns();
   memcpy(each->force_N, force_N, sizeof each->force_N);

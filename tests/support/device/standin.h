@@ -14,15 +14,16 @@ struct standin_force {
 };
 
 struct standin_trace {
-  volatile uint32_t go;       /* set by the test: misbehave from now on */
+  volatile uint32_t go; /* set by the test: misbehave from now on */
   volatile uint32_t opened;
   volatile uint32_t closed;
-  volatile uint32_t zeros;    /* calls of zero() */
+  volatile uint32_t zeros; /* calls of zero() */
   volatile uint64_t exchanges;
   volatile int64_t last_force_ns; /* CLOCK_MONOTONIC of the last command that was not zero */
   volatile double force_N;        /* magnitude of the last command */
   volatile double most_N;
-  struct standin_force forces[STANDIN_FORCES]; /* number i of `exchanges` is at i % STANDIN_FORCES */
+  struct standin_force
+      forces[STANDIN_FORCES]; /* number i of `exchanges` is at i % STANDIN_FORCES */
 };
 
 #endif

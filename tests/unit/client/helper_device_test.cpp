@@ -223,7 +223,7 @@ TEST(DriverFiles, NamesAreShortAndPlain) {
   for (const char* name : {"", "../x", "A", "a.b", "a b", "a/b"})
     EXPECT_FALSE(isDriverName(name)) << name;
   EXPECT_FALSE(isDriverName(std::string(33, 'a')));
-  EXPECT_EQ(loadDriverFile("nobody", {"/nowhere"}), nullptr);
+  EXPECT_EQ(loadDriverFile("absent", {"/nowhere"}), nullptr);
 }
 
 TEST(SeqLock, AReaderNeverSeesAMixture) {
