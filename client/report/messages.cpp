@@ -100,6 +100,9 @@ std::string halted(const TickReport& report, const RearmPolicy& rearm) {
       toText(report.trust_loss_cause), comesBack(rearm));
 }
 
+// Longer than a join by any transport and a first key frame need.
+constexpr Duration kPatience = std::chrono::seconds(3);
+
 }  // namespace
 
 double WorkMeter::onWork(double work_mJ, LocalTime now) {
@@ -133,6 +136,12 @@ std::string HapticStatusLog::describeStatus(const TickReport& report) {
     logged_enable_ = true;
     return "the device's enabling button is not pressed: the client renders force only while you "
            "hold it";
+  }
+  if (!begin_) begin_ = report.time;
+  const bool late = report.lookup == Lookup::kEmpty && report.time - *begin_ > kPatience;
+  if (late && !logged_empty_) {
+    logged_empty_ = true;
+    return "no frames arrive: there is nothing to touch yet";
   }
   const bool stale = report.lookup == Lookup::kStale;
   const bool fresh = report.lookup == Lookup::kInterpolated;

@@ -240,6 +240,19 @@ TEST(HapticStatusLog, SaysThatFramesStayOutAndComeAgain) {
   EXPECT_EQ(log.onReport(report, kNever), "frames arrive again");
 }
 
+TEST(HapticStatusLog, SaysOnceThatNoFrameHasEverArrived) {
+  HapticStatusLog log;
+  const auto line = [&](double time_s) {
+    TickReport report = at(time_s, Halt::kNone);
+    report.lookup = Lookup::kEmpty;
+    return log.onReport(report, kNever);
+  };
+  EXPECT_FALSE(line(1.0));
+  EXPECT_FALSE(line(3.9));
+  EXPECT_EQ(line(4.1), "no frames arrive: there is nothing to touch yet");
+  EXPECT_FALSE(line(9.0));
+}
+
 TEST(HapticStatusLog, SaysThatADeviceComesBackThoughNoTrustIsLeftToForgive) {
   HapticStatusLog log;
   EXPECT_EQ(log.onReport(at(1.0, Halt::kDeviceLost), rearmAfter(3)),
