@@ -62,7 +62,7 @@ class App::Impl {
   /// Members of UDP delivery.
   struct Datagrams {
     Datagrams(asio::io_context& io, const Clock& clock, const Listener& listener,
-              const FrameSigner& signer, const Settings& settings);
+              const StreamIdentity& identity, const Settings& settings);
     std::optional<MulticastGroup> group;
     DatagramSender sender;
   };
@@ -106,20 +106,20 @@ App::Impl::Impl(Settings settings, const Clock& clock)
       broadcaster_(io_, clock, media_clock_, vision_.description(),
                    StreamSettings{.max_clients = raiseFileLimit(settings_.max_clients)}),
       listener_(io_, settings_.listen, broadcaster_) {
-  broadcaster_.introduce(signer_);
+  broadcaster_.introduce(signer_.identity());
   if (!settings_.announce.empty()) requireReachable(listener_.endpoint().address());
   if (!settings_.datagrams) {
     if (settings_.multicast) throw AddressError("--multicast: --transport tcp sends no datagrams");
     return;
   }
-  datagrams_.emplace(io_, clock, listener_, signer_, settings_);
+  datagrams_.emplace(io_, clock, listener_, signer_.identity(), settings_);
   broadcaster_.enableUdp(datagrams_->sender);
 }
 
 App::Impl::Datagrams::Datagrams(asio::io_context& io, const Clock& clock, const Listener& listener,
-                                const FrameSigner& signer, const Settings& settings)
+                                const StreamIdentity& identity, const Settings& settings)
     : group(openMulticastGroup(io, settings)),
-      sender(io, clock, listener.endpoint(), signer, group ? &*group : nullptr) {}
+      sender(io, clock, listener.endpoint(), identity, group ? &*group : nullptr) {}
 
 void App::Impl::run() {
   asio::signal_set signals(io_, SIGINT, SIGTERM);

@@ -160,7 +160,10 @@ std::optional<WireError> Broadcaster::refuse(const Hello& hello) const {
 }
 
 void Broadcaster::completeWelcome(const Hosts& hosts, Welcome& welcome) {
-  if (signer_ != nullptr) signer_->introduce(welcome);
+  if (identity_) {
+    welcome.stream = identity_->stream;
+    welcome.verifying_key = identity_->verifying_key;
+  }
   if (datagrams_ != nullptr) datagrams_->offer(hosts, welcome);
 }
 

@@ -18,6 +18,7 @@
 #include "server/stream/datagram_sender.hpp"
 #include "server/stream/encoded.hpp"
 #include "server/stream/session.hpp"
+#include "server/stream/stream_identity.hpp"
 #include "server/stream/stream_settings.hpp"
 #include "server/stream/stream_sink.hpp"
 
@@ -39,9 +40,9 @@ class Broadcaster final : public StreamSink, private SessionHost {
   Broadcaster(asio::io_context& io, const Clock& clock, const MediaClock& media_clock,
               StreamDescription description, StreamSettings settings);
 
-  /// Announces the key of `signer`, which signs all frames. Call it before the first viewer
-  /// connects. `signer` must outlive the Broadcaster.
-  void introduce(const FrameSigner& signer) { signer_ = &signer; }
+  /// Announces `identity`, the number and the key of the server that signs all frames. Call it
+  /// before the first viewer connects.
+  void introduce(const StreamIdentity& identity) { identity_ = identity; }
   /// Enables delivery by UDP through `sender`. Call it before the first viewer connects. `sender`
   /// must outlive all sessions.
   void enableUdp(DatagramSender& sender) { datagrams_ = &sender; }
@@ -124,7 +125,7 @@ class Broadcaster final : public StreamSink, private SessionHost {
   const MediaClock& media_clock_;
   StreamDescription description_;
   StreamSettings settings_;
-  const FrameSigner* signer_ = nullptr;  // null: frames are not signed
+  std::optional<StreamIdentity> identity_;  // absent: frames are not signed
   DatagramSender* datagrams_ = nullptr;
   asio::steady_timer timer_;
   Sessions viewers_;           // welcomed and not closing; in the order in which frames are sent

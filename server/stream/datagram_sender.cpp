@@ -23,14 +23,14 @@ std::vector<SignedDatagrams> mergeRound(const std::deque<SignedDatagrams>& frame
 }  // namespace
 
 DatagramSender::DatagramSender(asio::io_context& io, const Clock& clock,
-                               const asio::ip::tcp::endpoint& listener, const FrameSigner& signer,
-                               MulticastGroup* group)
+                               const asio::ip::tcp::endpoint& listener,
+                               const StreamIdentity& identity, MulticastGroup* group)
     : socket_(io),
       clock_(clock),
-      signer_(signer),
+      identity_(identity),
       group_(group),
       listener_port_(listener.port()),
-      book_(signer.stream()),
+      book_(identity.stream),
       out_(socket_) {
   const auto require = [&](const boost::system::error_code& failed) {
     if (failed) throw std::runtime_error("cannot send datagrams: " + failed.message());
@@ -112,7 +112,7 @@ void DatagramSender::sendToGroup() {
   if (!group_probed_at_ || now - *group_probed_at_ >= kGroupProbeEvery) {
     group_probed_at_ = now;
     // If the system rejects this probe, the next one follows half a second later.
-    (void)group_out_->sendNow(signer_.probe(), all);
+    (void)group_out_->sendNow(identity_.probe, all);
   }
   group_out_->send(mergeRound(last_), {all});
 }
@@ -146,7 +146,7 @@ void DatagramSender::onEcho(std::span<const std::uint8_t> bytes,
   const std::uint64_t token = readEcho(bytes)->token;
   const UdpSubscribers::Viewer& viewer = *book_.find(token);
   // If the system rejects this probe, the next echo triggers another one.
-  (void)out_.sendNow(signer_.probe(), {token, from, viewer.local, 1, viewer.counts});
+  (void)out_.sendNow(identity_.probe, {token, from, viewer.local, 1, viewer.counts});
   countTakers();
 }
 

@@ -18,8 +18,8 @@
 #include "common/transport/channel.hpp"
 #include "common/transport/datagram.hpp"
 #include "server/stream/encoded.hpp"
-#include "server/stream/frame_signer.hpp"
 #include "server/stream/multicast_group.hpp"
+#include "server/stream/stream_identity.hpp"
 #include "server/stream/udp_fanout.hpp"
 #include "server/stream/udp_subscribers.hpp"
 
@@ -58,11 +58,11 @@ class DatagramSender {
   static constexpr Duration kGroupProbeEvery = std::chrono::milliseconds(500);
 
   /// Opens the UDP port with the number of the TCP port of `listener`, or another port if that one
-  /// is in use. Throws std::runtime_error with a message of one line. `signer`, `group` (may be
-  /// null) and `clock` must outlive the sender. One thread runs `io`; it must end before the
-  /// sender's destruction.
+  /// is in use. Throws std::runtime_error with a message of one line. `identity`: the server that
+  /// signs the datagrams. `group` (may be null) and `clock` must outlive the sender. One thread
+  /// runs `io`; it must end before the sender's destruction.
   DatagramSender(asio::io_context& io, const Clock& clock, const asio::ip::tcp::endpoint& listener,
-                 const FrameSigner& signer, MulticastGroup* group = nullptr);
+                 const StreamIdentity& identity, MulticastGroup* group = nullptr);
 
   /// Adds a viewer and writes its token and the other parameters for datagrams into `welcome`. The
   /// token identifies the viewer in later calls. Does nothing if an address in `hosts` is
@@ -94,7 +94,7 @@ class DatagramSender {
 
   asio::ip::udp::socket socket_;
   const Clock& clock_;
-  const FrameSigner& signer_;
+  StreamIdentity identity_;
   MulticastGroup* group_;
   std::uint64_t group_token_ = 0;
   std::optional<LocalTime> group_probed_at_;

@@ -7,15 +7,18 @@
 
 namespace hapticast::server {
 
-FrameSigner::FrameSigner()
-    : stream_(static_cast<std::uint32_t>(unguessable())), probe_(probeBody(stream_, key_)) {}
+FrameSigner::FrameSigner() {
+  identity_.stream = static_cast<std::uint32_t>(unguessable());
+  identity_.verifying_key = key_.verifyingKey();
+  identity_.probe = probeBody(identity_.stream, key_);
+}
 
 SignedDatagrams FrameSigner::signDatagrams(const CodedFrame& frame) {
   const auto payloads = packFrame(frame);
   if (payloads.empty()) return nullptr;
   auto bodies = std::make_shared<std::vector<std::vector<std::uint8_t>>>();
   bodies->reserve(payloads.size());
-  DatagramHeader header{stream_,          frame.epoch, frame.id,
+  DatagramHeader header{identity_.stream, frame.epoch, frame.id,
                         frame.media_time, 0,           static_cast<std::uint16_t>(payloads.size())};
   const std::lock_guard lock(mutex_);
   for (const auto& payload : payloads) {
@@ -27,12 +30,7 @@ SignedDatagrams FrameSigner::signDatagrams(const CodedFrame& frame) {
 
 SharedBytes FrameSigner::signMessage(const CodedFrame& frame) {
   const std::lock_guard lock(mutex_);
-  return encodeSigned(frame, stream_, key_);
-}
-
-void FrameSigner::introduce(Welcome& welcome) const {
-  welcome.stream = stream_;
-  welcome.verifying_key = key_.verifyingKey();
+  return encodeSigned(frame, identity_.stream, key_);
 }
 
 }  // namespace hapticast::server

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "common/codec/coded_frame.hpp"
-#include "common/protocol/messages.hpp"
 #include "common/transport/framing.hpp"
 #include "common/transport/signature.hpp"
+#include "server/stream/stream_identity.hpp"
 
 namespace hapticast::server {
 
@@ -29,17 +29,13 @@ class FrameSigner {
   [[nodiscard]] SignedDatagrams signDatagrams(const CodedFrame& frame);
   /// Returns the bytes of a signed message with the frame.
   [[nodiscard]] SharedBytes signMessage(const CodedFrame& frame);
-  /// Writes stream number and key into `welcome`.
-  void introduce(Welcome& welcome) const;
-
-  [[nodiscard]] std::uint32_t stream() const { return stream_; }
-  [[nodiscard]] const std::vector<std::uint8_t>& probe() const { return probe_; }
+  /// Returns what viewers need to recognise the frames.
+  [[nodiscard]] const StreamIdentity& identity() const { return identity_; }
 
  private:
   std::mutex mutex_;  // of key_: the encoder's thread signs frames, the network's key frames
   SigningKey key_;
-  std::uint32_t stream_;
-  std::vector<std::uint8_t> probe_;
+  StreamIdentity identity_;
 };
 
 }  // namespace hapticast::server

@@ -23,8 +23,8 @@ struct DatagramServer : TestServer {
                  const std::string& host = "127.0.0.1")
       : TestServer(io, clock, {}, 0, host) {
     if (multicast) group.emplace(io, *multicast, 1);
-    sender.emplace(io, clock, listener.endpoint(), signer, group ? &*group : nullptr);
-    broadcaster.introduce(signer);
+    sender.emplace(io, clock, listener.endpoint(), signer.identity(), group ? &*group : nullptr);
+    broadcaster.introduce(signer.identity());
     broadcaster.enableUdp(*sender);
   }
   /// A frame with an object of `side` px whose relief is in it.

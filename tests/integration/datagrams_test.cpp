@@ -236,8 +236,8 @@ TEST_F(DatagramsTest, AnotherPortIsNamedWhereTheNumberIsTaken) {
   TestServer first(io, clock);
   asio::ip::udp::socket taken(io, at("127.0.0.1", first.port()));
   server::FrameSigner signer;
-  server::DatagramSender sender(io, clock, first.listener.endpoint(), signer);
-  first.broadcaster.introduce(signer);
+  server::DatagramSender sender(io, clock, first.listener.endpoint(), signer.identity());
+  first.broadcaster.introduce(signer.identity());
   first.broadcaster.enableUdp(sender);
   const auto tcp = viewer(first);
   const Welcome welcome = tcp->all<Welcome>().at(0);

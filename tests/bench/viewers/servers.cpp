@@ -149,8 +149,8 @@ ServerProcess::Serve broadcaster(const Frames& frames, const Switch& playing) {
     server::Broadcaster broadcaster(io, clock, media, description, settings);
     server::Listener listener(io, {"127.0.0.1", 0}, broadcaster);
     server::FrameSigner signer;
-    server::DatagramSender sender(io, clock, listener.endpoint(), signer);
-    broadcaster.introduce(signer);
+    server::DatagramSender sender(io, clock, listener.endpoint(), signer.identity());
+    broadcaster.introduce(signer.identity());
     broadcaster.enableUdp(sender);
     listener.start();
     const std::jthread network([&io] { io.run(); });
