@@ -10,5 +10,6 @@ inline constexpr bool kHasFalcon = HAPTICAST_LIBUSB != 0;
 inline constexpr bool kHasSound = HAPTICAST_SDL2 != 0;
 inline constexpr bool kHasWindow = HAPTICAST_IMGUI != 0;
 inline constexpr bool kHasDiscovery = HAPTICAST_AVAHI != 0;
+inline constexpr bool kHasRelays = HAPTICAST_NATS != 0;
 
 }  // namespace hapticast

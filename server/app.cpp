@@ -5,25 +5,20 @@
 
 #include <algorithm>
 #include <atomic>
-#include <csignal>
 #include <memory>
 #include <optional>
 #include <string>
 #include <thread>
 #include <utility>
+#include <vector>
 
-#include "common/cli/run_program.hpp"
-#include "common/transport/asio.hpp"
 #include "server/pipeline/clip_scan.hpp"
 #include "server/pipeline/encoder_thread.hpp"
 #include "server/pipeline/input_check.hpp"
 #include "server/pipeline/plan_log.hpp"
+#include "server/relay/relay_publisher.hpp"
 #include "server/source/pacer.hpp"
-#include "server/stream/announce.hpp"
-#include "server/stream/broadcaster.hpp"
-#include "server/stream/datagram_sender.hpp"
-#include "server/stream/listener.hpp"
-#include "server/stream/multicast_group.hpp"
+#include "server/stream_service.hpp"
 #include "server/vision/vision.hpp"
 
 namespace hapticast::server {
@@ -36,11 +31,6 @@ constexpr Duration kPlayout = std::chrono::milliseconds(500);
 constexpr Duration kPrepareEvery = std::chrono::seconds(1);
 // Interval in which waiting code checks stop(); chosen.
 constexpr Duration kSlice = std::chrono::milliseconds(20);
-
-std::optional<MulticastGroup> openMulticastGroup(asio::io_context& io, const Settings& settings) {
-  if (!settings.multicast) return std::nullopt;
-  return MulticastGroup(io, *settings.multicast, static_cast<int>(settings.multicast_hops));
-}
 
 SourceInfo describeSource(const RgbdSource& source, const std::string& name) {
   SourceInfo info = source.info();
@@ -59,18 +49,8 @@ class App::Impl {
   [[nodiscard]] bool streaming() const { return streaming_; }
 
  private:
-  /// Members of UDP delivery.
-  struct Datagrams {
-    Datagrams(asio::io_context& io, const Clock& clock, const Listener& listener,
-              const StreamIdentity& identity, const Settings& settings);
-    std::optional<MulticastGroup> group;
-    DatagramSender sender;
-  };
-
   void browse();
-  /// Starts to accept viewers, once: not before the source has proved usable.
-  void open();
-  void waitForViewer() const;
+  void waitForViewer();
   void play(EncoderThread& encoder);
   [[nodiscard]] std::optional<RgbdFrame> nextFrame(Pacer& pacer);
   void publish(VisionResult result, EncoderThread& encoder);
@@ -82,15 +62,11 @@ class App::Impl {
   std::unique_ptr<RgbdSource> source_;
   Vision vision_;
   FrameSigner signer_;  // outlives all encoded frames
-  asio::io_context io_;
-  Broadcaster broadcaster_;
-  Listener listener_;
-  std::optional<Datagrams> datagrams_;
-  std::optional<Announcer> announcer_;  // once open() was called
+  StreamService service_;
+  std::optional<RelayPublisher> relay_;
   PlanLog plan_teller_;
   DepthRangeLog range_teller_;
   std::atomic<bool> stop_{false};
-  bool open_ = false;
   bool streaming_ = false;
   MediaTime last_published_{};
   std::uint64_t logged_skipped_ = 0;
@@ -103,52 +79,23 @@ App::Impl::Impl(Settings settings, const Clock& clock)
       source_(openSource(settings_.source, settings_.fps, settings_.to_and_fro)),
       vision_(describeSource(*source_, settings_.name),
               dropInvalidPoints(settings_.vision, source_->info()), &clock),
-      broadcaster_(io_, clock, media_clock_, vision_.description(),
-                   StreamSettings{.max_clients = raiseFileLimit(settings_.max_clients)}),
-      listener_(io_, settings_.listen, broadcaster_) {
-  broadcaster_.introduce(signer_.identity());
-  if (!settings_.announce.empty()) requireReachable(listener_.endpoint().address());
-  if (!settings_.datagrams) {
-    if (settings_.multicast) throw AddressError("--multicast: --transport tcp sends no datagrams");
-    return;
-  }
-  datagrams_.emplace(io_, clock, listener_, signer_.identity(), settings_);
-  broadcaster_.enableUdp(datagrams_->sender);
+      service_(settings_, clock, media_clock_, vision_.description(), signer_.identity()) {
+  if (settings_.publish)
+    relay_.emplace(*settings_.publish, settings_.nats, clock, media_clock_, signer_);
 }
 
-App::Impl::Datagrams::Datagrams(asio::io_context& io, const Clock& clock, const Listener& listener,
-                                const StreamIdentity& identity, const Settings& settings)
-    : group(openMulticastGroup(io, settings)),
-      sender(io, clock, listener.endpoint(), identity, group ? &*group : nullptr) {}
-
 void App::Impl::run() {
-  asio::signal_set signals(io_, SIGINT, SIGTERM);
-  if (!sighupIgnored()) signals.add(SIGHUP);
-  signals.async_wait([this, &signals](const boost::system::error_code& error, int) {
-    if (error) return;
-    stop();
-    signals.clear();  // a second signal has its default action and ends a blocked program
-  });
-  std::jthread network([this] { io_.run(); });
-  const auto end = [&] {
-    announcer_.reset();
-    listener_.stop();
-    broadcaster_.stop();
-    asio::post(io_, [&signals] { signals.cancel(); });
-  };
-  try {
-    browse();
-    const SliceSettings slices{.error_mm = heightError_mm(settings_.vision)};
-    if (settings_.explain)
-      spdlog::info("heights on the wire are exact to {:.3g} mm", slices.error_mm);
-    EncoderThread encoder({&broadcaster_}, &signer_, slices);  // add further sinks here
-    if (!stop_) play(encoder);
-    encoder.finish();
-  } catch (...) {
-    end();
-    throw;
-  }
-  end();
+  service_.start([this] { stop(); });
+  browse();
+  const SliceSettings slices{.error_mm = heightError_mm(settings_.vision)};
+  if (settings_.explain)
+    spdlog::info("heights on the wire are exact to {:.3g} mm", slices.error_mm);
+  std::vector<StreamSink*> sinks{&service_.broadcaster()};
+  if (relay_) sinks.push_back(&*relay_);
+  EncoderThread encoder(std::move(sinks), &signer_, slices);
+  if (!stop_) play(encoder);
+  encoder.finish();
+  service_.end();
 }
 
 void App::Impl::browse() {
@@ -160,14 +107,14 @@ void App::Impl::browse() {
   const bool can_touch = warnOfUnlikelyInput(*source_, settings_.vision);
   MediaTime told{};
   const auto tell = [&](double share) {
-    open();
+    service_.open(vision_.description().name);
     const MediaTime now = media_clock_.now();
     if (told != MediaTime{} && now - told < kPrepareEvery) return;
     told = now;
-    broadcaster_.prepare(share);
+    service_.broadcaster().prepare(share);
   };
   if (scanClip(vision_, *source_, media_clock_, stop_, tell))
-    broadcaster_.describe(vision_.description());
+    service_.broadcaster().describe(vision_.description());
   range_teller_.log(vision_.mapped());
   if (stop_ || info.live || vision_.mapped() || !can_touch) return;
   spdlog::warn(
@@ -175,24 +122,15 @@ void App::Impl::browse() {
       info.name);
 }
 
-void App::Impl::open() {
-  if (open_) return;
-  open_ = true;
-  spdlog::info("listening on {}; Ctrl-C ends the server", toString(listener_.address()));
-  listener_.start();
-  if (!settings_.announce.empty())
-    announcer_.emplace(settings_.announce, listener_.endpoint(), vision_.description().name);
-}
-
-void App::Impl::waitForViewer() const {
-  if (broadcaster_.viewers() > 0) return;
+void App::Impl::waitForViewer() {
+  if (service_.broadcaster().viewers() > 0) return;
   spdlog::info("waiting for the first viewer");
-  while (!stop_ && broadcaster_.viewers() == 0) waitUntil(media_clock_.now() + kSlice);
+  while (!stop_ && service_.broadcaster().viewers() == 0) waitUntil(media_clock_.now() + kSlice);
 }
 
 void App::Impl::play(EncoderThread& encoder) {
   const SourceInfo& info = source_->info();
-  open();
+  service_.open(vision_.description().name);
   if (settings_.wait_for_viewer) waitForViewer();
   spdlog::info("streaming {} ({} x {}, {:g} frames/s)", settings_.source, info.width_px,
                info.height_px, info.fps);

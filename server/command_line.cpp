@@ -113,10 +113,13 @@ void addPlan(CLI::App& app, PlanSettings& plan) {
 }
 
 void addSourceOptions(CLI::App& app, Settings& settings) {
-  app.add_option("--source", settings.source,
-                 "The video to stream: synthetic:bounce|approach|tumble|still, a folder of RGB-D "
-                 "images (rgb/ and depth/, or TUM's rgb.txt and depth.txt), COLOR,DEPTH (two video "
-                 "files, 8-bit depth), or camera:N,M (colour camera, depth camera)")
+  app.add_option(
+         "--source", settings.source,
+         "The video to stream: synthetic:bounce|approach|tumble|still, a folder of RGB-D "
+         "images (rgb/ and depth/, or TUM's rgb.txt and depth.txt), COLOR,DEPTH (two video "
+         "files, 8-bit depth), camera:N,M (colour camera, depth camera), or "
+         "nats://HOST[:PORT][,HOST2]/CHANNEL (an edge: it forwards the stream that an origin "
+         "publishes)")
       ->required();
   addNumber(app, "--fps", settings.fps, 1.0, 240.0, "1..240",
             "Frames a second; default: the source's own");
@@ -255,6 +258,41 @@ void addNetworkOptions(CLI::App& app, Settings& settings) {
       ->type_name("NAME");
 }
 
+void addRelayOptions(CLI::App& app, Settings& settings) {
+  const auto set = [&settings](const std::string& text) {
+    settings.publish = parseNatsAddress(text);
+    if (!settings.publish)
+      throw CLI::ValidationError("--publish", quote(text) + " is not " + kNatsForm);
+  };
+  app.add_option_function<std::string>(
+         "--publish", set,
+         "Publish the stream on this channel of NATS, too; edges serve it to their viewers")
+      ->type_name(kNatsForm);
+  app.add_option("--nats-creds", settings.nats.creds_file,
+                 "The file with the credentials for NATS (JWT and NKey seed)")
+      ->type_name("FILE");
+  app.add_option("--nats-ca", settings.nats.ca_file,
+                 "Use TLS to NATS; the servers' certificates must be of an authority in this file")
+      ->type_name("FILE");
+}
+
+/// Refuses each flag that only a server with a source of its own can obey.
+void requireEdgeFlags(const CLI::App& app) {
+  const std::vector<std::string> allowed{"--source",    "--listen",        "--transport",
+                                         "--multicast", "--multicast-ttl", "--max-clients",
+                                         "--announce",  "--nats-creds",    "--nats-ca",
+                                         "--quiet",     "--config"};
+  for (const CLI::Option* option : app.get_options()) {
+    const std::string name = option->get_name();
+    if (option->count() == 0 || std::find(allowed.begin(), allowed.end(), name) != allowed.end())
+      continue;
+    throw CLI::ValidationError(
+        name, name == "--publish"
+                  ? "an edge publishes nothing; clusters and leaf nodes of NATS pass streams on"
+                  : "an edge forwards an origin's stream; give this flag to the origin");
+  }
+}
+
 /// Adds the flags of the objects' material and mass.
 void addMaterialOptions(CLI::App& app, VisionSettings& vision) {
   addNumber(app, "--stiffness", vision.material.stiffness_N_mm, 0.01, 10.0, "N/MM 0.01..10",
@@ -278,9 +316,11 @@ std::unique_ptr<CLI::App> commandLine(Settings& settings) {
       "hapticast-server");
   addVersion(*app, std::string("sources: synthetic, images, videos, cameras; transports: udp, "
                                "multicast, tcp; discovery: ") +
-                       (kHasDiscovery ? "Avahi" : "none"));
+                       (kHasDiscovery ? "Avahi" : "none") +
+                       "; relays: " + (kHasRelays ? "NATS" : "none"));
   addSourceOptions(*app, settings);
   addNetworkOptions(*app, settings);
+  addRelayOptions(*app, settings);
   addName(*app, settings.name);
   addVisionOptions(*app, settings.vision);
   addMaterialOptions(*app, settings.vision);
@@ -290,6 +330,9 @@ std::unique_ptr<CLI::App> commandLine(Settings& settings) {
       "Log the stages that the server leaves out for each object, with reason, saving and cost");
   app->add_flag("--quiet", settings.quiet, "Only warnings and errors");
   addConfigFile(*app);
+  app->final_callback([&settings, parsed = app.get()] {
+    if (isEdge(settings)) requireEdgeFlags(*parsed);
+  });
   return app;
 }
 
@@ -297,6 +340,8 @@ std::optional<int> readCommandLine(Settings& settings, int argc, const char* con
   const auto app = commandLine(settings);
   return parseCommandLine(*app, argc, argv);
 }
+
+bool isEdge(const Settings& settings) { return settings.source.starts_with(kNatsScheme); }
 
 double heightError_mm(const VisionSettings& vision) {
   // Chosen: larger steps between slices are perceptible as edges.

@@ -8,6 +8,7 @@
 #include "common/text.hpp"
 #include "server/app.hpp"
 #include "server/command_line.hpp"
+#include "server/edge.hpp"
 #include "server/preview/preview.hpp"
 #include "server/source/rgbd_source.hpp"
 #include "server/stream/stream_settings.hpp"
@@ -24,6 +25,10 @@ int serve(const hapticast::server::Settings& settings) {
   try {
     if (!settings.preview.empty()) {
       hapticast::server::writePreview(settings, clock);
+      return kDone;
+    }
+    if (hapticast::server::isEdge(settings)) {
+      hapticast::server::runEdge(settings, clock);
       return kDone;
     }
     app = std::make_unique<hapticast::server::App>(settings, clock);

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "common/endpoint.hpp"
+#include "server/nats_address.hpp"
 #include "server/stream/multicast_group.hpp"
 #include "server/vision/vision_settings.hpp"
 
@@ -26,6 +27,8 @@ struct Settings {
   std::optional<MulticastChoice> multicast;
   std::uint64_t multicast_hops = 1;
   std::size_t max_clients = 64;
+  std::optional<NatsAddress> publish;  ///< where edges receive the stream; nullopt: no edges
+  NatsCredentials nats;
   std::string announce;  ///< the server's name on the LAN; empty: it is not announced
   std::string name;      ///< name of the stream for viewers; empty: the source's name
   VisionSettings vision;
@@ -34,6 +37,8 @@ struct Settings {
   bool quiet = false;
 };
 
+/// Returns whether the source is the channel of an origin, so that this server is an edge.
+[[nodiscard]] bool isEdge(const Settings& settings);
 /// Returns the largest error of heights on the wire, mm, that changes the force by at most the
 /// error budget of `vision`. With the default budget and the usual stiffness it is
 /// kDefaultHeightError_mm.

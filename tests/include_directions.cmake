@@ -21,6 +21,7 @@ set(rules
   "server/vision/motion/.*"  "^(common/|server/source/|server/vision/(vision_settings\\.hpp$|base/|surface/|motion/))"
   "server/vision/.*"         "^(common|server/source|server/vision)/"
   "server/stream/.*"   "^(common|server/stream)/"
+  "server/relay/.*"    "^(common/|server/(nats_address\\.hpp$|stream/|relay/))"
   "server/(pipeline|preview)/.*" "^(common/|server/(settings\\.hpp$|source/|vision/|stream/|pipeline/|preview/))"
   "server/[^/]*"       "^(common|server)/"
   "client/haptics/.*"  "^(common|client/haptics)/"
@@ -34,8 +35,8 @@ set(rules
 # One door per library: who may include it.
 set(doors
   "^boost/"                          "^(common/transport/asio\\.hpp|client/device/inverse3/websocket\\.cpp|tests/.*)$"
-  "^common/transport/asio\\.hpp$"              "^((common/transport|server/stream|client/net|client/discovery|tests)/|(server|client)/[^/]*$)"
-  "\\.pb\\.h$"                       "^common/protocol/(decode|encode|read_frame|write_frame|fragment)\\.[ch]pp$"
+  "^common/transport/asio\\.hpp$"              "^((common/transport|server/stream|server/relay|client/net|client/discovery|tests)/|(server|client)/[^/]*$)"
+  "\\.pb\\.h$"                       "^common/protocol/(decode|encode|read_frame|write_frame|fragment|relay)\\.[ch]pp$"
   "^google/protobuf"                 "^common/protocol/(decode|encode|scan)\\.cpp$"
   "^openssl/"                        "^common/transport/signature\\.cpp$"
   "^opencv2/"                        "^((server/(source|vision)|client/view|tests)/|server/preview)"
@@ -44,8 +45,9 @@ set(doors
   "^SDL"                             "^(client/(view/(window/|sound)|device/gamepad)|tests/)"
   "^(imgui|backends/imgui)"          "^(client/view/window/|tests/)"
   "^avahi-"                          "^(common/transport/mdns_session|client/discovery/mdns_browser|server/stream/announce)\\.cpp$"
+  "^nats/"                           "^server/relay/nats_connection\\.cpp$"
   "^libusb"                          "^client/device/falcon/usb\\.cpp$"
-  "^common/(codec|protocol|transport)/" "^(common/(codec|protocol|transport)/|server/(stream/|pipeline/|[^/]*$)|client/(net/|discovery/|report/|[^/]*$)|tests/)"
+  "^common/(codec|protocol|transport)/" "^(common/(codec|protocol|transport)/|server/(stream/|relay/|pipeline/|[^/]*$)|client/(net/|discovery/|report/|[^/]*$)|tests/)"
 )
 
 file(GLOB_RECURSE files RELATIVE ${ROOT} ${ROOT}/common/*.?pp ${ROOT}/server/*.?pp ${ROOT}/client/*.?pp

@@ -33,4 +33,9 @@ SharedBytes FrameSigner::signMessage(const CodedFrame& frame) {
   return encodeSigned(frame, identity_.stream, key_);
 }
 
+Signature FrameSigner::sign(std::span<const std::uint8_t> bytes) {
+  const std::lock_guard lock(mutex_);
+  return key_.sign(bytes);
+}
+
 }  // namespace hapticast::server

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <vector>
 
 #include "common/codec/coded_frame.hpp"
@@ -29,6 +30,8 @@ class FrameSigner {
   [[nodiscard]] SignedDatagrams signDatagrams(const CodedFrame& frame);
   /// Returns the bytes of a signed message with the frame.
   [[nodiscard]] SharedBytes signMessage(const CodedFrame& frame);
+  /// Returns the signature of `bytes`, which are no frame (messages to edges).
+  [[nodiscard]] Signature sign(std::span<const std::uint8_t> bytes);
   /// Returns what viewers need to recognise the frames.
   [[nodiscard]] const StreamIdentity& identity() const { return identity_; }
 

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+#include "server/edge.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <atomic>
+#include <thread>
+
+#include "server/relay/relay_clock.hpp"
+#include "server/relay/relay_subscriber.hpp"
+#include "server/source/rgbd_source.hpp"
+#include "server/stream_service.hpp"
+
+namespace hapticast::server {
+
+namespace {
+
+constexpr Duration kPollEvery = std::chrono::milliseconds(10);  // as RelaySubscriber needs
+
+NatsAddress requireNatsAddress(const std::string& text) {
+  if (const auto address = parseNatsAddress(text)) return *address;
+  throw SourceError(text + ": is not " + kNatsForm);
+}
+
+}  // namespace
+
+void runEdge(const Settings& settings, const Clock& clock) {
+  const NatsAddress address = requireNatsAddress(settings.source);
+  RelayClock media_clock(clock);
+  // The first origin determines description and identity, before the first viewer.
+  StreamService service(settings, clock, media_clock, {}, {});
+  RelaySubscriber subscriber(address, settings.nats, {}, clock, media_clock, service.broadcaster());
+  std::atomic<bool> stop{false};
+  service.start([&stop] { stop = true; });
+  spdlog::info("edge of the channel {}: waiting for an origin", address.channel);
+  bool open = false;
+  while (!stop) {
+    subscriber.poll();
+    if (!open && subscriber.description()) {
+      const StreamDescription description = *subscriber.description();
+      service.open(description.name);
+      spdlog::info("streaming {} ({} x {}, {:g} frames/s)", settings.source,
+                   description.workspace.width_px, description.workspace.height_px,
+                   description.fps);
+      open = true;
+    }
+    std::this_thread::sleep_for(kPollEvery);
+  }
+}
+
+}  // namespace hapticast::server

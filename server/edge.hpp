@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: MIT
+// An edge: a server without vision. It receives the stream of a channel's origin from NATS and
+// serves it to viewers of its own. Thread: the caller's.
+#pragma once
+
+#include "common/time.hpp"
+#include "server/settings.hpp"
+
+namespace hapticast::server {
+
+/// Runs the edge of the channel `settings.source` until a signal ends it. It waits for an origin
+/// before it accepts viewers. Throws SourceError, AddressError or std::runtime_error with one line.
+void runEdge(const Settings& settings, const Clock& clock);
+
+}  // namespace hapticast::server

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: MIT
+// Connection to a NATS system, with libnats. It reconnects by itself to any server of the system.
+// Messages that cannot be sent at once are dropped: late frames are of no use. Only the .cpp of
+// this header includes libnats. Thread: any, except where a function says otherwise.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "server/nats_address.hpp"
+
+namespace hapticast::server {
+
+/// A connection from its construction to its destruction.
+class NatsConnection {
+ public:
+  /// Receives a message and the subject for the answer (empty: none). Thread: libnats, one for each
+  /// subscription.
+  using OnMessage = std::function<void(std::span<const std::uint8_t> bytes, const std::string&)>;
+
+  /// Connects to one of the servers. `flag` is the flag of the command line that names them, for
+  /// messages. Throws AddressError with one line if no server answers or accepts the credentials,
+  /// if a file is not usable, or if this build has no libnats.
+  NatsConnection(const std::string& flag, const NatsAddress& address,
+                 const NatsCredentials& credentials);
+  /// Closes the connection. Returns after the last call of an OnMessage has returned.
+  ~NatsConnection();
+  NatsConnection(const NatsConnection&) = delete;
+  NatsConnection& operator=(const NatsConnection&) = delete;
+
+  /// Subscribes to `subject`, which may have wildcards. Throws AddressError if libnats fails.
+  void subscribe(const std::string& subject, OnMessage on_message);
+  /// Sends `bytes` to `subject`. `reply` is the subject for answers (empty: none). Returns false if
+  /// the message was not sent: there is no connection at present, or it is too large. Blocks while
+  /// the server reads nothing, for at most a second.
+  bool publish(const std::string& subject, std::span<const std::uint8_t> bytes,
+               const std::string& reply = "");
+  /// Returns whether there is a connection at present.
+  [[nodiscard]] bool isConnected() const;
+  /// Returns whether the connection has ended for good, because the servers refuse it.
+  [[nodiscard]] bool isClosed() const;
+  /// Returns the largest size of a message.
+  [[nodiscard]] std::size_t maxPayload() const;
+  /// Returns a new subject for answers to this connection.
+  [[nodiscard]] static std::string makeInbox();
+
+ private:
+  struct Library;
+  std::unique_ptr<Library> library_;
+};
+
+}  // namespace hapticast::server

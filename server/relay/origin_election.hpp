@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: MIT
+// Leader election among the origins of one channel, by heartbeats and terms (as in Raft, but
+// without votes). The active origin sends heartbeats. A standby origin that receives none for a
+// second takes over with a higher term. Edges follow the highest (term, origin), so of two active
+// origins only one counts, and the other steps back as soon as it receives a heartbeat of the
+// first. The class has no threads and no clock. Thread: one.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <utility>
+
+#include "common/time.hpp"
+
+namespace hapticast::server {
+
+/// State of one origin: standby or active.
+class OriginElection {
+ public:
+  /// Interval of heartbeats.
+  static constexpr Duration kHeartbeat = std::chrono::milliseconds(100);
+  /// Silence after which a standby takes over: ten heartbeats.
+  static constexpr Duration kSilence = std::chrono::seconds(1);
+  /// Highest valid term. It leaves room for higher terms, so that no message can end an election.
+  static constexpr std::uint64_t kHighestTerm = std::uint64_t{1} << 62U;
+
+  /// Begins as a standby at `now`. `origin`: random number of this origin. `least_term`: the first
+  /// term is at least this. With the system's time in seconds, an origin that starts later than all
+  /// others has a higher term even if it never received one.
+  OriginElection(std::uint64_t origin, std::uint64_t least_term, LocalTime now)
+      : origin_(origin), highest_(least_term), last_received_(now) {}
+
+  /// Processes the heartbeat of another origin. Ignores a term above kHighestTerm.
+  void onHeartbeat(std::uint64_t term, std::uint64_t origin, LocalTime now) {
+    if (term > kHighestTerm || std::pair(term, origin) < std::pair(highest_, leader_)) return;
+    highest_ = term;
+    leader_ = origin;
+    last_received_ = now;
+    active_ = false;
+  }
+  /// Processes the highest term that an edge has seen. An active origin with a lower term steps
+  /// back, because edges ignore it.
+  void onSeenTerm(std::uint64_t term, LocalTime now) {
+    if (term <= highest_ || term > kHighestTerm) return;
+    onHeartbeat(term, 0, now);
+  }
+  /// Begins the silence anew. Call it while there is no connection: nothing can be received then.
+  void onDisconnected(LocalTime now) { last_received_ = now; }
+  /// Becomes active after kSilence. Returns whether this origin is active.
+  bool check(LocalTime now) {
+    if (!active_ && now - last_received_ >= kSilence) {
+      active_ = true;
+      highest_ = std::min(highest_ + 1, kHighestTerm);
+      leader_ = origin_;
+    }
+    return active_;
+  }
+
+  [[nodiscard]] bool active() const { return active_; }
+  /// The term of this origin if it is active, else the highest term that it has seen.
+  [[nodiscard]] std::uint64_t term() const { return highest_; }
+  [[nodiscard]] std::uint64_t origin() const { return origin_; }
+
+ private:
+  std::uint64_t origin_;
+  std::uint64_t highest_;
+  std::uint64_t leader_ = 0;
+  LocalTime last_received_;
+  bool active_ = false;
+};
+
+}  // namespace hapticast::server

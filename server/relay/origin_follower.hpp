@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+// Decides which origin of a channel an edge follows: the one with the highest (term, origin). It
+// verifies the signature of each message with the key of its origin, and drops messages of other
+// origins, of earlier terms, and messages out of order. So after a takeover no message of the old
+// origin passes. The class has no threads and no clock. Thread: one.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/protocol/relay.hpp"
+#include "common/transport/signature.hpp"
+
+namespace hapticast::server {
+
+/// Result of one message.
+struct FollowedMessage {
+  /// Content of a valid message of the followed origin; nullopt: the edge drops the message.
+  std::optional<RelayContent> content;
+  bool new_origin = false;  ///< the content is the first state of another origin
+  /// Reason of a drop that the log has to mention; empty: a usual one (another origin's message).
+  std::string problem;
+};
+
+/// The origin that one edge follows.
+class OriginFollower {
+ public:
+  /// `keys`: the only verifying keys that an origin may have; empty: any key.
+  OriginFollower(std::string channel, std::vector<KeyBytes> keys)
+      : channel_(std::move(channel)), keys_(std::move(keys)) {}
+
+  /// Processes a whole message. Its pieces are joined already.
+  FollowedMessage onMessage(std::span<const std::uint8_t> whole);
+
+  /// Returns the highest term that the edge has seen; 0: none.
+  [[nodiscard]] std::uint64_t term() const { return leader_ ? leader_->term : 0; }
+
+ private:
+  /// The followed origin.
+  struct Leader {
+    std::uint64_t term;
+    std::uint64_t origin;
+    std::uint64_t number;  // of its last message
+    VerifyingKey key;
+    std::optional<std::uint64_t> frame;  // id of its last frame
+    std::uint32_t epoch = 0;             // of its last frame
+  };
+  FollowedMessage onOther(const RelayHead& head, std::span<const std::uint8_t> whole);
+  FollowedMessage onLeader(const RelayHead& head, std::span<const std::uint8_t> whole);
+
+  std::string channel_;
+  std::vector<KeyBytes> keys_;
+  std::optional<Leader> leader_;
+};
+
+}  // namespace hapticast::server

@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: MIT
+#include "server/relay/relay_publisher.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <ctime>
+#include <utility>
+
+namespace hapticast::server {
+
+namespace {
+
+// Edges ping once a second; two pings may be lost.
+constexpr Duration kWantedFor = std::chrono::seconds(3);
+// The head of a NATS message and its subject count, too: libnats and the server check the payload
+// only, but an operator may set a limit that leaves no more room.
+constexpr std::size_t kMostPiece_bytes = 512U << 10U;
+
+/// Returns the random number of this origin. Its low 32 bits are the stream's.
+std::uint64_t numberOrigin(std::uint32_t stream) {
+  return (unguessable() & ~std::uint64_t{0xFFFFFFFF}) | stream;
+}
+
+/// Seconds since 1970: later origins have higher terms.
+std::uint64_t leastTerm() {
+  return static_cast<std::uint64_t>(std::max<std::time_t>(0, std::time(nullptr)));
+}
+
+RelayFrame relayFrame(const EncodedFrame& frame) {
+  RelayFrame relayed{frame.epoch, frame.id,        frame.media_time,        frame.delta,
+                     nullptr,     frame.datagrams, frame.too_many_datagrams};
+  if (SharedBytes key = frame.key_frame->payload(); key != frame.delta)
+    relayed.key_frame = std::move(key);
+  return relayed;
+}
+
+}  // namespace
+
+RelayPublisher::RelayPublisher(const NatsAddress& address, const NatsCredentials& credentials,
+                               const Clock& clock, const MediaClock& media_clock,
+                               FrameSigner& signer)
+    : clock_(clock),
+      media_clock_(media_clock),
+      signer_(signer),
+      channel_(address.channel),
+      subjects_(address.channel),
+      pictures_wanted_ns_((clock.now() - kWantedFor).time_since_epoch().count()),
+      datagrams_wanted_ns_(pictures_wanted_ns_.load()),
+      election_(numberOrigin(signer.identity().stream), leastTerm(), clock.now()),
+      nats_("--publish", address, credentials) {
+  nats_.subscribe(subjects_.state, [this](auto bytes, const auto&) { onHeartbeat(bytes); });
+  nats_.subscribe(subjects_.pings, [this](auto bytes, const auto& reply) { onPing(bytes, reply); });
+  thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
+}
+
+RelayPublisher::~RelayPublisher() = default;
+
+void RelayPublisher::describe(const StreamDescription& description) {
+  const std::lock_guard lock(mutex_);
+  description_ = description;
+  waiting_ = {};
+  waiting_.description = true;
+  changed_.notify_all();
+}
+
+void RelayPublisher::publish(EncodedFrame frame) {
+  const std::lock_guard lock(mutex_);
+  auto& frames = waiting_.frames;
+  while (!frames.empty() && (frames.size() >= SendQueue::kMaxFrames ||
+                             frames.front().media_time + SendQueue::kMaxAge < frame.media_time))
+    frames.pop_front();
+  frames.push_back(std::move(frame));
+  changed_.notify_all();
+}
+
+void RelayPublisher::publish(EncodedVideo video) {
+  const std::lock_guard lock(mutex_);
+  waiting_.picture = std::move(video);
+  changed_.notify_all();
+}
+
+bool RelayPublisher::isRecent(const std::atomic<std::int64_t>& time_ns) const {
+  return clock_.now().time_since_epoch().count() - time_ns.load(std::memory_order_relaxed) <
+         kWantedFor.count();
+}
+
+void RelayPublisher::run(const std::stop_token& stop) {
+  while (!stop.stop_requested()) {
+    Waiting items;
+    {
+      std::unique_lock lock(mutex_);
+      changed_.wait_for(lock, stop, OriginElection::kHeartbeat / 2, [this] {
+        return !waiting_.frames.empty() || waiting_.picture || waiting_.description;
+      });
+      items = std::exchange(waiting_, {});
+    }
+    const LocalTime now = clock_.now();
+    if (const auto head = checkElection(now)) send(items, *head, now);
+  }
+}
+
+std::optional<RelayHead> RelayPublisher::checkElection(LocalTime now) {
+  const bool connected = nats_.isConnected();
+  const std::lock_guard lock(mutex_);
+  if (!connected) election_.onDisconnected(now);
+  // An origin whose clip is still scanned has nothing to send, so it does not take over.
+  const bool active = description_ && election_.check(now);
+  if (active && !logged_active_) {
+    spdlog::info("origin of the channel {}: active (term {})", channel_, election_.term());
+  } else if (!active && logged_active_) {
+    spdlog::warn("origin of the channel {}: standby, because another origin is active", channel_);
+  }
+  logged_active_ = active;
+  if (!active || !connected) return std::nullopt;
+  return RelayHead{election_.term(), election_.origin(), number_};
+}
+
+void RelayPublisher::send(const Waiting& items, RelayHead head, LocalTime now) {
+  if (items.description || !heartbeat_ || now - *heartbeat_ >= OriginElection::kHeartbeat) {
+    heartbeat_ = now;
+    std::unique_lock lock(mutex_);
+    const StreamDescription description = *description_;
+    lock.unlock();
+    const StreamIdentity& identity = signer_.identity();
+    sendContent(subjects_.state, head,
+                RelayState{description, identity.stream, identity.verifying_key, identity.probe});
+  }
+  for (const EncodedFrame& frame : items.frames)
+    sendContent(subjects_.frames, head, relayFrame(frame));
+  if (!items.picture) return;
+  const EncodedVideo& picture = *items.picture;
+  sendContent(subjects_.frames, head,
+              RelayPicture{picture.id, picture.media_time, picture.payload});
+}
+
+void RelayPublisher::sendContent(const std::string& subject, RelayHead& head,
+                                 const RelayContent& content) {
+  {
+    const std::lock_guard lock(mutex_);
+    head.number = ++number_;
+  }
+  const auto whole =
+      encodeRelay(channel_, head, content, [this](auto bytes) { return signer_.sign(bytes); });
+  const auto pieces =
+      splitRelay(whole, head.number, std::min(kMostPiece_bytes, nats_.maxPayload()));
+  if (pieces.empty() && too_large_.allow(clock_.now())) {
+    spdlog::warn(
+        "a frame of {} kB is too large for NATS: the server leaves it out; max_payload is {} kB",
+        whole.size() / 1000, nats_.maxPayload() / 1000);
+  }
+  for (const auto& piece : pieces) {
+    if (!nats_.publish(subject, piece)) return;  // the edges drop an incomplete message
+  }
+}
+
+void RelayPublisher::onHeartbeat(std::span<const std::uint8_t> bytes) {
+  const LocalTime now = clock_.now();
+  auto whole = RelayJoiner().add(bytes);  // a heartbeat has one piece
+  if (!whole.ok() || !whole.value()) return;
+  const auto head = readRelayHead(*whole.value(), channel_);
+  if (!head.ok()) return;
+  const std::lock_guard lock(mutex_);
+  if (head.value().origin != election_.origin())
+    return election_.onHeartbeat(head.value().term, head.value().origin, now);
+  // NATS does not return this connection's own messages.
+  if (same_number_.allow(now))
+    spdlog::warn(
+        "origin of the channel {}: somebody sends heartbeats with the number of this origin; "
+        "this one ignores them",
+        channel_);
+}
+
+void RelayPublisher::onPing(std::span<const std::uint8_t> bytes, const std::string& reply) {
+  const MediaTime received = media_clock_.now();
+  const LocalTime now = clock_.now();
+  const auto ping = decodeRelayPing(bytes);
+  if (!ping.ok() || reply.empty()) return;
+  RelayHead head;
+  {
+    const std::lock_guard lock(mutex_);
+    election_.onSeenTerm(ping.value().term, now);
+    if (!election_.active()) return;
+    head = {election_.term(), election_.origin(), number_};
+  }
+  const std::int64_t now_ns = now.time_since_epoch().count();
+  if (ping.value().wants_pictures) pictures_wanted_ns_ = now_ns;
+  if (ping.value().wants_datagrams) datagrams_wanted_ns_ = now_ns;
+  const auto whole =
+      encodeRelay(channel_, head, RelayPong{ping.value().t0, received, media_clock_.now()},
+                  [this](auto each) { return signer_.sign(each); });
+  const auto pieces = splitRelay(whole, 0, kMaxSmallMessageBytes);
+  if (!pieces.empty()) nats_.publish(reply, pieces.front());
+}
+
+}  // namespace hapticast::server

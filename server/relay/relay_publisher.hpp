@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: MIT
+// Publishes the stream of this server on NATS, for edges (--publish). A thread of its own sends, so
+// that a slow NATS server delays nobody: the newest frames replace those that wait. While another
+// origin of the channel is active, this one sends nothing (OriginElection). Thread: see each
+// function.
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "common/log_rate_limiter.hpp"
+#include "common/protocol/relay.hpp"
+#include "server/relay/nats_connection.hpp"
+#include "server/relay/origin_election.hpp"
+#include "server/relay/subjects.hpp"
+#include "server/stream/frame_signer.hpp"
+#include "server/stream/stream_sink.hpp"
+
+namespace hapticast::server {
+
+/// An origin of one channel.
+class RelayPublisher final : public StreamSink {
+ public:
+  /// Connects to NATS and begins as a standby. Throws AddressError (see NatsConnection). The clocks
+  /// and `signer` must outlive this object.
+  RelayPublisher(const NatsAddress& address, const NatsCredentials& credentials, const Clock& clock,
+                 const MediaClock& media_clock, FrameSigner& signer);
+  /// Ends the thread and the connection.
+  ~RelayPublisher() override;
+
+  void describe(const StreamDescription& description) override;
+  void publish(EncodedFrame frame) override;
+  void publish(EncodedVideo video) override;
+  /// Return whether an edge asked for pictures or datagrams in the last seconds. Thread: any.
+  [[nodiscard]] bool videoWanted() const override { return isRecent(pictures_wanted_ns_); }
+  [[nodiscard]] bool datagramsWanted() const override { return isRecent(datagrams_wanted_ns_); }
+
+ private:
+  /// Items that wait for the thread. Newer ones replace older ones.
+  struct Waiting {
+    std::deque<EncodedFrame> frames;
+    std::optional<EncodedVideo> picture;
+    bool description = false;
+  };
+  void run(const std::stop_token& stop);
+  /// Updates the election. Returns the head of the next message if this origin is active.
+  [[nodiscard]] std::optional<RelayHead> checkElection(LocalTime now);
+  void send(const Waiting& items, RelayHead head, LocalTime now);
+  void sendContent(const std::string& subject, RelayHead& head, const RelayContent& content);
+  void onHeartbeat(std::span<const std::uint8_t> bytes);
+  void onPing(std::span<const std::uint8_t> bytes, const std::string& reply);
+  [[nodiscard]] bool isRecent(const std::atomic<std::int64_t>& time_ns) const;
+
+  const Clock& clock_;
+  const MediaClock& media_clock_;
+  FrameSigner& signer_;
+  std::string channel_;
+  Subjects subjects_;
+  std::atomic<std::int64_t> pictures_wanted_ns_;  // local time of the last request
+  std::atomic<std::int64_t> datagrams_wanted_ns_;
+  std::mutex mutex_;
+  std::condition_variable_any changed_;
+  OriginElection election_;                       // guarded by mutex_
+  std::optional<StreamDescription> description_;  // guarded by mutex_
+  Waiting waiting_;                               // guarded by mutex_
+  std::uint64_t number_ = 0;                      // of the last message; guarded by mutex_
+  LogInterval same_number_;                       // guarded by mutex_
+  bool logged_active_ = false;                    // used by the thread only
+  std::optional<LocalTime> heartbeat_;            // used by the thread only
+  LogInterval too_large_;                         // used by the thread only
+  NatsConnection nats_;
+  std::jthread thread_;  // last member: it uses all others
+};
+
+}  // namespace hapticast::server

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: MIT
+#include "server/relay/relay_subscriber.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+#include <variant>
+
+namespace hapticast::server {
+
+namespace {
+
+constexpr std::size_t kMostPings = 64;  // without an answer; chosen
+
+EncodedFrame encodedFrame(const RelayFrame& frame) {
+  EncodedFrame encoded{frame.epoch, frame.id, frame.media_time, frame.delta, nullptr};
+  encoded.key_frame =
+      std::make_shared<LazyKeyFrame>(frame.key_frame ? frame.key_frame : frame.delta);
+  encoded.datagrams = frame.datagrams;
+  encoded.too_many_datagrams = frame.too_many_datagrams;
+  return encoded;
+}
+
+}  // namespace
+
+RelaySubscriber::RelaySubscriber(const NatsAddress& address, const NatsCredentials& credentials,
+                                 std::vector<KeyBytes> keys, const Clock& clock,
+                                 RelayClock& media_clock, Broadcaster& broadcaster)
+    : clock_(clock),
+      media_clock_(media_clock),
+      broadcaster_(broadcaster),
+      channel_(address.channel),
+      subjects_(address.channel),
+      inbox_(NatsConnection::makeInbox()),
+      follower_(address.channel, std::move(keys)),
+      nats_("--source", address, credentials) {
+  nats_.subscribe(inbox_, [this](auto bytes, const auto&) { onPong(bytes); });
+  nats_.subscribe(subjects_.everything, [this](auto bytes, const auto&) { onPiece(bytes); });
+}
+
+void RelaySubscriber::onPiece(std::span<const std::uint8_t> piece) {
+  const std::lock_guard lock(mutex_);
+  auto whole = joiner_.add(piece);
+  if (!whole.ok()) return logProblem(whole.error().message);
+  if (whole.value()) process(*whole.value());
+}
+
+void RelaySubscriber::onPong(std::span<const std::uint8_t> piece) {
+  auto whole = RelayJoiner().add(piece);
+  const std::lock_guard lock(mutex_);
+  if (!whole.ok()) return logProblem(whole.error().message);
+  if (whole.value()) process(*whole.value());
+}
+
+void RelaySubscriber::process(std::span<const std::uint8_t> whole) {
+  FollowedMessage message = follower_.onMessage(whole);
+  if (!message.problem.empty()) logProblem(message.problem);
+  if (!message.content) return;
+  if (message.new_origin) onNewOrigin();
+  std::visit([this](const auto& each) { onContent(each); }, *message.content);
+}
+
+void RelaySubscriber::logProblem(const std::string& problem) {
+  if (const auto line = problems_.admit(
+          "channel " + channel_ + ": a message was dropped: " + problem, clock_.now()))
+    spdlog::warn("{}", *line);
+}
+
+void RelaySubscriber::onNewOrigin() {
+  if (state_) spdlog::warn("channel {}: another origin sends from now on", channel_);
+  clock_sync_.reset();
+  pings_.clear();
+  pongs_ = 0;
+  next_ping_.reset();
+  state_.reset();
+  synchronised_ = false;
+  last_frame_.reset();
+}
+
+void RelaySubscriber::onContent(const RelayState& state) {
+  last_state_ = clock_.now();
+  const bool changed = !state_ || state_->description != state.description;
+  state_ = state;
+  if (changed && synchronised_) broadcaster_.describe(state.description);
+}
+
+void RelaySubscriber::onContent(const RelayFrame& frame) {
+  last_frame_ = encodedFrame(frame);
+  if (synchronised_) broadcaster_.publish(*last_frame_);
+}
+
+void RelaySubscriber::onContent(const RelayPicture& picture) {
+  if (synchronised_)
+    broadcaster_.publish(EncodedVideo{picture.id, picture.media_time, picture.message});
+}
+
+void RelaySubscriber::onContent(const RelayPong& pong) {
+  // A pong counts only for a ping that was sent to this origin, and once.
+  const auto ping = std::find(pings_.begin(), pings_.end(), pong.t0);
+  if (ping == pings_.end()) return;
+  pings_.erase(ping);
+  ++pongs_;
+  clock_sync_.add(pong.t0, pong.t1, pong.t2, clock_.now());
+}
+
+void RelaySubscriber::poll() {
+  if (nats_.isClosed())
+    throw std::runtime_error("--source: NATS has closed the connection and refuses a new one");
+  const LocalTime now = clock_.now();
+  std::unique_lock lock(mutex_);
+  synchronise(now);
+  logSilence(now);
+  const auto ping = makePing(now);
+  lock.unlock();
+  if (ping) (void)nats_.publish(subjects_.pings, encodeRelayPing(*ping), inbox_);
+}
+
+void RelaySubscriber::synchronise(LocalTime now) {
+  if (!state_ || !clock_sync_.ready()) return;
+  const Duration offset = clock_sync_.offset(now);
+  media_clock_.set(offset, clock_sync_.errorBound());
+  if (std::exchange(synchronised_, true)) return;
+  spdlog::info("channel {}: the origin's clock is known to {:.2f} ms", channel_,
+               1e3 * toSeconds(clock_sync_.errorBound()));
+  broadcaster_.changeOrigin({state_->stream, state_->verifying_key, state_->probe},
+                            state_->description);
+  if (last_frame_) broadcaster_.publish(*last_frame_);
+}
+
+void RelaySubscriber::logSilence(LocalTime now) {
+  const bool silent = last_state_ && now - *last_state_ > kSilence;
+  if (silent == silent_ || !last_state_) return;
+  silent_ = silent;
+  if (silent) {
+    spdlog::warn("channel {}: no origin sends; viewers stay connected and wait", channel_);
+  } else {
+    spdlog::info("channel {}: an origin sends again", channel_);
+  }
+}
+
+std::optional<RelayPing> RelaySubscriber::makePing(LocalTime now) {
+  const bool pictures = broadcaster_.videoWanted();
+  const bool datagrams = broadcaster_.datagramsWanted();
+  const bool more = (pictures && !wanted_pictures_) || (datagrams && !wanted_datagrams_);
+  wanted_pictures_ = pictures;
+  wanted_datagrams_ = datagrams;
+  if (!state_ || (next_ping_ && now < *next_ping_ && !more)) return std::nullopt;
+  next_ping_ = now + (pongs_ < ClockSync::kBurst ? kBurstEvery : kPingEvery);
+  pings_.push_back(now);
+  if (pings_.size() > kMostPings) pings_.pop_front();
+  return RelayPing{now, follower_.term(), pictures, datagrams};
+}
+
+std::optional<StreamDescription> RelaySubscriber::description() const {
+  const std::lock_guard lock(mutex_);
+  if (!synchronised_) return std::nullopt;
+  return state_->description;
+}
+
+}  // namespace hapticast::server

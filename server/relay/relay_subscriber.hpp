@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: MIT
+// Receives the stream of a channel's active origin from NATS and passes it to a broadcaster, with
+// all encoded bytes unchanged. It pings the origin, so that the edge's viewers receive the origin's
+// media clock. Each message leaves the queue of libnats at once: old frames are dropped only in the
+// queues of the viewers, which keep the newest. Thread: see each function.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/log_rate_limiter.hpp"
+#include "common/protocol/relay.hpp"
+#include "common/transport/clock_sync.hpp"
+#include "server/relay/nats_connection.hpp"
+#include "server/relay/origin_follower.hpp"
+#include "server/relay/relay_clock.hpp"
+#include "server/relay/subjects.hpp"
+#include "server/stream/broadcaster.hpp"
+
+namespace hapticast::server {
+
+/// An edge of one channel, without its viewers.
+class RelaySubscriber {
+ public:
+  /// Interval of pings, and of the first pings to an origin.
+  static constexpr Duration kPingEvery = std::chrono::milliseconds(500);
+  static constexpr Duration kBurstEvery = std::chrono::milliseconds(20);
+  /// Silence of the origin that the log mentions; longer than the time of a takeover.
+  static constexpr Duration kSilence = std::chrono::seconds(2);
+
+  /// Connects to NATS. `keys`: the only keys that an origin may have; empty: any key. All items go
+  /// to `broadcaster`. Throws as NatsConnection does. The other objects must outlive this one.
+  RelaySubscriber(const NatsAddress& address, const NatsCredentials& credentials,
+                  std::vector<KeyBytes> keys, const Clock& clock, RelayClock& media_clock,
+                  Broadcaster& broadcaster);
+
+  /// Sends pings, updates the media clock, and completes a change of the origin. Call it every 10
+  /// ms. Throws std::runtime_error if NATS refuses the connection for good. Thread: one.
+  void poll();
+  /// Returns the description of the stream once the clock is synchronised; nullopt before. Thread:
+  /// the one of poll().
+  [[nodiscard]] std::optional<StreamDescription> description() const;
+
+ private:
+  void onPiece(std::span<const std::uint8_t> piece);
+  void onPong(std::span<const std::uint8_t> piece);
+  void onContent(const RelayState& state);
+  void onContent(const RelayFrame& frame);
+  void onContent(const RelayPicture& picture);
+  void onContent(const RelayPong& pong);
+  void onNewOrigin();
+  void process(std::span<const std::uint8_t> whole);
+  void logProblem(const std::string& problem);
+  void logSilence(LocalTime now);
+  void synchronise(LocalTime now);
+  [[nodiscard]] std::optional<RelayPing> makePing(LocalTime now);
+
+  const Clock& clock_;
+  RelayClock& media_clock_;
+  Broadcaster& broadcaster_;
+  std::string channel_;
+  Subjects subjects_;
+  std::string inbox_;
+  mutable std::mutex mutex_;  // guards all members below but nats_
+  RelayJoiner joiner_;
+  OriginFollower follower_;
+  ClockSync clock_sync_;
+  std::deque<LocalTime> pings_;  // not answered yet
+  std::size_t pongs_ = 0;        // of this origin
+  std::optional<LocalTime> next_ping_;
+  bool wanted_pictures_ = false;
+  bool wanted_datagrams_ = false;
+  std::optional<RelayState> state_;         // of the followed origin
+  bool synchronised_ = false;               // with the origin of state_
+  std::optional<EncodedFrame> last_frame_;  // until the clock is synchronised
+  std::optional<LocalTime> last_state_;
+  bool silent_ = false;
+  LogRateLimiter problems_;
+  NatsConnection nats_;  // last member: its callbacks use all others
+};
+
+}  // namespace hapticast::server

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+#include "server/stream_service.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <csignal>
+#include <utility>
+
+#include "common/cli/run_program.hpp"
+
+namespace hapticast::server {
+
+namespace {
+
+std::optional<MulticastGroup> openMulticastGroup(asio::io_context& io, const Settings& settings) {
+  if (!settings.multicast) return std::nullopt;
+  return MulticastGroup(io, *settings.multicast, static_cast<int>(settings.multicast_hops));
+}
+
+}  // namespace
+
+StreamService::StreamService(const Settings& settings, const Clock& clock,
+                             const MediaClock& media_clock, const StreamDescription& description,
+                             const StreamIdentity& identity)
+    : settings_(settings),
+      broadcaster_(io_, clock, media_clock, description,
+                   StreamSettings{.max_clients = raiseFileLimit(settings.max_clients)}),
+      listener_(io_, settings.listen, broadcaster_) {
+  broadcaster_.introduce(identity);
+  if (!settings.announce.empty()) requireReachable(listener_.endpoint().address());
+  if (!settings.datagrams) {
+    if (settings.multicast) throw AddressError("--multicast: --transport tcp sends no datagrams");
+    return;
+  }
+  datagrams_.emplace(io_, clock, listener_, identity, settings);
+  broadcaster_.enableUdp(datagrams_->sender);
+}
+
+StreamService::Datagrams::Datagrams(asio::io_context& io, const Clock& clock,
+                                    const Listener& listener, const StreamIdentity& identity,
+                                    const Settings& settings)
+    : group(openMulticastGroup(io, settings)),
+      sender(io, clock, listener.endpoint(), identity, group ? &*group : nullptr) {}
+
+StreamService::~StreamService() { end(); }
+
+void StreamService::start(std::function<void()> on_signal) {
+  signals_.emplace(io_, SIGINT, SIGTERM);
+  if (!sighupIgnored()) signals_->add(SIGHUP);
+  signals_->async_wait(
+      [this, on_signal = std::move(on_signal)](const boost::system::error_code& error, int) {
+        if (error) return;
+        on_signal();
+        signals_->clear();  // a second signal has its default action and ends a blocked program
+      });
+  network_ = std::jthread([this] { io_.run(); });
+}
+
+void StreamService::open(const std::string& name) {
+  if (std::exchange(open_, true)) return;
+  spdlog::info("listening on {}; Ctrl-C ends the server", toString(listener_.address()));
+  listener_.start();
+  if (!settings_.announce.empty())
+    announcer_.emplace(settings_.announce, listener_.endpoint(), name);
+}
+
+void StreamService::end() {
+  if (!network_.joinable()) return;
+  announcer_.reset();
+  listener_.stop();
+  broadcaster_.stop();
+  asio::post(io_, [this] { signals_->cancel(); });
+  network_.join();
+}
+
+}  // namespace hapticast::server

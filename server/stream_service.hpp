@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+// Serves one stream to viewers: the network thread with listener, broadcaster, datagrams,
+// announcement and signals. The parts that make the stream (vision, or an edge's subscription) call
+// its broadcaster. Thread: the caller's, except where a function says "any".
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "common/time.hpp"
+#include "common/transport/asio.hpp"
+#include "server/settings.hpp"
+#include "server/stream/announce.hpp"
+#include "server/stream/broadcaster.hpp"
+#include "server/stream/datagram_sender.hpp"
+#include "server/stream/listener.hpp"
+#include "server/stream/multicast_group.hpp"
+
+namespace hapticast::server {
+
+/// The viewers' side of a server.
+class StreamService {
+ public:
+  /// Opens the ports of `settings`, but does not accept viewers yet. Throws AddressError or
+  /// std::runtime_error, each with one line. The clocks must outlive this object.
+  StreamService(const Settings& settings, const Clock& clock, const MediaClock& media_clock,
+                const StreamDescription& description, const StreamIdentity& identity);
+  /// Ends the service, if end() was not called.
+  ~StreamService();
+  StreamService(const StreamService&) = delete;
+  StreamService& operator=(const StreamService&) = delete;
+
+  /// Starts the network thread. `on_signal` is called at SIGINT, SIGTERM and SIGHUP; thread: the
+  /// network's.
+  void start(std::function<void()> on_signal);
+  /// Begins to accept viewers. A second call does nothing. `name`: the stream's name, for the
+  /// announcement.
+  void open(const std::string& name);
+  /// Sends a goodbye to all viewers and ends the network thread. A second call does nothing.
+  void end();
+
+  [[nodiscard]] Broadcaster& broadcaster() { return broadcaster_; }
+
+ private:
+  /// Members of UDP delivery.
+  struct Datagrams {
+    Datagrams(asio::io_context& io, const Clock& clock, const Listener& listener,
+              const StreamIdentity& identity, const Settings& settings);
+    std::optional<MulticastGroup> group;
+    DatagramSender sender;
+  };
+
+  const Settings& settings_;
+  asio::io_context io_;
+  Broadcaster broadcaster_;
+  Listener listener_;
+  std::optional<Datagrams> datagrams_;
+  std::optional<Announcer> announcer_;  // once open() was called
+  std::optional<asio::signal_set> signals_;
+  bool open_ = false;
+  std::jthread network_;  // last member: it runs io_
+};
+
+}  // namespace hapticast::server
