@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "client/net/welcome_rate_limiter.hpp"
 #include "common/protocol/signed_frame.hpp"
 
 namespace hapticast::client {
@@ -34,10 +35,14 @@ struct Connection::Session {
   asio::steady_timer watcher;
   std::optional<VerifyingKey> key;  // absent: the server signs nothing
   std::uint32_t stream = 0;
+  StreamDescription description;
   bool closed = false;
   bool welcomed = false;
+  WelcomeRateLimiter welcomes;
   std::optional<LocalTime> unanswered_since;  // welcome without an answered ping yet
   bool pinging = false;
+  std::size_t sent_pings = 0;  // since the newest welcome
+  LocalTime next_ping{};
   std::optional<LocalTime> first_frame;
   bool timed_out = false;  // closed because `deadline` passed
   LocalTime deadline{};
@@ -155,18 +160,17 @@ asio::awaitable<bool> Connection::send(ConversationPtr session, Message message)
 }
 
 asio::awaitable<void> Connection::writeLoop(ConversationPtr session) {
-  std::size_t pings = 0;
-  LocalTime next_ping = clock_.now();
   while (!session->closed) {
     if (const auto order = std::exchange(session->order, std::nullopt)) {
       if (!co_await send(session, *order)) co_return;
-    } else if (clock_.now() >= next_ping) {
-      const bool burst = ++pings < ClockSync::kBurst;
-      next_ping = clock_.now() + (burst ? settings_.burst_interval : settings_.ping_interval);
+    } else if (clock_.now() >= session->next_ping) {
+      const bool burst = ++session->sent_pings < ClockSync::kBurst;
+      session->next_ping =
+          clock_.now() + (burst ? settings_.burst_interval : settings_.ping_interval);
       if (!co_await ping(session, !burst)) co_return;
     } else {
       boost::system::error_code woken;
-      session->pinger.expires_after(next_ping - clock_.now());
+      session->pinger.expires_after(session->next_ping - clock_.now());
       co_await session->pinger.async_wait(asio::redirect_error(asio::use_awaitable, woken));
     }
   }
@@ -212,29 +216,52 @@ std::optional<WireError> Connection::checkSignature(const Session& session, cons
                    "a frame has no valid signature: somebody on the way may have changed it"};
 }
 
-std::optional<WireError> Connection::handleWelcome(Session& session, const Message& message) {
-  const auto* const welcome = std::get_if<Welcome>(&message);
-  if (welcome == nullptr)
-    return WireError{ErrorCode::kUnexpected, "the first message is not a welcome"};
-  if (welcome->protocol_version != kProtocolVersion) {
+std::optional<WireError> Connection::handleWelcome(Session& session, const Welcome& welcome) {
+  if (welcome.protocol_version != kProtocolVersion) {
     return WireError{ErrorCode::kVersion, "the server has protocol version " +
-                                              std::to_string(welcome->protocol_version) +
+                                              std::to_string(welcome.protocol_version) +
                                               ", this client " + std::to_string(kProtocolVersion)};
   }
-  if (welcome->verifying_key) {
-    auto key = VerifyingKey::from(*welcome->verifying_key);
-    if (!key.ok()) return WireError{ErrorCode::kMalformed, "the server's key is not valid"};
-    session.key.emplace(std::move(key).value());
-    session.stream = welcome->stream;
+  std::optional<VerifyingKey> key;
+  if (welcome.verifying_key) {
+    auto read = VerifyingKey::from(*welcome.verifying_key);
+    if (!read.ok()) return WireError{ErrorCode::kMalformed, "the server's key is not valid"};
+    key.emplace(std::move(read).value());
   }
+  const LocalTime now = clock_.now();
+  if (session.welcomed) {
+    if (!session.welcomes.allow(now))
+      return WireError{ErrorCode::kUnexpected, "the server changes its origin too often"};
+    leaveOrigin(session);
+  }
+  const bool is_new = !session.welcomed || !(session.description == welcome.description);
+  session.key = std::move(key);
+  session.stream = welcome.stream;
+  session.description = welcome.description;
   session.welcomed = true;
-  session.unanswered_since = clock_.now();
+  session.unanswered_since = session.next_ping = now;
+  session.sent_pings = 0;
+  session.pinger.cancel();
   ever_welcomed_ = true;
   session.channel->setReadLimit(kMaxMessageBytes);
-  receiver_.connected(welcome->description, clock_.now());
-  if (events_.welcomed) events_.welcomed(welcome->description);
-  openLink(session, *welcome);
+  receiver_.connected(welcome.description, now);
+  if (is_new && events_.welcomed) events_.welcomed(welcome.description);
+  openLink(session, welcome);
   return std::nullopt;
+}
+
+void Connection::leaveOrigin(Session& session) {
+  session.pings.clear();  // their pongs would mix two media clocks
+  if (session.link) {
+    bytes_received_ += session.link->bytesReceived();
+    datagrams_ = datagrams();
+    delivery_ = delivery();
+    session.link->close();
+    session.link.reset();
+    session.order = Delivery{};  // replaces an order that is under way to the server
+  }
+  receiver_.disconnected(clock_.now());
+  if (events_.delivery) events_.delivery("another server makes the stream from now on");
 }
 
 void Connection::openLink(Session& session, const Welcome& welcome) {
@@ -257,8 +284,10 @@ std::optional<WireError> Connection::handle(Session& session, Message message) {
   if (auto* const error = std::get_if<WireError>(&message)) return std::move(*error);
   const LocalTime now = clock_.now();
   std::optional<WireError> failure;
-  if (!session.welcomed) {
-    failure = handleWelcome(session, message);
+  if (const auto* const welcome = std::get_if<Welcome>(&message)) {
+    failure = handleWelcome(session, *welcome);
+  } else if (!session.welcomed) {
+    failure = WireError{ErrorCode::kUnexpected, "the first message is not a welcome"};
   } else if (auto* const frame = std::get_if<CodedFrame>(&message)) {
     if (!session.first_frame) session.first_frame = now;
     if (session.link) session.link->tcpFrame(frame->id);
@@ -270,6 +299,7 @@ std::optional<WireError> Connection::handle(Session& session, Message message) {
   } else if (const auto* const preparing = std::get_if<Preparing>(&message)) {
     if (events_.preparing) events_.preparing(preparing->share);
   } else if (const auto* const description = std::get_if<StreamDescription>(&message)) {
+    session.description = *description;
     receiver_.describe(*description, now);
   } else {
     failure = WireError{ErrorCode::kUnexpected, "the server sent a message that only clients send"};

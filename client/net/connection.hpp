@@ -49,11 +49,13 @@ struct ConnectionSettings {
 
 /// Callbacks. The connection calls them in the network thread. Each may be empty.
 struct ConnectionEvents {
-  std::function<void(const StreamDescription&)> welcomed;  ///< the server's welcome arrived
+  /// The server's welcome arrived. A second one of the same session counts only if its description
+  /// is another one.
+  std::function<void(const StreamDescription&)> welcomed;
   std::function<void(VideoFrame)> video;
   /// Share (0..1) of its clip that the server has scanned before the first frame.
   std::function<void(double)> preparing;
-  /// The transport has changed; one line for the user.
+  /// The transport or the origin of the stream has changed; one line for the user.
   std::function<void(const std::string&)> delivery;
   /// The connection was lost, with the cause (one line); a retry follows.
   std::function<void(const std::string&)> disconnected;
@@ -112,7 +114,11 @@ class Connection {
   [[nodiscard]] static std::optional<WireError> checkSignature(const Session& session,
                                                                const Message& message,
                                                                std::span<const std::uint8_t> bytes);
-  [[nodiscard]] std::optional<WireError> handleWelcome(Session& session, const Message& message);
+  /// Begins the stream of `welcome`. A second welcome in a session comes from another server that
+  /// makes the stream from then on: clock, key, numbering and datagrams begin anew.
+  [[nodiscard]] std::optional<WireError> handleWelcome(Session& session, const Welcome& welcome);
+  /// Ends the stream of the welcome before, but not the session.
+  void leaveOrigin(Session& session);
   void handlePong(Session& session, const Pong& pong);
   [[nodiscard]] ReceiverReport report() const;
 

@@ -107,6 +107,18 @@ void Broadcaster::describe(const StreamDescription& description) {
   });
 }
 
+void Broadcaster::changeOrigin(StreamIdentity identity, const StreamDescription& description) {
+  onIo([this, identity = std::move(identity), description] {
+    identity_ = identity;
+    description_ = description;
+    preparing_ = nullptr;
+    last_frame_.reset();
+    last_video_.reset();
+    if (datagrams_ != nullptr) datagrams_->changeOrigin(identity);
+    for (const auto& viewer : viewers_) viewer->welcomeAgain();
+  });
+}
+
 void Broadcaster::stop() {
   asio::post(io_, [this] {
     stopped_ = true;

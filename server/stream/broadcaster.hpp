@@ -57,6 +57,11 @@ class Broadcaster final : public StreamSink, private SessionHost {
   /// Sends the description of another stream to all viewers. If the workspace differs from that of
   /// the present stream, frames that still wait are removed. Thread: any.
   void describe(const StreamDescription& description) override;
+  /// Another server makes the stream from now on. Frames and pictures that wait are removed. Every
+  /// viewer receives a second welcome with the stream number, the key, the description and a new
+  /// datagram token. Frames of publish() before this call belong to the server before, and frames
+  /// after it to `identity`. Thread: any.
+  void changeOrigin(StreamIdentity identity, const StreamDescription& description);
   /// Returns whether at least one viewer subscribed to pictures. Thread: any.
   [[nodiscard]] bool videoWanted() const override {
     return video_viewers_.load(std::memory_order_relaxed) > 0;

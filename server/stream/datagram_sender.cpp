@@ -62,7 +62,17 @@ void DatagramSender::offer(const Hosts& hosts, Welcome& welcome) {
   if (group_ != nullptr) {
     const auto& at = group_->endpoint();
     welcome.group = DatagramGroup{at.address().to_string(), at.port(), group_token_};
+    wanted_.store(true, std::memory_order_relaxed);
   }
+}
+
+void DatagramSender::changeOrigin(const StreamIdentity& identity) {
+  identity_ = identity;
+  last_.clear();
+  out_.dropRest();
+  if (group_out_) group_out_->dropRest();
+  group_probed_at_.reset();
+  counts_.viewers += book_.restart(identity.stream);
   countTakers();
 }
 

@@ -68,6 +68,9 @@ class DatagramSender {
   /// token identifies the viewer in later calls. Does nothing if an address in `hosts` is
   /// unspecified.
   void offer(const Hosts& hosts, Welcome& welcome);
+  /// Another server signs the datagrams from now on. Removes all viewers, so that their tokens are
+  /// no longer valid, and all datagrams that wait. Call offer() again for each viewer.
+  void changeOrigin(const StreamIdentity& identity);
   /// Removes the viewer with this token.
   void left(std::uint64_t token);
   /// Sets how the viewer with this token wants its frames: whether by datagrams, and with which

@@ -49,7 +49,7 @@ class SendQueue {
   /// Removes all frames and pictures, because viewers can no longer use them (for example, after a
   /// change of the workspace). The next frame is sent as a key frame.
   void clearFrames();
-  /// Removes all items. Call it at the end of a session.
+  /// Removes all items. The next frame is sent as a key frame.
   void clear();
 
   /// Returns whether the next item of pop() is a control message.

@@ -190,13 +190,26 @@ void Session::handle(const Hello& hello) {
   if (hello_) return close({ErrorCode::kUnexpected, "a second hello"});
   if (const auto refusal = host_.refuse(hello)) return close(*refusal);
   hello_ = hello;
-  frames_on_tcp_ = hello.wants_frames_on_tcp;
+  queueWelcome();
+  host_.onJoined(*this);
+  flush();
+}
+
+void Session::queueWelcome() {
+  frames_on_tcp_ = hello_->wants_frames_on_tcp;
   Welcome welcome{kProtocolVersion, id_, 0, host_.description()};
   host_.completeWelcome(channel_->hosts(), welcome);
   datagram_token_ = welcome.datagram_token;
   idle_ = false;
-  (void)queue_.pushControl(encodeShared(welcome));  // first message
-  host_.onJoined(*this);
+  (void)queue_.pushControl(encodeShared(welcome));  // an empty queue has room
+}
+
+void Session::welcomeAgain() {
+  // A payload that is written in part comes whole before the welcome, nothing else does. If the
+  // first welcome still waits, the client receives only the second one.
+  queue_.clear();
+  pongs_.clear();  // their pings arrived by the clock of the server before
+  queueWelcome();
   flush();
 }
 

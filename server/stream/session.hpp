@@ -81,6 +81,10 @@ class Session : public std::enable_shared_from_this<Session> {
   /// Sends `frame` like the other send(). If the queue is empty, which is usual, the frame bypasses
   /// the queue.
   void send(const EncodedFrame& frame);
+  /// Sends another welcome, because another server makes the stream from now on. Items and pongs
+  /// that wait belong to the server before and are removed. How the client wants its frames is
+  /// again as after its hello. Requires a welcomed client.
+  void welcomeAgain();
   /// Sends the reason `why` to the client, then closes the connection. Items that still wait are
   /// removed.
   void close(const WireError& why);
@@ -106,6 +110,8 @@ class Session : public std::enable_shared_from_this<Session> {
   void handle(const ReceiverReport& report);
   template <class Other>
   void handle(const Other& other);
+  /// Adds a welcome to the queue, as its first item. Requires an empty queue.
+  void queueWelcome();
   [[nodiscard]] bool withinRate();
   /// Returns whether a write is unfinished and the client has read no byte of it for write_timeout
   /// or longer.

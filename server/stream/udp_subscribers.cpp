@@ -23,6 +23,13 @@ DatagramCounts UdpSubscribers::remove(std::uint64_t token) {
   return counts;
 }
 
+DatagramCounts UdpSubscribers::restart(std::uint32_t stream) {
+  const DatagramCounts sum = counts();
+  viewers_.clear();
+  stream_ = stream;
+  return sum;
+}
+
 UdpSubscribers::Viewer* UdpSubscribers::find(std::uint64_t token) {
   const auto found = viewers_.find(token);
   return found == viewers_.end() ? nullptr : &found->second;

@@ -61,6 +61,9 @@ class UdpSubscribers {
   std::uint64_t add(const asio::ip::address& peer, const asio::ip::address& local);
   /// Removes the viewer with this token. Returns the counts of its datagrams.
   DatagramCounts remove(std::uint64_t token);
+  /// Removes all viewers. Echoes are valid for the stream number `stream` from now on. Returns the
+  /// counts of the viewers' datagrams.
+  DatagramCounts restart(std::uint32_t stream);
   /// Sets how the viewer with this token wants its frames from now on (transport and redundancy).
   void deliver(std::uint64_t token, const Delivery& delivery);
   /// Checks an echo `bytes` that arrived from `from`, and returns the result. A valid echo makes

@@ -35,13 +35,21 @@ struct DatagramServer : TestServer {
     frame.media_time = media.now();
     frame.objects.push_back({1, 0, id, noise(side), {}, nullptr, {}, {}});
     last = frame;
-    broadcaster.publish(encoder.encode(frame, {}, &signer, broadcaster.datagramsWanted()));
+    broadcaster.publish(encoder.encode(frame, {}, origin, broadcaster.datagramsWanted()));
+  }
+  /// The other signer makes the stream from now on.
+  void changeOrigin(const StreamDescription& described = description()) {
+    origin = &other;
+    encoder = {};
+    broadcaster.changeOrigin(other.identity(), described);
   }
   [[nodiscard]] std::uint64_t echoes(server::AddressValidation verdict) const {
     return sender->counts().of(verdict);
   }
 
   server::FrameSigner signer;
+  server::FrameSigner other;
+  server::FrameSigner* origin = &signer;
   std::optional<server::MulticastGroup> group;
   std::optional<server::DatagramSender> sender;
   HapticFrame last;

@@ -158,6 +158,21 @@ Lies structure() {
 
 // --- ids, epochs, times, clocks
 
+namespace {
+
+/// The frame in whose place another origin begins, and how much earlier its clock is.
+constexpr std::uint64_t kOtherOrigin = 60;
+constexpr double kOtherOrigin_s = 500.0 + static_cast<double>(kOtherOrigin) / kLiarsFps;
+constexpr double kEarlier_s = 400.0;
+
+Bytes welcomeAgain() {
+  Welcome welcome;
+  welcome.description.fps = kLiarsFps;
+  return encode(welcome);
+}
+
+}  // namespace
+
 Lies order() {
   return {
       {"id_max_once", kHold, kHarmless,
@@ -213,6 +228,18 @@ Lies order() {
       {"times_dense", kHold, kHarmless, later([](Telling& t) {
          t.frame.media_time = mediaTime(501.2 + 1e-6 * static_cast<double>(t.n));
        })},
+      {"clock_of_another_origin", kHold, kHarmless,
+       [](Telling& t) {
+         if (t.n == kOtherOrigin) t.bytes = welcomeAgain();
+         if (t.n <= kOtherOrigin) return;
+         t.frame.id -= kOtherOrigin;
+         t.frame.media_time -= fromSeconds(kEarlier_s);
+       },
+       nullptr, [](double s) { return s < kOtherOrigin_s ? s : s - kEarlier_s; }},
+      {"welcomes_in_the_session", kHold, kLimited,
+       [](Telling& t) {
+         if (t.n % 30 == 29) t.bytes = welcomeAgain();
+       }},
       {"clock_jumps_1_s", kHold, kHarmless, [](Telling&) {}, nullptr,
        [](double s) { return std::floor(s) == 503.0 ? s + 1.0 : s; }},
       {"clock_jumps_1_h", kHold, kHarmless, [](Telling&) {}, nullptr,

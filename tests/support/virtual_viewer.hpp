@@ -19,6 +19,7 @@
 #include "client/haptics/renderer.hpp"
 #include "client/net/receiver.hpp"
 #include "client/net/udp/udp_socket.hpp"
+#include "client/net/welcome_rate_limiter.hpp"
 #include "common/protocol/messages.hpp"
 #include "common/time.hpp"
 #include "tests/support/chain_fixture.hpp"
@@ -122,6 +123,8 @@ class VirtualViewer {
     receiver_.disconnected(clock_.now());
   }
   [[nodiscard]] bool welcomed() const { return welcomed_; }
+  /// Number of welcomes so far. After each one the clock has to be measured again.
+  [[nodiscard]] int welcomes() const { return welcomes_; }
   /// A ping, as bytes.
   [[nodiscard]] std::vector<std::uint8_t> ping() const { return encode(Ping{clock_.now()}); }
   [[nodiscard]] LocalTime now() const { return clock_.now(); }
@@ -208,8 +211,15 @@ class VirtualViewer {
       return true;
     }
     if (const auto* const welcome = std::get_if<Welcome>(&message)) {
-      if (welcomed_) return false;
+      if (!welcomed_) {
+        welcome_limit_ = {};
+      } else if (welcome_limit_.allow(clock_.now())) {
+        receiver_.disconnected(clock_.now());
+      } else {
+        return false;
+      }
       welcomed_ = true;
+      ++welcomes_;
       token_ = welcome->datagram_token;
       if (welcome->verifying_key)
         verifier_.emplace(token_, welcome->stream,
@@ -269,6 +279,8 @@ class VirtualViewer {
   bool nailed_;
   std::function<Vec3(double)> target_;
   bool welcomed_ = false;
+  int welcomes_ = 0;
+  WelcomeRateLimiter welcome_limit_;
   std::optional<DatagramVerifier> verifier_;  // where the welcome offers datagrams
   std::uint64_t token_ = 0;
   std::optional<double> datagram_loss_;
@@ -294,6 +306,7 @@ TickReport runSession(Server& server, VirtualViewer& viewer, double seconds,
   double next_try_s = 0.0;
   double next_ping_s = 0.0;
   int pings = 0;
+  int welcomes = 0;
   TickReport last;
   for (int tick = 0; tick < static_cast<int>(seconds * 1000.0); ++tick) {
     const double now_s = tick * 1e-3;
@@ -302,7 +315,10 @@ TickReport runSession(Server& server, VirtualViewer& viewer, double seconds,
     };
     if (!viewer.welcomed() && now_s >= next_try_s) {
       (void)viewer.receive(server.welcome());
-      welcomed_s = next_ping_s = now_s;
+      welcomed_s = now_s;
+    }
+    if (std::exchange(welcomes, viewer.welcomes()) != viewer.welcomes()) {
+      next_ping_s = now_s;
       pings = 0;
     }
     if (viewer.welcomed() && now_s >= next_ping_s) {

@@ -2,6 +2,7 @@
 // Every lie through the real wire to the client's own parts, in virtual time.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdio>
 
 #include "tests/support/adversarial_run.hpp"
@@ -60,6 +61,25 @@ TEST_P(LyingServerTest, ByDatagramsItGetsNoFurther) {
   expectSafe(nailed);
   EXPECT_LE(nailed.max_rise_N, kRise_N + 1e-9);
   EXPECT_LE(nailed.max_fall_N, kFall_N + 1e-9);
+}
+
+TEST(OtherOriginTest, TheForceFallsAndRisesAgainWithoutAStep) {
+  const auto found =
+      std::find_if(testing::lies().begin(), testing::lies().end(),
+                   [](const testing::Lie& each) { return each.name == "clock_of_another_origin"; });
+  ASSERT_NE(found, testing::lies().end());
+  const Felt felt = lieTo(*found, kSeconds).felt;
+  expectSafe(felt);
+  EXPECT_EQ(felt.refused, 0U) << "the session goes on";
+  const auto contact = [&](double from_s, double to_s) {
+    return std::count(felt.contact.begin() + static_cast<std::ptrdiff_t>(from_s * 1000.0),
+                      felt.contact.begin() + static_cast<std::ptrdiff_t>(to_s * 1000.0), true);
+  };
+  constexpr double kChange_s = 60.0 / testing::kLiarsFps;
+  EXPECT_EQ(contact(kChange_s - 0.3, kChange_s), 300);
+  EXPECT_EQ(contact(kChange_s + 0.03, kChange_s + 0.1), 0) << "no relief is known yet";
+  EXPECT_EQ(contact(kSeconds - 0.3, kSeconds), 300);
+  EXPECT_GT(felt.last_force_N, 0.1);
 }
 
 INSTANTIATE_TEST_SUITE_P(Lies, LyingServerTest,
