@@ -11,6 +11,7 @@
 #include <condition_variable>
 #include <filesystem>
 #include <mutex>
+#include <stdexcept>
 #include <vector>
 
 #include "common/text.hpp"
@@ -164,13 +165,13 @@ void NatsConnection::Library::connect() {
   connection.reset(made);
   if (status == NATS_OK) return running.begin();
   if (status == NATS_NO_SERVER)
-    throw AddressError(text + ": no nats-server answers there; start one (nats-server -p PORT)");
+    throw std::runtime_error(text + ": no nats-server answers there; is it running?");
   if (status == NATS_CONNECTION_AUTH_FAILED || status == NATS_NOT_PERMITTED)
-    throw AddressError(text + ": NATS refuses the credentials; see --nats-creds");
+    throw std::runtime_error(text + ": NATS refuses the credentials; see --nats-creds");
   const char* const detail = nats_GetLastError(nullptr);
-  throw AddressError(
-      text + ": cannot connect to NATS: " + natsStatus_GetText(status) +
-      (detail != nullptr && *detail != '\0' ? std::string(" (") + detail + ")" : ""));
+  throw std::runtime_error(
+      text + ": cannot connect to NATS: " +
+      (detail != nullptr && *detail != '\0' ? sanitizeUtf8(detail) : natsStatus_GetText(status)));
 }
 
 NatsConnection::NatsConnection(const std::string& flag, const NatsAddress& address,

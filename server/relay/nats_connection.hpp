@@ -23,8 +23,8 @@ class NatsConnection {
   using OnMessage = std::function<void(std::span<const std::uint8_t> bytes, const std::string&)>;
 
   /// Connects to one of the servers. `flag` is the flag of the command line that names them, for
-  /// messages. Throws AddressError with one line if no server answers or accepts the credentials,
-  /// if a file is not usable, or if this build has no libnats.
+  /// messages. Throws AddressError if a file is not usable, or if this build has no libnats. Throws
+  /// std::runtime_error if no server answers or accepts the credentials. Each has one line.
   NatsConnection(const std::string& flag, const NatsAddress& address,
                  const NatsCredentials& credentials);
   /// Closes the connection. Returns after the last call of an OnMessage has returned.

@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: MIT
+// Origins, edges and clients as programs, with a real nats-server between them: what passes, what
+// fails how, and what wrong messages cause.
+#include <nlohmann/json.hpp>
+
+#include "common/build_options.hpp"
+#include "server/relay/nats_connection.hpp"
+#include "server/relay/subjects.hpp"
+#include "tests/integration/programs_fixture.hpp"
+#include "tests/support/nats_server.hpp"
+
+namespace hapticast::testing {
+namespace {
+
+class ProgramsRelayTest : public ProgramsTest {
+ protected:
+  void SetUp() override {
+    if (!kHasRelays) GTEST_SKIP() << "this build has no libnats";
+    if (!NatsServer::exists()) GTEST_SKIP() << "there is no nats-server";
+    std::filesystem::create_directories(path("nats"));
+    nats_ = std::make_unique<NatsServer>(path("nats"), settings());
+  }
+  [[nodiscard]] virtual std::string settings() const { return ""; }
+
+  [[nodiscard]] std::unique_ptr<Process> startOrigin(std::vector<std::string> more = {}) const {
+    more.insert(more.begin(),
+                {"--source", "synthetic:bounce", "--loop", "--publish", nats_->channel("lab")});
+    return startServer(std::move(more));
+  }
+  [[nodiscard]] std::unique_ptr<Process> startEdge(std::vector<std::string> more = {}) const {
+    more.insert(more.begin(), {"--source", nats_->channel("lab")});
+    return startServer(std::move(more));
+  }
+  [[nodiscard]] std::unique_ptr<Process> startViewer(const std::string& address,
+                                                     const std::string& name,
+                                                     std::vector<std::string> more = {}) const {
+    more.insert(more.begin(), {address, "--device", "virtual", "--hand", "press", "--log",
+                               path(name + ".csv"), "--summary", path(name + ".json")});
+    return startClient(std::move(more));
+  }
+  /// Ends a client; its force never stepped beyond what the chain allows.
+  [[nodiscard]] nlohmann::json endViewer(Process& client, const std::string& name) const {
+    interrupt(client);
+    auto summary = nlohmann::json::parse(std::ifstream(path(name + ".json")));
+    EXPECT_EQ(summary["step_excess_max_N"], 0.0) << client.output();
+    EXPECT_EQ(summary["frames"]["malformed"], 0) << client.output();
+    return summary;
+  }
+  /// How many ticks lay between two received frames so far.
+  [[nodiscard]] std::size_t countInterpolated(const std::string& name) const {
+    const auto rows = readLog(path(name + ".csv"));
+    return static_cast<std::size_t>(std::count_if(
+        rows.begin(), rows.end(), [](const LogRow& row) { return row.lookup == "interpolated"; }));
+  }
+  /// Whether frames arrive from now on.
+  [[nodiscard]] bool framesArrive(const std::string& name) const {
+    const std::size_t before = countInterpolated(name);
+    return waitUntil(kSoon, [&] { return countInterpolated(name) > before + 500; });
+  }
+
+  std::unique_ptr<NatsServer> nats_;
+};
+
+TEST_F(ProgramsRelayTest, AnEdgeServesTheOriginsStreamByEachTransport) {
+  const auto origin = startOrigin();
+  const auto edge = startEdge();
+  const std::string address = addressOf(*edge);
+  const auto udp = startViewer(address, "udp");
+  const auto tcp = startViewer(address, "tcp", {"--transport", "tcp"});
+  EXPECT_TRUE(framesArrive("udp") && framesArrive("tcp"));
+  ASSERT_TRUE(waitUntil(kSoon, [&] { return countInterpolated("tcp") > 3000; }));
+  const auto by_udp = endViewer(*udp, "udp"), by_tcp = endViewer(*tcp, "tcp");
+  EXPECT_EQ(by_udp["delivery"]["way"], "udp");
+  EXPECT_GT(by_udp["max_force_N"], 0.3);
+  EXPECT_EQ(by_tcp["frames"]["reliefs_refused"], 0);
+  // The edge's part of the error is in the figure: it is more than a viewer's own on loopback.
+  EXPECT_GT(by_tcp["clock_error_us"], 0.0);
+  interrupt(*edge);
+  interrupt(*origin);
+}
+
+TEST_F(ProgramsRelayTest, AStandbyTakesOverAndTheViewersStayConnected) {
+  const auto first = startOrigin();
+  ASSERT_TRUE(first->says("active (term", kStart)) << first->output();
+  const auto second = startOrigin();
+  const auto edge = startEdge();
+  const std::string address = addressOf(*edge);
+  const auto udp = startViewer(address, "udp");
+  const auto tcp = startViewer(address, "tcp", {"--transport", "tcp"});
+  EXPECT_TRUE(framesArrive("udp") && framesArrive("tcp"));
+  EXPECT_EQ(countOf("active (term", second->output()), 0U);
+  first->signal(SIGKILL);
+  EXPECT_TRUE(second->says("active (term", kSoon)) << second->output();
+  EXPECT_TRUE(edge->says("another origin sends from now on", kSoon)) << edge->output();
+  EXPECT_TRUE(framesArrive("udp") && framesArrive("tcp"));
+  for (Process* client : {udp.get(), tcp.get()}) {
+    EXPECT_EQ(countOf("trying again", client->output()), 0U) << client->output();
+    EXPECT_EQ(countOf("another server makes the stream", client->output()), 1U) << client->output();
+  }
+  (void)endViewer(*udp, "udp");
+  (void)endViewer(*tcp, "tcp");
+  interrupt(*edge);
+  interrupt(*second);
+}
+
+TEST_F(ProgramsRelayTest, AnEdgeWithoutOriginKeepsItsViewersUntilOneSends) {
+  auto origin = startOrigin();
+  const auto edge = startEdge();
+  const auto client = startViewer(addressOf(*edge), "wait");
+  EXPECT_TRUE(framesArrive("wait"));
+  origin->signal(SIGKILL);
+  EXPECT_TRUE(edge->says("no origin sends; viewers stay connected and wait", kSoon))
+      << edge->output();
+  EXPECT_TRUE(client->says("no new frames arrive: the force has faded", kSoon)) << client->output();
+  origin = startOrigin();
+  EXPECT_TRUE(edge->says("an origin sends again", kSoon)) << edge->output();
+  EXPECT_TRUE(framesArrive("wait"));
+  EXPECT_EQ(countOf("trying again", client->output()), 0U) << client->output();
+  (void)endViewer(*client, "wait");
+  interrupt(*edge);
+  interrupt(*origin);
+}
+
+TEST_F(ProgramsRelayTest, ANatsServerMayRestart) {
+  const auto origin = startOrigin();
+  const auto edge = startEdge();
+  const auto client = startViewer(addressOf(*edge), "restart");
+  EXPECT_TRUE(framesArrive("restart"));
+  nats_->kill();
+  EXPECT_TRUE(origin->says("the connection to NATS is lost", kSoon)) << origin->output();
+  EXPECT_TRUE(edge->says("the connection to NATS is lost", kSoon)) << edge->output();
+  nats_->restart(settings());
+  EXPECT_TRUE(edge->says("connected to NATS again", kSoon)) << edge->output();
+  EXPECT_TRUE(framesArrive("restart"));
+  (void)endViewer(*client, "restart");
+  interrupt(*edge);
+  interrupt(*origin);
+}
+
+TEST_F(ProgramsRelayTest, MessagesOfStrangersHarmNobody) {
+  const auto origin = startOrigin();
+  const auto edge = startEdge();
+  const auto client = startViewer(addressOf(*edge), "stranger");
+  EXPECT_TRUE(framesArrive("stranger"));
+  const server::Subjects subjects("lab");
+  server::NatsConnection stranger("--publish", *server::parseNatsAddress(nats_->channel("lab")),
+                                  {});
+  const std::vector<std::uint8_t> noise(700'000, std::uint8_t{0x5a});
+  for (int i = 0; i < 40; ++i) {
+    for (const std::string& subject : {subjects.state, subjects.frames, subjects.pings}) {
+      (void)stranger.publish(subject, noise);
+      (void)stranger.publish(subject, {});
+    }
+  }
+  EXPECT_TRUE(edge->says("bytes that are not a piece of a relayed message", kSoon))
+      << edge->output();
+  EXPECT_TRUE(framesArrive("stranger"));
+  EXPECT_LE(countOf("a message was dropped", edge->output()), 8U) << "the log is limited";
+  EXPECT_EQ(countOf("standby", origin->output()), 0U) << origin->output();
+  EXPECT_EQ(endViewer(*client, "stranger")["frames"]["resyncs"], 0);
+  interrupt(*edge);
+  interrupt(*origin);
+}
+
+class ProgramsSmallPayloadTest : public ProgramsRelayTest {
+ protected:
+  [[nodiscard]] std::string settings() const override { return "max_payload: 1500\n"; }
+};
+
+TEST_F(ProgramsSmallPayloadTest, LargeFramesTravelInPieces) {
+  const auto origin = startOrigin();
+  const auto edge = startEdge();
+  const auto client = startViewer(addressOf(*edge), "pieces");
+  EXPECT_TRUE(framesArrive("pieces"));
+  const auto summary = endViewer(*client, "pieces");
+  EXPECT_EQ(summary["frames"]["lost"], 0);
+  interrupt(*edge);
+  interrupt(*origin);
+}
+
+class ProgramsRelayAccessTest : public ProgramsRelayTest {
+ protected:
+  [[nodiscard]] std::string settings() const override {
+    return "authorization { user: lab, password: secret }\n";
+  }
+};
+
+TEST_F(ProgramsRelayAccessTest, RefusedCredentialsAreOneLine) {
+  const auto origin = startOrigin();
+  EXPECT_EQ(origin->wait(kStart), 1) << origin->output();
+  EXPECT_TRUE(origin->output().ends_with("--publish " + nats_->channel("lab") +
+                                         ": NATS refuses the credentials; see --nats-creds\n"))
+      << origin->output();
+  const auto edge = startEdge();
+  EXPECT_EQ(edge->wait(kStart), 1) << edge->output();
+  EXPECT_TRUE(edge->output().ends_with("--source " + nats_->channel("lab") +
+                                       ": NATS refuses the credentials; see --nats-creds\n"))
+      << edge->output();
+}
+
+}  // namespace
+}  // namespace hapticast::testing
