@@ -70,6 +70,9 @@ class MediaClock {
   virtual ~MediaClock() = default;
   /// Thread: any.
   [[nodiscard]] virtual MediaTime now() const noexcept = 0;
+  /// Returns the largest error of now() against the clock of the frames. It is 0 if this machine
+  /// stamps the frames. Thread: any.
+  [[nodiscard]] virtual Duration errorBound() const noexcept { return {}; }
 };
 
 /// Media clock of this machine: local time since the construction.

@@ -27,6 +27,8 @@ inline constexpr double kMaxFps = 240.0;
 /// Largest magnitude of a time: 31 years.
 inline constexpr std::int64_t kTime_ns = 1'000'000'000'000'000'000;
 inline constexpr std::int64_t kLatency_ns = 10'000'000'000;
+/// Largest error that a server may state for its clock. A larger one is of no use.
+inline constexpr std::int64_t kClockError_ns = 10'000'000'000;
 /// Largest number of bytes (UTF-8) of a client's name. The three limits below are of the same kind.
 inline constexpr std::size_t kClientName = 64;
 inline constexpr std::size_t kStreamName = 256;

@@ -24,6 +24,7 @@ Receiver::Receiver(DecodeThread& decode_thread, LatestValue<StreamTiming>& strea
 
 void Receiver::connected(const StreamDescription& description, LocalTime now) {
   clock_.reset();
+  server_clock_error_ = {};
   assembler_.restart();
   contradicted_ = false;
   latest_.first_epoch = assembler_.epoch();
@@ -52,6 +53,7 @@ void Receiver::disconnected(LocalTime now) {
 
 void Receiver::pong(const Pong& pong, LocalTime arrival) {
   clock_.add(pong.t0, pong.t1, pong.t2, arrival);
+  server_clock_error_ = pong.error;
   publish(arrival);
 }
 
@@ -67,7 +69,7 @@ void Receiver::publish(LocalTime now) {
 }
 
 Duration Receiver::clockErrorBound() const {
-  return clock_.ready() ? clock_.errorBound() : Duration::zero();
+  return clock_.ready() ? clock_.errorBound() + server_clock_error_ : Duration::zero();
 }
 
 Duration Receiver::leastDelay() const {

@@ -82,7 +82,9 @@ class Receiver {
   [[nodiscard]] const ReceiverCounts& counts() const { return counts_; }
   /// The timing that the loop received last.
   [[nodiscard]] const StreamTiming& stream() const { return latest_; }
-  [[nodiscard]] Duration clockErrorBound() const;  ///< 0 without a synchronised clock
+  /// Returns the largest error of the clock offset against the clock of the frames: the client's
+  /// own and the server's. Returns 0 without a synchronised clock.
+  [[nodiscard]] Duration clockErrorBound() const;
 
  private:
   void publish(LocalTime now);
@@ -98,6 +100,7 @@ class Receiver {
   int lookahead_frames_;
   FrameAssembler assembler_;
   ClockSync clock_;
+  Duration server_clock_error_{0};  // of the newest pong
   JitterEstimator jitter_;
   StreamTiming latest_;
   ReceiverCounts counts_;

@@ -100,8 +100,10 @@ Delivery read(const proto::Delivery& from, Check& check) {
 Ping read(const proto::Ping& from, Check& check) { return {LocalTime(check.time(from.t0_ns()))}; }
 
 Pong read(const proto::Pong& from, Check& check) {
+  check.require(from.error_ns() >= 0 && from.error_ns() <= limits::kClockError_ns,
+                "a clock's error is not 0..10 s");
   return {LocalTime(check.time(from.t0_ns())), MediaTime(check.time(from.t1_ns())),
-          MediaTime(check.time(from.t2_ns()))};
+          MediaTime(check.time(from.t2_ns())), Duration(from.error_ns())};
 }
 
 VideoFrame read(const proto::VideoFrame& from, Check& check) {

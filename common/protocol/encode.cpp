@@ -63,6 +63,7 @@ void write(const Pong& from, proto::Message& message) {
   to.set_t0_ns(from.t0.time_since_epoch().count());
   to.set_t1_ns(from.t1.time_since_epoch().count());
   to.set_t2_ns(from.t2.time_since_epoch().count());
+  to.set_error_ns(from.error.count());
 }
 
 void write(const CodedFrame& from, proto::Message& message) {

@@ -68,6 +68,8 @@ struct Pong {
   LocalTime t0;
   MediaTime t1;
   MediaTime t2;
+  /// Largest error of t1 and t2 against the clock of the frames, 0..limits::kClockError_ns.
+  Duration error{};
 };
 /// Statistics of a client about its reception, like the receiver reports of RTCP. A client sends
 /// them about once a second.

@@ -258,6 +258,8 @@ def receive(connection, udp, wanted):
             connection.receive()
         while (message := connection.read()) is not None:
             kind, content = message
+            if kind == 2:  # a second one: another server makes the stream
+                reliefs = Reliefs()
             if kind == 2 and udp:
                 datagrams = Datagrams(connection, fields(content))
             if kind in (2, 5):

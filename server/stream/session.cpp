@@ -3,8 +3,11 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <utility>
 #include <vector>
+
+#include "common/wire_limits.hpp"
 
 namespace hapticast::server {
 
@@ -217,7 +220,7 @@ void Session::handle(const Ping& ping) {
   if (!hello_) return close({ErrorCode::kUnexpected, "a ping before the hello"});
   if (pongs_.size() >= kMaxPongs) return close({ErrorCode::kUnexpected, "too many pings"});
   idle_ = false;
-  pongs_.push_back({ping.t0, host_.mediaClock().now(), {}});
+  pongs_.push_back({ping.t0, host_.mediaClock().now(), {}, {}});
   flush();
 }
 
@@ -246,6 +249,8 @@ SharedBytes Session::nextPayload() {
   Pong pong = pongs_.front();
   pongs_.pop_front();
   pong.t2 = host_.mediaClock().now();
+  pong.error =
+      std::clamp(host_.mediaClock().errorBound(), Duration{}, Duration(limits::kClockError_ns));
   return encodeShared(pong);
 }
 

@@ -134,7 +134,7 @@ class Session : public std::enable_shared_from_this<Session> {
   SessionHost& host_;
   std::uint32_t id_;
   SharedBytes unfinished_;  // payload that is written in part; the writer continues with it
-  std::deque<Pong> pongs_;  // t2 is set when the pong is sent
+  std::deque<Pong> pongs_;  // t2 and error are set when the pong is sent
   std::optional<Hello> hello_;
   std::uint64_t datagram_token_ = 0;  // 0: none was offered
   LocalTime started_;

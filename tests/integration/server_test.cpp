@@ -3,6 +3,7 @@
 #include <random>
 #include <thread>
 
+#include "common/wire_limits.hpp"
 #include "tests/integration/stream_fixture.hpp"
 #include "tests/support/log_lines.hpp"
 
@@ -29,6 +30,34 @@ TEST_F(ServerTest, WelcomesAndSendsFramesAndPongs) {
   EXPECT_EQ(pong.t0, localTime(1.5));
   EXPECT_LE(pong.t1, pong.t2);
   EXPECT_LE(pong.t2, server.media.now());
+  EXPECT_EQ(pong.error, Duration::zero()) << "it stamps the frames itself";
+}
+
+/// A media clock that follows another machine's.
+struct FollowingClock final : MediaClock {
+  [[nodiscard]] MediaTime now() const noexcept override { return mediaTime(7.0); }
+  [[nodiscard]] Duration errorBound() const noexcept override { return error; }
+  Duration error = milliseconds(3);
+};
+
+TEST_F(ServerTest, PongsHaveTheErrorOfTheServersClock) {
+  FollowingClock media;
+  server::Broadcaster broadcaster(io, clock, media, TestServer::description(), {});
+  server::Listener listener(io, {"127.0.0.1", 0}, broadcaster);
+  listener.start();
+  RawPeer peer(io, listener.address().port);
+  peer.send(Hello{kProtocolVersion, "raw", false, true});
+  const auto pong = [&](std::size_t number) {
+    peer.send(Ping{});
+    EXPECT_TRUE(runUntil([&] {
+      peer.poll();
+      return peer.all<Pong>().size() == number;
+    }));
+    return peer.all<Pong>().back();
+  };
+  EXPECT_EQ(pong(1).error, milliseconds(3));
+  media.error = std::chrono::hours(1);
+  EXPECT_EQ(pong(2).error, Duration(limits::kClockError_ns)) << "what a message may have";
 }
 
 TEST_F(ServerTest, WhoJoinsGetsTheWholeLastFrameAtOnce) {

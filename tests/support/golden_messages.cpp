@@ -87,6 +87,8 @@ std::vector<std::pair<std::string, Message>> goldenMessages() {
       {"welcome", goldenWelcome()},
       {"ping", Ping{localTime(1.25)}},
       {"pong", Pong{localTime(1.25), mediaTime(2.5), mediaTime(2.500001)}},
+      {"pong_of_an_edge",
+       Pong{localTime(1.25), mediaTime(2.5), mediaTime(2.500001), fromSeconds(0.0025)}},
       {"description", goldenDescription()},
       {"frame", coded(goldenFrame())},
       {"video", VideoFrame{3, 1000, mediaTime(40.04), {0xFF, 0xD8, 0xFF, 0xE0, 0xFF, 0xD9}}},

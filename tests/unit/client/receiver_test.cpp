@@ -305,6 +305,23 @@ TEST_F(ReceiverTest, CountsWhatDoesNotFitThePoolAndGoesOn) {
   EXPECT_NE(got->objects[0].field, nullptr) << "the relief of the dropped frame is known";
 }
 
+TEST_F(ReceiverTest, TheErrorOfTheServersClockCountsUntilItsNextPong) {
+  receiver.connected(description, localTime(1));
+  syncClock(1.1);
+  const auto answer = [this](double now_s, Duration error) {
+    const MediaTime there = mediaTime(now_s - 0.001 + kOffset_s);
+    receiver.pong({localTime(now_s - 0.002), there, there, error}, localTime(now_s));
+  };
+  answer(1.2, fromSeconds(0.003));
+  EXPECT_EQ(receiver.clockErrorBound(), fromSeconds(0.004)) << "half the round trip is 1 ms";
+  answer(1.3, fromSeconds(0.0005));
+  EXPECT_EQ(receiver.clockErrorBound(), fromSeconds(0.0015));
+  answer(1.4, fromSeconds(0.003));
+  receiver.connected(description, localTime(2));
+  syncClock(2.1);
+  EXPECT_EQ(receiver.clockErrorBound(), fromSeconds(0.001));
+}
+
 TEST_F(ReceiverTest, AsksForAPlayoutDelayThatCoversTheJitter) {
   receiver.connected(description, localTime(1));
   syncClock(1.1);

@@ -12,6 +12,7 @@
 #include <sstream>
 
 #include "common/transport/framing.hpp"
+#include "common/wire_limits.hpp"
 #include "tests/support/framed.hpp"
 #include "tests/support/golden_messages.hpp"
 #include "tests/unit/common/wire_messages.hpp"
@@ -106,6 +107,11 @@ TEST(Wire, CarriesHelloWelcomePingPong) {
   EXPECT_EQ(pong.t0, localTime(1));
   EXPECT_EQ(pong.t1, mediaTime(2));
   EXPECT_EQ(pong.t2, mediaTime(3));
+  EXPECT_EQ(pong.error, Duration::zero());
+  const auto largest = roundTrip(Pong{{}, {}, {}, Duration(limits::kClockError_ns)});
+  EXPECT_EQ(largest.error, Duration(limits::kClockError_ns));
+  for (const Duration wrong : {Duration(-1), Duration(limits::kClockError_ns + 1)})
+    EXPECT_FALSE(decode(encode(Pong{{}, {}, {}, wrong})).ok());
 }
 
 TEST(Wire, CarriesDescriptionsReportsVideoAndErrors) {
