@@ -18,7 +18,7 @@ class RelayClock final : public MediaClock {
   [[nodiscard]] MediaTime now() const noexcept override {
     return MediaTime(clock_.now().time_since_epoch() + Duration(offset_ns_.load()));
   }
-  [[nodiscard]] Duration errorBound() const noexcept { return Duration(error_ns_.load()); }
+  [[nodiscard]] Duration errorBound() const noexcept override { return Duration(error_ns_.load()); }
   /// Sets media clock minus local clock, and the largest possible error of that.
   void set(Duration offset, Duration error) noexcept {
     offset_ns_.store(offset.count());

@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: MIT
 // The client as a user runs it, and servers that lie to it over TCP, by datagrams and to a group:
 // nothing is felt that the log could not stand, and the user is told.
-#include <algorithm>
-#include <fstream>
-#include <nlohmann/json.hpp>
 #include <thread>
 
-#include "tests/integration/programs_fixture.hpp"
+#include "tests/integration/malicious_fixture.hpp"
 #include "tests/integration/stream_fixture.hpp"
 #include "tests/support/datagram_bytes.hpp"
 #include "tests/support/malicious_server.hpp"
@@ -101,35 +98,21 @@ class LyingListener {
   std::jthread thread_;  // last: it uses the others
 };
 
-struct Told {
-  const char* lie;
-  const char* said;  ///< in the client's output; empty: nothing in particular
-  const char* transport = "udp";
-};
-
-class ProgramsMaliciousTest : public ProgramsTest {
+/// Each client at a server of its own.
+class ProgramsLyingServerTest : public ProgramsMaliciousTest {
  protected:
-  /// Each lie to a client of its own, all at once.
-  void tell(std::span<const Told> told) const;
-  static void expectFloodReported(const std::string& summary, const std::string& output);
-  static const Lie& named(const std::string& name) {
-    const auto& all = lies();
-    return *std::find_if(all.begin(), all.end(), [&](const Lie& lie) { return lie.name == name; });
+  void tellAll(std::span<const Told> told) {
+    tell(told, [this](const Lie& lie) {
+      return servers_.emplace_back(std::make_unique<LyingListener>(lie))->address();
+    });
   }
-  void expectSafe(const std::string& name) const {
-    const std::vector<LogRow> rows = readLog(path(name + ".csv"));
-    EXPECT_GT(rows.size(), 1000U) << name;
-    double most_N = 0.0;
-    for (const LogRow& row : rows) most_N = std::max(most_N, row.force_N.norm());
-    EXPECT_LE(most_N, 3.3 + 1e-3) << name << ", but for what the log rounds";
-    EXPECT_EQ(rows.empty() ? 1.0 : rows.back().force_N.norm(), 0.0) << name << ": it ends at rest";
-    const auto summary = nlohmann::json::parse(std::ifstream(path(name + ".json")));
-    EXPECT_EQ(summary["step_excess_max_N"], 0.0) << name;
-  }
+
+ private:
+  std::vector<std::unique_ptr<LyingListener>> servers_;
 };
 
-TEST_F(ProgramsMaliciousTest, AreLimitedAndTheUserIsTold) {
-  tell(std::to_array<Told>({
+TEST_F(ProgramsLyingServerTest, AreLimitedAndTheUserIsTold) {
+  tellAll(std::to_array<Told>({
       {"acceleration_1e8_described", "the client does not trust the stream any more"},
       {"acc_square_4hz_x", "no force from now on; restart the client"},
       {"id_max_once", "jumps of the frame ids"},
@@ -140,8 +123,8 @@ TEST_F(ProgramsMaliciousTest, AreLimitedAndTheUserIsTold) {
   }));
 }
 
-TEST_F(ProgramsMaliciousTest, InDatagramsAreLimitedToo) {
-  tell(std::to_array<Told>({
+TEST_F(ProgramsLyingServerTest, InDatagramsAreLimitedToo) {
+  tellAll(std::to_array<Told>({
       {"datagram_ids_max_first", "", "udp"},
       {"datagram_copies_contradict_in_turns", "", "udp"},
       {"datagram_half_sent", "", "udp"},
@@ -150,8 +133,8 @@ TEST_F(ProgramsMaliciousTest, InDatagramsAreLimitedToo) {
   }));
 }
 
-TEST_F(ProgramsMaliciousTest, ToTheGroupAreLimitedToo) {
-  tell(std::to_array<Told>({
+TEST_F(ProgramsLyingServerTest, ToTheGroupAreLimitedToo) {
+  tellAll(std::to_array<Told>({
       {"datagram_honest", "", "multicast"},
       {"datagram_epoch_against_tcp", "", "multicast"},
       {"datagram_copies_contradict_in_turns", "", "multicast"},
@@ -159,41 +142,6 @@ TEST_F(ProgramsMaliciousTest, ToTheGroupAreLimitedToo) {
       {"datagram_noise", "frames arrive: the", "multicast"},
       {"datagram_ids_race", "", "multicast"},
   }));
-}
-
-void ProgramsMaliciousTest::tell(std::span<const Told> told) const {
-  const std::string hold = write("hold.csv", "0,0,0,25\n1,0,0,25\n1.5,0,0,4\n100,0,0,4\n");
-  std::vector<std::unique_ptr<LyingListener>> servers;
-  std::vector<std::unique_ptr<Process>> clients;
-  servers.reserve(told.size());
-  clients.reserve(told.size());
-  for (const Told& each : told) {
-    servers.push_back(std::make_unique<LyingListener>(named(each.lie)));
-    clients.push_back(
-        startClient({servers.back()->address(), "--device", "virtual", "--hand", hold, "--log",
-                     path(std::string(each.lie) + ".csv"), "--fault-dir", path("faults"),
-                     "--seconds", "6", "--transport", each.transport, "--interface", "lo",
-                     "--summary", path(std::string(each.lie) + ".json")}));
-  }
-  for (std::size_t i = 0; i < told.size(); ++i) {
-    EXPECT_EQ(clients[i]->wait(kSoon), 0) << told[i].lie << clients[i]->output();
-    EXPECT_NE(clients[i]->output().find(told[i].said), std::string::npos) << told[i].lie << ":\n"
-                                                                          << clients[i]->output();
-    const std::string output = clients[i]->output();
-    EXPECT_LE(std::count(output.begin(), output.end(), '\n'), 24) << output;
-    expectSafe(told[i].lie);
-    expectFloodReported(path(std::string(told[i].lie) + ".json"), output);
-  }
-}
-
-// A second with more than 400 datagrams beyond the budget is a flood. More than eight times as many
-// within six seconds need such a second, however slow the machine sends them.
-void ProgramsMaliciousTest::expectFloodReported(const std::string& summary,
-                                                const std::string& output) {
-  const nlohmann::json counts = nlohmann::json::parse(std::ifstream(summary))["datagrams"];
-  if (counts["over_budget"].get<int>() <= 8 * 400) return;
-  EXPECT_NE(output.find("more datagrams arrive than the client can verify"), std::string::npos)
-      << output;
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "common/protocol/fragment.hpp"
+#include "common/protocol/signed_frame.hpp"
 #include "tests/support/flat_relief.hpp"
 
 namespace hapticast::testing {
@@ -60,11 +61,13 @@ void MaliciousServer::offers(std::uint16_t datagram_port, DatagramGroup group) {
 Bytes MaliciousServer::welcome() {
   next_ = 0;
   Welcome welcome;
+  if (lie_.tell_parts || signed_) {
+    welcome.stream = kStream;
+    welcome.verifying_key = key_.verifyingKey();
+  }
   if (lie_.tell_parts) {
     welcome.datagram_token = kToken;
     welcome.datagram_port = port_;
-    welcome.stream = kStream;
-    welcome.verifying_key = key_.verifyingKey();
     welcome.group = group_;
   }
   welcome.description.name = lie_.name;
@@ -97,14 +100,18 @@ std::vector<Bytes> MaliciousServer::messages(double until_s) {
     if (lie_.tell_parts) {
       const CodedFrame frame = coder_.code(telling.frame, kFinestSlices);
       lieInParts(t_s, frame);
-      if (lie_.on_tcp) out.push_back(encode(frame));
+      if (lie_.on_tcp) out.push_back(encodeFrame(frame));
       continue;
     }
     const Bytes bytes =
-        telling.bytes ? *telling.bytes : encode(coder_.code(telling.frame, kFinestSlices));
+        telling.bytes ? *telling.bytes : encodeFrame(coder_.code(telling.frame, kFinestSlices));
     out.insert(out.end(), static_cast<std::size_t>(telling.copies), bytes);
   }
   return out;
+}
+
+Bytes MaliciousServer::encodeFrame(const CodedFrame& frame) {
+  return signed_ ? *encodeSigned(frame, kStream, key_) : encode(frame);
 }
 
 void MaliciousServer::lieInParts(double t_s, const CodedFrame& frame) {

@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <random>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -109,6 +110,10 @@ class MaliciousServer {
 
   /// In the welcome from now on: where its datagrams come from, and the group that gets them, too.
   void offers(std::uint16_t datagram_port, DatagramGroup group);
+  /// From now on its frames on TCP are signed, and its welcome has the key: as an edge needs it.
+  void signFrames() { signed_ = true; }
+  /// Its signature of these bytes.
+  [[nodiscard]] Signature sign(std::span<const std::uint8_t> bytes) { return key_.sign(bytes); }
   /// A viewer has come: everything begins anew.
   [[nodiscard]] Bytes welcome();
   /// What is sent up to this time (s since the welcome), oldest first.
@@ -122,12 +127,14 @@ class MaliciousServer {
   [[nodiscard]] std::optional<Bytes> answer(const Ping& ping, double now_s) const;
 
  private:
+  [[nodiscard]] Bytes encodeFrame(const CodedFrame& frame);
   [[nodiscard]] HapticFrame honestFrame(double t_s) const;
   void lieInParts(double t_s, const CodedFrame& frame);
 
   const Lie& lie_;
   FrameCoder coder_;
   SigningKey key_{KeyBytes{17}};
+  bool signed_ = false;
   std::uint16_t port_ = 0;
   std::optional<DatagramGroup> group_;
   std::vector<Bytes> datagrams_;

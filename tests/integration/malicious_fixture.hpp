@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: MIT
+// Clients as a user runs them, each at a server that lies: nothing is rendered that the safety
+// chain does not allow, and the user is told.
+#pragma once
+
+#include <algorithm>
+#include <fstream>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <span>
+
+#include "tests/integration/programs_fixture.hpp"
+#include "tests/support/malicious_server.hpp"
+
+namespace hapticast::testing {
+
+struct Told {
+  const char* lie;
+  const char* said;  ///< in the client's output; empty: nothing in particular
+  const char* transport = "udp";
+};
+
+class ProgramsMaliciousTest : public ProgramsTest {
+ protected:
+  /// Starts a server that tells a lie. Returns the address for its client.
+  using Serve = std::function<std::string(const Lie&)>;
+  /// Each lie to a client of its own, all at once.
+  void tell(std::span<const Told> told, const Serve& serve) const;
+  static void expectFloodReported(const std::string& summary, const std::string& output);
+  static const Lie& named(const std::string& name) {
+    const auto& all = lies();
+    return *std::find_if(all.begin(), all.end(), [&](const Lie& lie) { return lie.name == name; });
+  }
+  void expectSafe(const std::string& name) const {
+    const std::vector<LogRow> rows = readLog(path(name + ".csv"));
+    EXPECT_GT(rows.size(), 1000U) << name;
+    double most_N = 0.0;
+    for (const LogRow& row : rows) most_N = std::max(most_N, row.force_N.norm());
+    EXPECT_LE(most_N, 3.3 + 1e-3) << name << ", but for what the log rounds";
+    EXPECT_EQ(rows.empty() ? 1.0 : rows.back().force_N.norm(), 0.0) << name << ": it ends at rest";
+    const auto summary = nlohmann::json::parse(std::ifstream(path(name + ".json")));
+    EXPECT_EQ(summary["step_excess_max_N"], 0.0) << name;
+  }
+};
+
+inline void ProgramsMaliciousTest::tell(std::span<const Told> told, const Serve& serve) const {
+  const std::string hold = write("hold.csv", "0,0,0,25\n1,0,0,25\n1.5,0,0,4\n100,0,0,4\n");
+  std::vector<std::unique_ptr<Process>> clients;
+  clients.reserve(told.size());
+  for (const Told& each : told) {
+    clients.push_back(
+        startClient({serve(named(each.lie)), "--device", "virtual", "--hand", hold, "--log",
+                     path(std::string(each.lie) + ".csv"), "--fault-dir", path("faults"),
+                     "--seconds", "6", "--transport", each.transport, "--interface", "lo",
+                     "--summary", path(std::string(each.lie) + ".json")}));
+  }
+  for (std::size_t i = 0; i < told.size(); ++i) {
+    EXPECT_EQ(clients[i]->wait(kSoon), 0) << told[i].lie << clients[i]->output();
+    EXPECT_NE(clients[i]->output().find(told[i].said), std::string::npos) << told[i].lie << ":\n"
+                                                                          << clients[i]->output();
+    const std::string output = clients[i]->output();
+    EXPECT_LE(std::count(output.begin(), output.end(), '\n'), 24) << output;
+    expectSafe(told[i].lie);
+    expectFloodReported(path(std::string(told[i].lie) + ".json"), output);
+  }
+}
+
+// A second with more than 400 datagrams beyond the budget is a flood. More than eight times as many
+// within six seconds need such a second, however slow the machine sends them.
+inline void ProgramsMaliciousTest::expectFloodReported(const std::string& summary,
+                                                       const std::string& output) {
+  const nlohmann::json counts = nlohmann::json::parse(std::ifstream(summary))["datagrams"];
+  if (counts["over_budget"].get<int>() <= 8 * 400) return;
+  EXPECT_NE(output.find("more datagrams arrive than the client can verify"), std::string::npos)
+      << output;
+}
+
+}  // namespace hapticast::testing
