@@ -24,6 +24,7 @@
 #include "server/stream/datagram_sender.hpp"
 #include "server/stream/listener.hpp"
 #include "server/stream/multicast_group.hpp"
+#include "server/stream/signing_key_file.hpp"
 #include "server/vision/vision.hpp"
 
 namespace hapticast::server {
@@ -103,10 +104,14 @@ App::Impl::Impl(Settings settings, const Clock& clock)
       source_(openSource(settings_.source, settings_.fps, settings_.to_and_fro)),
       vision_(describeSource(*source_, settings_.name),
               dropInvalidPoints(settings_.vision, source_->info()), &clock),
+      signer_(settings_.signing_key_file.empty() ? SigningKey()
+                                                 : loadSigningKey(settings_.signing_key_file)),
       broadcaster_(io_, clock, media_clock_, vision_.description(),
                    StreamSettings{.max_clients = raiseFileLimit(settings_.max_clients)}),
       listener_(io_, settings_.listen, broadcaster_) {
   broadcaster_.introduce(signer_.identity());
+  if (!settings_.signing_key_file.empty())
+    spdlog::info("origin key: {}", toHex(signer_.identity().verifying_key));
   if (!settings_.announce.empty()) requireReachable(listener_.endpoint().address());
   if (!settings_.datagrams) {
     if (settings_.multicast) throw AddressError("--multicast: --transport tcp sends no datagrams");

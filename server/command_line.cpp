@@ -245,6 +245,11 @@ void addNetworkOptions(CLI::App& app, Settings& settings) {
   addNumber(app, "--max-clients", settings.max_clients, std::uint64_t{1}, std::uint64_t{10'000},
             "N",
             "The largest number of viewers; the server rejects more with a message; default: 64");
+  app.add_option("--signing-key", settings.signing_key_file,
+                 "The private key (Ed25519, PEM) that signs the frames, so that viewers can expect "
+                 "its public key (--origin-key); a FILE that does not exist is created with a new "
+                 "key; default: another key in each run")
+      ->type_name("FILE");
   const auto announce = [&settings](const std::string& text) {
     settings.announce = serviceName("--announce", text);
   };

@@ -10,6 +10,7 @@
 #include "server/command_line.hpp"
 #include "server/preview/preview.hpp"
 #include "server/source/rgbd_source.hpp"
+#include "server/stream/signing_key_file.hpp"
 #include "server/stream/stream_settings.hpp"
 
 namespace {
@@ -36,6 +37,9 @@ int serve(const hapticast::server::Settings& settings) {
   } catch (const hapticast::server::AddressError& error) {
     const std::string what = hapticast::sanitizeUtf8(error.what());
     spdlog::error("{}{}", what.starts_with("--") ? "" : "--listen: ", what);
+    return kWrongInput;
+  } catch (const hapticast::server::SigningKeyError& error) {
+    spdlog::error("{}", hapticast::sanitizeUtf8(error.what()));
     return kWrongInput;
   }
   return kDone;

@@ -26,8 +26,9 @@ struct Settings {
   std::optional<MulticastChoice> multicast;
   std::uint64_t multicast_hops = 1;
   std::size_t max_clients = 64;
-  std::string announce;  ///< the server's name on the LAN; empty: it is not announced
-  std::string name;      ///< name of the stream for viewers; empty: the source's name
+  std::string signing_key_file;  ///< file of the signing key; empty: a new key in each run
+  std::string announce;          ///< the server's name on the LAN; empty: it is not announced
+  std::string name;              ///< name of the stream for viewers; empty: the source's name
   VisionSettings vision;
   std::string preview;  ///< output of the preview: FILE.png or a folder; empty: no preview
   bool explain = false;
