@@ -85,6 +85,12 @@ void addServer(CLI::App& app, Settings& settings) {
          "localhost:7447; while no server answers there, the log lists the servers on the LAN. The "
          "client waits until the server answers")
       ->type_name("HOST[:PORT]|mdns:NAME");
+  addList(app, "--origin-key", settings.origin_keys, parseOriginKey,
+          "The public key of the server, in hex; the client ends if the server shows another one. "
+          "May appear more than once. The word first: the key of the first connection, which the "
+          "client stores in hapticast/known_origins in $XDG_STATE_HOME, else in ~/.local/state. "
+          "Default: any key",
+          "KEY|first (64 hex digits of the server's public key, or first)");
   app.add_flag("--list", settings.list_servers,
                "List the servers that are announced on the LAN, and end: with exit code 0, or 1 if "
                "there is none")

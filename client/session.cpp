@@ -9,8 +9,10 @@
 #include <utility>
 
 #include "client/discovery/find_server.hpp"
+#include "client/known_origins.hpp"
 #include "client/net/connection.hpp"
 #include "client/net/receiver.hpp"
+#include "client/report/fault_log.hpp"
 #include "client/report/messages.hpp"
 #include "common/cli/run_program.hpp"
 #include "common/transport/asio.hpp"
@@ -27,6 +29,8 @@ ConnectionSettings connectionSettings(const Settings& settings, bool wants_video
   return {.server = settings.server,
           .dial = settings.announced.empty() ? Dial(dialTcp) : dialAnnounced(settings.announced),
           .delivery = settings.delivery,
+          .origin = makeOriginPin(settings.origin_keys, nameServer(settings),
+                                  stateFolder() / "known_origins"),
           .wants_video = wants_video};
 }
 
@@ -114,7 +118,8 @@ ConnectionEvents Session::Impl::connectionEvents() {
           },
       .failed =
           [this](const std::string& why) {
-            spdlog::error("{}: {}", server, why);
+            const bool names_server = why.find(server) != std::string::npos;
+            spdlog::error("{}", names_server ? why : server + ": " + why);
             failed = true;
             events.ended();
           }};

@@ -6,9 +6,11 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "client/device/open_device.hpp"
 #include "client/haptics/contact/surface_model.hpp"
+#include "client/net/origin_pin.hpp"
 #include "client/net/udp/transport_selector.hpp"
 #include "common/endpoint.hpp"
 
@@ -22,8 +24,9 @@ enum class Forces : std::uint8_t { kBoth, kStatic, kDynamic };
 
 struct Settings {
   Endpoint server{"localhost", kDefaultPort};
-  std::string announced;      ///< name of the server from mdns:NAME; empty: use `server`
-  bool server_given = false;  ///< the user named a server
+  std::string announced;               ///< name of the server from mdns:NAME; empty: use `server`
+  bool server_given = false;           ///< the user named a server
+  std::vector<OriginKey> origin_keys;  ///< keys that the server may show; empty: any key or none
   bool list_servers = false;
   std::string device = "auto";
   std::string profile;  ///< name of a built-in profile, or a file; empty: the default of the device

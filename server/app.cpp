@@ -18,6 +18,7 @@
 #include "server/pipeline/plan_log.hpp"
 #include "server/relay/relay_publisher.hpp"
 #include "server/source/pacer.hpp"
+#include "server/stream/signing_key_file.hpp"
 #include "server/stream_service.hpp"
 #include "server/vision/vision.hpp"
 
@@ -79,7 +80,12 @@ App::Impl::Impl(Settings settings, const Clock& clock)
       source_(openSource(settings_.source, settings_.fps, settings_.to_and_fro)),
       vision_(describeSource(*source_, settings_.name),
               dropInvalidPoints(settings_.vision, source_->info()), &clock),
+      signer_(settings_.signing_key_file.empty() ? SigningKey()
+                                                 : loadSigningKey(settings_.signing_key_file)),
       service_(settings_, clock, media_clock_, vision_.description(), signer_.identity()) {
+  // Viewers of relays need the key: a relay could show another one.
+  if (settings_.publish || !settings_.signing_key_file.empty())
+    spdlog::info("origin key: {}", toHex(signer_.identity().verifying_key));
   if (settings_.publish)
     relay_.emplace(*settings_.publish, settings_.nats, clock, media_clock_, signer_);
 }

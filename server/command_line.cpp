@@ -248,6 +248,11 @@ void addNetworkOptions(CLI::App& app, Settings& settings) {
   addNumber(app, "--max-clients", settings.max_clients, std::uint64_t{1}, std::uint64_t{10'000},
             "N",
             "The largest number of viewers; the server rejects more with a message; default: 64");
+  app.add_option("--signing-key", settings.signing_key_file,
+                 "The private key (Ed25519, PEM) that signs the frames, so that viewers can expect "
+                 "its public key (--origin-key); a FILE that does not exist is created with a new "
+                 "key; default: another key in each run")
+      ->type_name("FILE");
   const auto announce = [&settings](const std::string& text) {
     settings.announce = serviceName("--announce", text);
   };
@@ -274,6 +279,14 @@ void addRelayOptions(CLI::App& app, Settings& settings) {
   app.add_option("--nats-ca", settings.nats.ca_file,
                  "Use TLS to NATS; the servers' certificates must be of an authority in this file")
       ->type_name("FILE");
+}
+
+void addOriginKey(CLI::App& app, Settings& settings) {
+  addList(
+      app, "--origin-key", settings.origin_keys,
+      [](const std::string& text) { return parseKey(text); },
+      "A key that the origin of this edge may have; repeat for several. Default: any key",
+      "64 hexadecimal digits, as the origin logs them");
 }
 
 /// Refuses each flag that only a server with a source of its own can obey.
@@ -321,6 +334,7 @@ std::unique_ptr<CLI::App> commandLine(Settings& settings) {
   addSourceOptions(*app, settings);
   addNetworkOptions(*app, settings);
   addRelayOptions(*app, settings);
+  addOriginKey(*app, settings);
   addName(*app, settings.name);
   addVisionOptions(*app, settings.vision);
   addMaterialOptions(*app, settings.vision);
@@ -331,7 +345,9 @@ std::unique_ptr<CLI::App> commandLine(Settings& settings) {
   app->add_flag("--quiet", settings.quiet, "Only warnings and errors");
   addConfigFile(*app);
   app->final_callback([&settings, parsed = app.get()] {
-    if (isEdge(settings)) requireEdgeFlags(*parsed);
+    if (isEdge(settings)) return requireEdgeFlags(*parsed);
+    if (!settings.origin_keys.empty())
+      throw CLI::ValidationError("--origin-key", "only an edge needs it (--source nats://...)");
   });
   return app;
 }

@@ -29,7 +29,8 @@ void runEdge(const Settings& settings, const Clock& clock) {
   RelayClock media_clock(clock);
   // The first origin determines description and identity, before the first viewer.
   StreamService service(settings, clock, media_clock, {}, {});
-  RelaySubscriber subscriber(address, settings.nats, {}, clock, media_clock, service.broadcaster());
+  RelaySubscriber subscriber(address, settings.nats, settings.origin_keys, clock, media_clock,
+                             service.broadcaster());
   std::atomic<bool> stop{false};
   service.start([&stop] { stop = true; });
   spdlog::info("edge of the channel {}: waiting for an origin", address.channel);

@@ -11,6 +11,7 @@
 #include "server/edge.hpp"
 #include "server/preview/preview.hpp"
 #include "server/source/rgbd_source.hpp"
+#include "server/stream/signing_key_file.hpp"
 #include "server/stream/stream_settings.hpp"
 
 namespace {
@@ -41,6 +42,9 @@ int serve(const hapticast::server::Settings& settings) {
   } catch (const hapticast::server::AddressError& error) {
     const std::string what = hapticast::sanitizeUtf8(error.what());
     spdlog::error("{}{}", what.starts_with("--") ? "" : "--listen: ", what);
+    return kWrongInput;
+  } catch (const hapticast::server::SigningKeyError& error) {
+    spdlog::error("{}", hapticast::sanitizeUtf8(error.what()));
     return kWrongInput;
   }
   return kDone;

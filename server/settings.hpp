@@ -6,8 +6,10 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "common/endpoint.hpp"
+#include "common/transport/signature.hpp"
 #include "server/nats_address.hpp"
 #include "server/stream/multicast_group.hpp"
 #include "server/vision/vision_settings.hpp"
@@ -29,8 +31,10 @@ struct Settings {
   std::size_t max_clients = 64;
   std::optional<NatsAddress> publish;  ///< where edges receive the stream; nullopt: no edges
   NatsCredentials nats;
-  std::string announce;  ///< the server's name on the LAN; empty: it is not announced
-  std::string name;      ///< name of the stream for viewers; empty: the source's name
+  std::vector<KeyBytes> origin_keys;  ///< keys that an edge's origin may have; empty: any
+  std::string signing_key_file;       ///< file of the signing key; empty: a new key in each run
+  std::string announce;               ///< the server's name on the LAN; empty: not announced
+  std::string name;                   ///< name of the stream for viewers; empty: the source's name
   VisionSettings vision;
   std::string preview;  ///< output of the preview: FILE.png or a folder; empty: no preview
   bool explain = false;

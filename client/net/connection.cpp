@@ -14,6 +14,14 @@ namespace {
 constexpr auto kCheckEvery = std::chrono::milliseconds(50);
 constexpr std::size_t kMaxPingsOut = 64;  // older unanswered pings are dropped
 
+/// Returns the key of `welcome`; nullopt if the server signs nothing.
+Result<std::optional<VerifyingKey>, WireError> readKey(const Welcome& welcome) {
+  if (!welcome.verifying_key) return std::optional<VerifyingKey>();
+  auto key = VerifyingKey::from(*welcome.verifying_key);
+  if (!key.ok()) return WireError{ErrorCode::kMalformed, "the server's key is not valid"};
+  return std::optional<VerifyingKey>(std::move(key).value());
+}
+
 }  // namespace
 
 struct Connection::Session {
@@ -38,6 +46,7 @@ struct Connection::Session {
   StreamDescription description;
   bool closed = false;
   bool welcomed = false;
+  bool wrong_origin = false;
   WelcomeRateLimiter welcomes;
   std::optional<LocalTime> unanswered_since;  // welcome without an answered ping yet
   bool pinging = false;
@@ -115,7 +124,7 @@ asio::awaitable<void> Connection::run() {
 }
 
 bool Connection::isPermanent(const CloseReason& ending) const {
-  if (ending.code == ErrorCode::kVersion) return true;
+  if (ending.code == ErrorCode::kVersion || ending.wrong_origin) return true;
   const bool speaks_something_else = ending.code == ErrorCode::kMalformed ||
                                      ending.code == ErrorCode::kTooLarge ||
                                      ending.code == ErrorCode::kUnexpected;
@@ -198,7 +207,10 @@ asio::awaitable<Connection::CloseReason> Connection::readAll(ConversationPtr ses
     auto error = message.ok() ? checkSignature(*session, message.value(), *payload.value())
                               : message.error();
     if (!error) error = handle(*session, std::move(message).value());
-    if (error) co_return CloseReason{std::move(error->message), error->code};
+    if (error)
+      co_return CloseReason{.why = std::move(error->message),
+                            .code = error->code,
+                            .wrong_origin = session->wrong_origin};
     if (session->welcomed && !session->pinging) {
       session->pinging = true;
       asio::co_spawn(
@@ -222,11 +234,11 @@ std::optional<WireError> Connection::handleWelcome(Session& session, const Welco
                                               std::to_string(welcome.protocol_version) +
                                               ", this client " + std::to_string(kProtocolVersion)};
   }
-  std::optional<VerifyingKey> key;
-  if (welcome.verifying_key) {
-    auto read = VerifyingKey::from(*welcome.verifying_key);
-    if (!read.ok()) return WireError{ErrorCode::kMalformed, "the server's key is not valid"};
-    key.emplace(std::move(read).value());
+  auto key = readKey(welcome);
+  if (!key.ok()) return key.error();
+  if (auto refusal = settings_.origin.refuse(welcome.verifying_key)) {
+    session.wrong_origin = true;
+    return WireError{ErrorCode::kUnexpected, std::move(*refusal)};
   }
   const LocalTime now = clock_.now();
   if (session.welcomed) {
@@ -235,7 +247,7 @@ std::optional<WireError> Connection::handleWelcome(Session& session, const Welco
     leaveOrigin(session);
   }
   const bool is_new = !session.welcomed || !(session.description == welcome.description);
-  session.key = std::move(key);
+  session.key = std::move(key).value();
   session.stream = welcome.stream;
   session.description = welcome.description;
   session.welcomed = true;

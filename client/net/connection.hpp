@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "client/net/dial.hpp"
+#include "client/net/origin_pin.hpp"
 #include "client/net/receiver.hpp"
 #include "client/net/udp/udp_receiver.hpp"
 #include "common/protocol/messages.hpp"
@@ -26,6 +27,7 @@ struct ConnectionSettings {
   Endpoint server{"127.0.0.1", kDefaultPort};
   Dial dial = dialTcp;
   DeliverySettings delivery;
+  OriginPin origin;  ///< which servers the connection accepts
   std::string client_name = "hapticast-client";
   bool wants_video = false;
   /// Time limit for each of three steps: the look-up of the name, the connection, and the welcome.
@@ -93,14 +95,15 @@ class Connection {
     std::string why;                // one line
     std::optional<ErrorCode> code;  // code of the protocol, if it has one
     bool no_such_server = false;
+    bool wrong_origin = false;  // the server has another key than expected
   };
 
   /// Runs one session after the other, with pauses, until stop() or an error after which a retry is
   /// useless.
   asio::awaitable<void> run();
-  /// Returns true if a retry is useless. It is useless if the server has another protocol version.
-  /// Before the first welcome of a server, two more causes make it useless: the host name does not
-  /// exist, or the peer uses another protocol.
+  /// Returns true if a retry is useless. It is useless if the server has another protocol version,
+  /// or another key than expected. Before the first welcome of a server, two more causes make it
+  /// useless: the host name does not exist, or the peer uses another protocol.
   [[nodiscard]] bool isPermanent(const CloseReason& ending) const;
   asio::awaitable<CloseReason> runSession();
   asio::awaitable<CloseReason> readAll(ConversationPtr session);

@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "common/transport/signature.hpp"
 
+#include <openssl/bio.h>
+#include <openssl/err.h>
 #include <openssl/evp.h>
+#include <openssl/pem.h>
 #include <openssl/rand.h>
 
+#include <charconv>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -22,7 +27,33 @@ T* made(T* object) {
   return object;
 }
 
+struct FreeBio {
+  void operator()(BIO* bio) const noexcept { BIO_free(bio); }
+};
+using Bio = std::unique_ptr<BIO, FreeBio>;
+
 }  // namespace
+
+std::optional<KeyBytes> parseKey(std::string_view hex) {
+  KeyBytes key{};
+  if (hex.size() != 2 * key.size()) return std::nullopt;
+  for (std::size_t i = 0; i < key.size(); ++i) {
+    const char* const digits = hex.data() + 2 * i;
+    const auto [end, error] = std::from_chars(digits, digits + 2, key[i], 16);
+    if (error != std::errc() || end != digits + 2) return std::nullopt;
+  }
+  return key;
+}
+
+std::string toHex(const KeyBytes& key) {
+  constexpr std::string_view kDigits = "0123456789abcdef";
+  std::string hex;
+  for (const std::uint8_t byte : key) {
+    hex += kDigits[byte >> 4U];
+    hex += kDigits[byte & 15U];
+  }
+  return hex;
+}
 
 namespace signature_detail {
 void Free::operator()(evp_md_ctx_st* context) const noexcept { EVP_MD_CTX_free(context); }
@@ -41,6 +72,26 @@ SigningKey::SigningKey()
 SigningKey::SigningKey(const KeyBytes& seed)
     : SigningKey(signature_detail::Key(made(
           EVP_PKEY_new_raw_private_key(EVP_PKEY_ED25519, nullptr, seed.data(), seed.size())))) {}
+
+Result<SigningKey> SigningKey::fromPem(std::string_view pem) {
+  const Bio in(made(BIO_new_mem_buf(pem.data(), static_cast<int>(pem.size()))));
+  // Without this function OpenSSL would ask on the terminal.
+  const auto no_password = [](char*, int, int, void*) { return -1; };
+  signature_detail::Key key(PEM_read_bio_PrivateKey(in.get(), nullptr, no_password, nullptr));
+  ERR_clear_error();
+  if (!key || EVP_PKEY_get_id(key.get()) != EVP_PKEY_ED25519)
+    return Error{"is not a private key of Ed25519 in PEM without a password"};
+  return SigningKey(std::move(key));
+}
+
+std::string SigningKey::toPem() const {
+  const Bio out(made(BIO_new(BIO_s_secmem())));
+  require(PEM_write_bio_PKCS8PrivateKey(out.get(), key_.get(), nullptr, nullptr, 0, nullptr,
+                                        nullptr) == 1);
+  char* text = nullptr;
+  const long size = BIO_get_mem_data(out.get(), &text);
+  return {text, static_cast<std::size_t>(size)};
+}
 
 Signature SigningKey::sign(std::span<const std::uint8_t> bytes) {
   Signature signature;

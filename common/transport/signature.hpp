@@ -9,6 +9,8 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
+#include <string_view>
 
 #include "common/result.hpp"
 
@@ -21,6 +23,11 @@ inline constexpr std::size_t kSignatureBytes = 64;
 inline constexpr std::size_t kKeyBytes = 32;
 using Signature = std::array<std::uint8_t, kSignatureBytes>;
 using KeyBytes = std::array<std::uint8_t, kKeyBytes>;
+
+/// Returns the key in `hex`, 64 hex digits. Returns nullopt for other texts. Thread: any.
+[[nodiscard]] std::optional<KeyBytes> parseKey(std::string_view hex);
+/// Returns the 64 hex digits of `key`, in small letters. Thread: any.
+[[nodiscard]] std::string toHex(const KeyBytes& key);
 
 namespace signature_detail {
 struct Free {
@@ -38,6 +45,13 @@ class SigningKey {
   SigningKey();
   /// Creates the key that RFC 8032 defines for `seed`. It serves for tests and examples.
   explicit SigningKey(const KeyBytes& seed);
+
+  /// Returns the key in `pem`, a private key in PEM (PKCS#8). Returns an error if the text has no
+  /// such key of Ed25519, or if the key has a password.
+  [[nodiscard]] static Result<SigningKey> fromPem(std::string_view pem);
+  /// Returns the key in PEM (PKCS#8). The text is as secret as the key. Throws std::runtime_error
+  /// if OpenSSL fails.
+  [[nodiscard]] std::string toPem() const;
 
   /// Returns the signature of `bytes`. Throws std::runtime_error if OpenSSL fails.
   [[nodiscard]] Signature sign(std::span<const std::uint8_t> bytes);

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "server/stream/frame_signer.hpp"
 
+#include <utility>
+
 #include "common/protocol/fragment.hpp"
 #include "common/protocol/signed_frame.hpp"
 #include "common/transport/datagram.hpp"
 
 namespace hapticast::server {
 
-FrameSigner::FrameSigner() {
+FrameSigner::FrameSigner(SigningKey key) : key_(std::move(key)) {
   identity_.stream = static_cast<std::uint32_t>(unguessable());
   identity_.verifying_key = key_.verifyingKey();
   identity_.probe = probeBody(identity_.stream, key_);

@@ -22,8 +22,9 @@ using SignedDatagrams = std::shared_ptr<const std::vector<std::vector<std::uint8
 /// Owns the key of one run of the server. The stream number identifies this run.
 class FrameSigner {
  public:
-  /// Creates a random key and a random stream number. Both are unpredictable.
-  FrameSigner();
+  /// Signs with `key`, under a random stream number. Without a key it creates a random one. Random
+  /// values are unpredictable.
+  explicit FrameSigner(SigningKey key = SigningKey());
 
   /// Returns the signed datagrams of a frame, without the receivers' tokens. Returns null if the
   /// frame is too large for datagrams.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // The client's connection against the real server, over good and bad networks, and against servers
 // that err.
+#include <algorithm>
+
 #include "client/net/welcome_rate_limiter.hpp"
 #include "common/protocol/signed_frame.hpp"
 #include "common/transport/clock_sync.hpp"
@@ -324,6 +326,49 @@ TEST_F(ConnectionTest, LeavesAServerThatChangesItsOriginTooOften) {
   ASSERT_TRUE(runUntil([&] { return !client.lost.empty(); }));
   EXPECT_EQ(client.lost[0], "the server changes its origin too often");
   EXPECT_TRUE(runUntil([&] { return server.accept(); })) << "tried again";
+}
+
+TEST_F(ConnectionTest, AnotherKeyThanTheExpectedOneEndsTheClient) {
+  const KeyBytes expected = SigningKey().verifyingKey();
+  for (const bool has_key : {true, false}) {
+    FakeServer server(io);
+    TestClient client(io, clock, server.port(),
+                      [&](auto& s) { s.origin = client::OriginPin("the one", {expected}); });
+    ASSERT_TRUE(runUntil([&] { return server.accept(); }));
+    Welcome welcome{kProtocolVersion, 1, 0, TestServer::description()};
+    if (has_key) welcome.verifying_key = SigningKey().verifyingKey();
+    server.peer->send(welcome);
+    ASSERT_TRUE(runUntil([&] { return !client.failure.empty(); }));
+    EXPECT_TRUE(client.failure.starts_with("the server at the one shows ")) << client.failure;
+    EXPECT_EQ(client.welcomes, 0);
+    EXPECT_TRUE(client.lost.empty()) << "no retry";
+  }
+}
+
+TEST_F(ConnectionTest, ASecondWelcomeNeedsAnExpectedKeyToo) {
+  const KeyBytes one = SigningKey().verifyingKey();
+  const KeyBytes other = SigningKey().verifyingKey();
+  FakeServer server(io);
+  TestClient client(io, clock, server.port(), [&](auto& s) {
+    s.origin = client::OriginPin("the one", {one, other});
+  });
+  ASSERT_TRUE(runUntil([&] { return server.accept(); }));
+  Welcome welcome{kProtocolVersion, 1, 0, TestServer::description()};
+  for (const KeyBytes& each : {one, other}) {
+    welcome.verifying_key = each;
+    server.peer->send(welcome);
+  }
+  const auto changes = [&] {
+    return std::count(client.news.begin(), client.news.end(),
+                      "another server makes the stream from now on");
+  };
+  ASSERT_TRUE(runUntil([&] { return changes() == 1; }));
+  EXPECT_TRUE(client.failure.empty());
+  welcome.verifying_key = SigningKey().verifyingKey();
+  server.peer->send(welcome);
+  ASSERT_TRUE(runUntil([&] { return !client.failure.empty(); }));
+  EXPECT_EQ(changes(), 1);
+  EXPECT_FALSE(client.stream.load().connected);
 }
 
 TEST_F(ConnectionTest, ReportsGoWithThePingsAfterTheBurst) {

@@ -115,6 +115,7 @@ TEST_F(ProgramsLyingServerTest, AreLimitedAndTheUserIsTold) {
   tellAll(std::to_array<Told>({
       {"acceleration_1e8_described", "the client does not trust the stream any more"},
       {"acc_square_4hz_x", "no force from now on; restart the client"},
+      {"clock_of_another_origin", "another server makes the stream from now on"},
       {"id_max_once", "jumps of the frame ids"},
       {"outside", "whose objects are not shown"},
       {"silence", "no new frames arrive: the force has faded"},

@@ -92,6 +92,7 @@ TEST(ClientSettings, EachOutputNeedsAFileOfItsOwn) {
 void expectAll(const Settings& settings) {
   EXPECT_EQ(settings.server, (Endpoint{"::1", 99}));
   EXPECT_TRUE(settings.server_given);
+  EXPECT_EQ(settings.origin_keys, std::vector<OriginKey>{{}});
   EXPECT_EQ(settings.list_servers, kHasDiscovery);
   EXPECT_EQ(settings.device, "virtual");
   EXPECT_EQ(settings.profile, "falcon");
@@ -124,16 +125,16 @@ void expectAll(const Settings& settings) {
 
 std::vector<std::pair<std::string, std::string>> everyFlag() {
   std::vector<std::pair<std::string, std::string>> flags = {
-      {"server", "[::1]:99"},  {"device", "virtual"},
-      {"profile", "falcon"},   {"view", "off"},
-      {"forces", "static"},    {"hand", "slide"},
-      {"transport", "tcp"},    {"surface", "perturbed"},
-      {"method", "thesis"},    {"log", "a.csv"},
-      {"summary", "b.json"},   {"seconds", "2.5"},
-      {"quiet", "true"},       {"rearm", "true"},
-      {"fault-dir", "d"},      {"stiffness-limit", "2.5"},
-      {"redundancy", "3"},     {"interface", "lo"},
-      {"list-devices", "true"}};
+      {"server", "[::1]:99"},   {"device", "virtual"},
+      {"profile", "falcon"},    {"view", "off"},
+      {"forces", "static"},     {"hand", "slide"},
+      {"transport", "tcp"},     {"surface", "perturbed"},
+      {"method", "thesis"},     {"log", "a.csv"},
+      {"summary", "b.json"},    {"seconds", "2.5"},
+      {"quiet", "true"},        {"rearm", "true"},
+      {"fault-dir", "d"},       {"stiffness-limit", "2.5"},
+      {"redundancy", "3"},      {"interface", "lo"},
+      {"list-devices", "true"}, {"origin-key", "first"}};
   if (kHasDiscovery) flags.emplace_back("list", "true");
   if (kHasFalcon) {
     flags.emplace_back("falcon-firmware", "f.bin");
@@ -180,6 +181,7 @@ TEST(ClientSettings, WrongValuesAreToldWithFlagValueAndWhatIsAllowed) {
   const std::vector<std::array<std::string, 3>> wrong = {
       {"--device", "spoon", "mouse|touch|virtual"},  {"--transport", "upd", "multicast|tcp|udp"},
       {"--redundancy", "5", "auto or 1..4"},         {"--redundancy", "some", "auto or 1..4"},
+      {"--origin-key", "First", "64 hex digits"},    {"--origin-key", "0123", "64 hex digits"},
       {"--surface", "flat", "normal|perturbed"},     {"--method", "best", "hapticast|thesis"},
       {"--seconds", "nan", "0.001 to 1000000000"},   {"--seconds", "0", "0.001 to 1000000000"},
       {"--seconds", "1e300", "0.001 to 1000000000"}, {"server", "host:99999", "HOST[:PORT]"},
@@ -192,6 +194,14 @@ TEST(ClientSettings, WrongValuesAreToldWithFlagValueAndWhatIsAllowed) {
     EXPECT_EQ(run.exit_code, 2) << flag << " " << value;
     run.expectErrorWith({flag, value, allowed});
   }
+}
+
+TEST(ClientSettings, SeveralOriginKeys) {
+  const KeyBytes key = SigningKey(KeyBytes{7}).verifyingKey();
+  const Probe run({"--origin-key", toHex(key), "--origin-key", "first"});
+  ASSERT_EQ(run.exit_code, std::nullopt) << run.error;
+  EXPECT_EQ(run.settings.origin_keys, (std::vector<OriginKey>{{key}, {}}));
+  EXPECT_TRUE(Probe({}).settings.origin_keys.empty());
 }
 
 TEST(ClientSettings, AServerThatIsAnnounced) {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <set>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -49,6 +50,59 @@ constexpr std::array<TestVector, 3> kVectors{{
      "6291d657deec24024827e69c3abe01a30ce548a284743a445e3680d7db5ac3ac18ff9b538d16f290ae67f760984d"
      "c6594a7c15e9716ed28dc027beceea1ec40a"},
 }};
+
+TEST(SignatureTest, KeysAreWrittenInHex) {
+  const KeyBytes key = keyOf(kVectors[0].verifying_key);
+  EXPECT_EQ(toHex(key), kVectors[0].verifying_key);
+  EXPECT_EQ(parseKey(toHex(key)), key);
+  EXPECT_EQ(parseKey(toHex(key).substr(1)), std::nullopt);
+  EXPECT_EQ(parseKey(toHex(key) + "0"), std::nullopt);
+  EXPECT_EQ(parseKey("-1" + toHex(key).substr(2)), std::nullopt);
+  EXPECT_EQ(parseKey("0x" + toHex(key).substr(2)), std::nullopt);
+  EXPECT_EQ(parseKey(toHex(key).substr(2) + "1g"), std::nullopt);
+}
+
+// Of `openssl genpkey`: Ed25519; RSA; Ed25519 with a password; Ed25519, the public key.
+constexpr const char* kEd25519Pem =
+    "-----BEGIN PRIVATE KEY-----\n"
+    "MC4CAQAwBQYDK2VwBCIEIJ1hsZ3v/VpguoRK9JLsLMREScVpezJpGXA7rAMcrn9g\n"
+    "-----END PRIVATE KEY-----\n";
+constexpr const char* kRsaPem =
+    "-----BEGIN PRIVATE KEY-----\n"
+    "MIIBVQIBADANBgkqhkiG9w0BAQEFAASCAT8wggE7AgEAAkEA3dNLel9P5ZEFQ4NL\n"
+    "S9i6BfzOeMMm7wg4wrC4Q/7woFLZVSOryyz6047NyMVQipbBxv8dPrOEtCriztWp\n"
+    "rxlnZwIDAQABAkAgE771ajT+iHMPaTwJMsTrurwMwIOvyyuSE8YBpysas7tn6F2M\n"
+    "EVX+QtHmH1oY/04+QgQZumgMM1iAPDbNZ7dhAiEA78hH3s1elsdKMoZYoKdCJMEZ\n"
+    "uVfjuOHlkczc7n/1OLcCIQDs1BjyA6TlxizG4vtO+9jjbhq0Kdf8srWQA0aijwy2\n"
+    "0QIhAOt/ewbaESJpDPhedkEixJWwiYE9TszQIFZ4LCyZw9A1AiAxLLkhR3Bt5YBW\n"
+    "q7rS46hdUPdqgWW/qrvYc1WvW1SggQIhAKk2mrfuu5O1ahmrx913RYn2BEgC7P76\n"
+    "EkgQiKml/LSF\n"
+    "-----END PRIVATE KEY-----\n";
+constexpr const char* kLockedPem =
+    "-----BEGIN ENCRYPTED PRIVATE KEY-----\n"
+    "MIGbMFcGCSqGSIb3DQEFDTBKMCkGCSqGSIb3DQEFDDAcBAhd2rh5V1ielQICCAAw\n"
+    "DAYIKoZIhvcNAgkFADAdBglghkgBZQMEASoEEOi9LwONVTOgzAHoa6tFzbkEQG89\n"
+    "Uj8Np1LLhaBEZ4P7vEp0QveZTwkQNp6022vBF0dP9ytVfSXfGJ/nX13UcCMJfGY0\n"
+    "2hUHW1GhKkz2b9E29qY=\n"
+    "-----END ENCRYPTED PRIVATE KEY-----\n";
+constexpr const char* kPublicPem =
+    "-----BEGIN PUBLIC KEY-----\n"
+    "MCowBQYDK2VwAyEA11qYAYKxCrfVS/7TyWQHOg7hcvPapiMlrwIaaPcHURo=\n"
+    "-----END PUBLIC KEY-----\n";
+
+TEST(SignatureTest, KeysTravelInPem) {
+  auto key = SigningKey::fromPem(kEd25519Pem);
+  ASSERT_TRUE(key.ok()) << key.error().message;
+  EXPECT_EQ(key.value().verifyingKey(), keyOf(kVectors[0].verifying_key));
+  EXPECT_EQ(key.value().toPem(), kEd25519Pem);
+  const Signature signature = key.value().sign({});
+  EXPECT_EQ(SignedBytes(signature.begin(), signature.end()), unhex(kVectors[0].signature));
+  for (const std::string& wrong :
+       {std::string(), std::string("text"), std::string(kEd25519Pem).substr(0, 60),
+        std::string(kRsaPem), std::string(kLockedPem), std::string(kPublicPem)}) {
+    EXPECT_FALSE(SigningKey::fromPem(wrong).ok()) << wrong;
+  }
+}
 
 TEST(SignatureTest, AsTheStandardsExamplesSay) {
   for (const TestVector& each : kVectors) {

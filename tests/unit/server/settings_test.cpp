@@ -57,6 +57,7 @@ void expectAll(const Settings& settings) {
   EXPECT_EQ(vision.depth_range->far_mm, 1500.0);
   ASSERT_TRUE(vision.map_range.has_value());
   EXPECT_EQ(vision.map_range->near_mm, 600.0);
+  EXPECT_EQ(settings.signing_key_file, "origin.pem");
   EXPECT_EQ(vision.map_range->far_mm, 650.0);
   EXPECT_EQ(vision.fov_deg, 70.0);
   EXPECT_TRUE(vision.stretch);
@@ -98,6 +99,7 @@ const std::vector<std::pair<std::string, std::string>> kAll = {
     {"multicast", "[ff12::7]:7448@eth0"},
     {"multicast-ttl", "3"},
     {"preview", "clip.png"},
+    {"signing-key", "origin.pem"},
 };
 
 TEST(ServerSettings, EveryFlag) {

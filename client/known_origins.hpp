@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+// File with the keys that servers showed at the first connection (--origin-key first). Each line
+// has a server (HOST:PORT or mdns:NAME) and its key: `SERVER HEX`. Thread: main; the storing:
+// network.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "client/net/origin_pin.hpp"
+
+namespace hapticast::client {
+
+/// Returns the check of the origin for the values `keys` of --origin-key. `server` names the server
+/// in `file` and in messages. With `first` it reads the server's key from `file`; if the file has
+/// none, the check stores the first key there. Throws std::runtime_error (one line, with the file
+/// and the line's number) if the file cannot be read or has a malformed line.
+[[nodiscard]] OriginPin makeOriginPin(const std::vector<OriginKey>& keys, const std::string& server,
+                                      const std::filesystem::path& file);
+
+}  // namespace hapticast::client

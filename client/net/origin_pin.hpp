@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+// Check of the origin: the client accepts only servers whose public key it expects (--origin-key).
+// It has no files and no sockets. Thread: network; the creation: any.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/result.hpp"
+#include "common/transport/signature.hpp"
+
+namespace hapticast::client {
+
+/// One value of --origin-key.
+struct OriginKey {
+  /// The expected key. Absent: the key that the server shows at the first connection.
+  std::optional<KeyBytes> key;
+  bool operator==(const OriginKey&) const = default;
+};
+
+/// Returns the value of --origin-key in `text`: 64 hex digits, or the word `first`. Returns nullopt
+/// for other texts.
+[[nodiscard]] std::optional<OriginKey> parseOriginKey(const std::string& text);
+
+/// Decides which servers the client accepts, by their keys.
+class OriginPin {
+ public:
+  /// Stores the key that the server shows first. Returns the remedy for a later refusal, which
+  /// names the place of the key; or an error in one line.
+  using Store = std::function<Result<std::string>(const KeyBytes&)>;
+
+  /// Accepts every server.
+  OriginPin() = default;
+  /// Accepts servers with one of `keys`. If `store` is not empty, also accepts the first other key
+  /// that the server shows, stores it, and from then on accepts that key. `server` names the server
+  /// in messages. `remedy` follows the text of a refusal.
+  OriginPin(std::string server, std::vector<KeyBytes> keys, Store store = nullptr,
+            std::string remedy = "");
+
+  /// Returns nullopt if the client accepts a server with `key` (absent: the server shows none).
+  /// Otherwise returns the reason in one line.
+  [[nodiscard]] std::optional<std::string> refuse(const std::optional<KeyBytes>& key);
+
+ private:
+  bool accepts_all_ = true;
+  std::string server_;
+  std::vector<KeyBytes> keys_;
+  Store store_;
+  std::string remedy_;
+};
+
+}  // namespace hapticast::client

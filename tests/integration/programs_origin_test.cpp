@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: MIT
+// Keys of servers, by the real programs: --signing-key and --origin-key.
+#include <cstdlib>
+
+#include "tests/integration/programs_fixture.hpp"
+
+namespace hapticast::testing {
+namespace {
+
+class ProgramsOriginTest : public ProgramsTest {
+ protected:
+  ProgramsOriginTest() { ::setenv("XDG_STATE_HOME", path("state").c_str(), 1); }
+  ~ProgramsOriginTest() override { ::unsetenv("XDG_STATE_HOME"); }
+
+  [[nodiscard]] std::unique_ptr<Process> startOrigin(const std::string& key_file,
+                                                     const std::string& address = "127.0.0.1:0") {
+    return startServer({"--source", "synthetic:still", "--loop", "--signing-key", path(key_file)},
+                       address);
+  }
+  /// The key that the server logs.
+  static std::string keyOf(Process& server) {
+    EXPECT_TRUE(server.says("origin key: ", kStart)) << server.output();
+    const std::string text = server.output();
+    return text.substr(text.find("origin key: ") + std::string("origin key: ").size(), 64);
+  }
+  [[nodiscard]] static std::unique_ptr<Process> startViewer(const std::string& address,
+                                                            const std::string& key) {
+    return startClient({address, "--origin-key", key, "--device", "virtual", "--view", "off"});
+  }
+};
+
+TEST_F(ProgramsOriginTest, AClientAcceptsTheKeyThatItExpectsInEveryRunOfTheServer) {
+  std::string key;
+  for (int run = 0; run < 2; ++run) {
+    const auto server = startOrigin("origin.pem");
+    if (run == 0) key = keyOf(*server);
+    EXPECT_EQ(keyOf(*server), key) << "the same in each run";
+    const auto viewer = startViewer(addressOf(*server), key);
+    EXPECT_TRUE(viewer->says("connected: ", kSoon)) << viewer->output();
+    interrupt(*viewer);
+    interrupt(*server);
+  }
+}
+
+TEST_F(ProgramsOriginTest, AClientEndsAtAnotherKey) {
+  const auto server = startOrigin("origin.pem");
+  const std::string address = addressOf(*server);
+  const auto viewer = startViewer(address, std::string(64, '0'));
+  EXPECT_EQ(viewer->wait(kSoon), 1);
+  EXPECT_NE(
+      viewer->output().find("error the server at " + address + " shows the key " + keyOf(*server) +
+                            ", not the expected one: somebody else may send, or the server "
+                            "has a new key (--origin-key)\n"),
+      std::string::npos)
+      << viewer->output();
+  interrupt(*server);
+}
+
+TEST_F(ProgramsOriginTest, TheFirstKeyIsRemembered) {
+  auto server = startOrigin("origin.pem");
+  const std::string address = addressOf(*server);
+  for (int run = 0; run < 2; ++run) {
+    const auto viewer = startViewer(address, "first");
+    EXPECT_TRUE(viewer->says("connected: ", kSoon)) << viewer->output();
+    interrupt(*viewer);
+  }
+  const std::string file = path("state/hapticast/known_origins");
+  std::ifstream in(file);
+  std::string line;
+  std::getline(in, line);
+  EXPECT_EQ(line, address + " " + keyOf(*server));
+  interrupt(*server);
+  server = startOrigin("other.pem", address);
+  (void)addressOf(*server);
+  const auto viewer = startViewer(address, "first");
+  EXPECT_EQ(viewer->wait(kSoon), 1);
+  EXPECT_NE(viewer->output().find("delete line 1 of " + file), std::string::npos)
+      << viewer->output();
+  interrupt(*server);
+}
+
+TEST_F(ProgramsOriginTest, AMalformedLineIsNamed) {
+  const std::string file = write("state/hapticast/known_origins", "localhost:7447 12\n");
+  const auto viewer = startViewer("127.0.0.1:1", "first");
+  EXPECT_EQ(viewer->wait(kSoon), 2);
+  EXPECT_NE(viewer->output().find("--origin-key first: " + file + ":1: 'localhost:7447 12' is not"),
+            std::string::npos)
+      << viewer->output();
+}
+
+}  // namespace
+}  // namespace hapticast::testing
