@@ -53,7 +53,17 @@ void StreamService::start(std::function<void()> on_signal) {
         on_signal();
         signals_->clear();  // a second signal has its default action and ends a blocked program
       });
+  status_signal_.emplace(io_, SIGUSR1);
+  awaitStatusRequest();
   network_ = std::jthread([this] { io_.run(); });
+}
+
+void StreamService::awaitStatusRequest() {
+  status_signal_->async_wait([this](const boost::system::error_code& error, int) {
+    if (error) return;
+    broadcaster_.logStatus();
+    awaitStatusRequest();
+  });
 }
 
 void StreamService::open(const std::string& name) {
@@ -69,7 +79,10 @@ void StreamService::end() {
   announcer_.reset();
   listener_.stop();
   broadcaster_.stop();
-  asio::post(io_, [this] { signals_->cancel(); });
+  asio::post(io_, [this] {
+    signals_->cancel();
+    status_signal_->cancel();
+  });
   network_.join();
 }
 

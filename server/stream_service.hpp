@@ -33,7 +33,7 @@ class StreamService {
   StreamService& operator=(const StreamService&) = delete;
 
   /// Starts the network thread. `on_signal` is called at SIGINT, SIGTERM and SIGHUP; thread: the
-  /// network's.
+  /// network's. At SIGUSR1 the log receives one line of status.
   void start(std::function<void()> on_signal);
   /// Begins to accept viewers. A second call does nothing. `name`: the stream's name, for the
   /// announcement.
@@ -52,6 +52,8 @@ class StreamService {
     DatagramSender sender;
   };
 
+  void awaitStatusRequest();
+
   const Settings& settings_;
   asio::io_context io_;
   Broadcaster broadcaster_;
@@ -59,6 +61,7 @@ class StreamService {
   std::optional<Datagrams> datagrams_;
   std::optional<Announcer> announcer_;  // once open() was called
   std::optional<asio::signal_set> signals_;
+  std::optional<asio::signal_set> status_signal_;
   bool open_ = false;
   std::jthread network_;  // last member: it runs io_
 };

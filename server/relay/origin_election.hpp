@@ -24,11 +24,11 @@ class OriginElection {
   /// Highest valid term. It leaves room for higher terms, so that no message can end an election.
   static constexpr std::uint64_t kHighestTerm = std::uint64_t{1} << 62U;
 
-  /// Begins as a standby at `now`. `origin`: random number of this origin. `least_term`: the first
-  /// term is at least this. With the system's time in seconds, an origin that starts later than all
-  /// others has a higher term even if it never received one.
+  /// Begins as a standby at `now`. `origin`: random number of this origin. `least_term`: the own
+  /// terms are higher than this. With the system's time in seconds, an origin that starts after all
+  /// others have ended has a higher term even if it never received one.
   OriginElection(std::uint64_t origin, std::uint64_t least_term, LocalTime now)
-      : origin_(origin), highest_(least_term), last_received_(now) {}
+      : origin_(origin), least_term_(least_term), last_received_(now) {}
 
   /// Processes the heartbeat of another origin. Ignores a term above kHighestTerm.
   void onHeartbeat(std::uint64_t term, std::uint64_t origin, LocalTime now) {
@@ -50,7 +50,7 @@ class OriginElection {
   bool check(LocalTime now) {
     if (!active_ && now - last_received_ >= kSilence) {
       active_ = true;
-      highest_ = std::min(highest_ + 1, kHighestTerm);
+      highest_ = std::min(std::max(highest_, least_term_) + 1, kHighestTerm);
       leader_ = origin_;
     }
     return active_;
@@ -63,7 +63,8 @@ class OriginElection {
 
  private:
   std::uint64_t origin_;
-  std::uint64_t highest_;
+  std::uint64_t least_term_;
+  std::uint64_t highest_ = 0;
   std::uint64_t leader_ = 0;
   LocalTime last_received_;
   bool active_ = false;

@@ -71,6 +71,8 @@ void Broadcaster::sendAll(const What&... what) {
 void Broadcaster::publish(EncodedFrame frame) {
   onIo([this, frame = std::move(frame)] {
     if (tooLarge(frame)) return;
+    ++frames_;
+    delay_ = media_clock_.now() - frame.media_time;
     last_frame_ = frame;
     preparing_ = nullptr;
     // Datagrams first: one costs a fraction of a send by TCP, and most viewers use them.
@@ -230,6 +232,11 @@ StreamCounts Broadcaster::counts() const {
     for (const auto& session : *each) counts.sent += session->counts();
   }
   return counts;
+}
+
+void Broadcaster::logStatus() const {
+  spdlog::info("status: {} viewers, {} frames, delay {:.1f} ms", viewers_.size(), frames_,
+               1e3 * toSeconds(delay_));
 }
 
 void Broadcaster::check(const Sessions& sessions, LocalTime now) {

@@ -84,6 +84,8 @@ class Broadcaster final : public StreamSink, private SessionHost {
   /// Logs `line`, unless a limit is reached: 10 warnings a minute, and 10 other lines a minute. The
   /// limits keep other hosts from filling the log. Returns whether the line was written.
   bool log(spdlog::level::level_enum level, std::string_view line);
+  /// Logs one line with viewers, frames, and the delay of the newest frame since its capture.
+  void logStatus() const;
   /// Returns the counts since the broadcaster's creation.
   [[nodiscard]] StreamCounts counts() const;
   [[nodiscard]] const StreamSettings& settings() const override { return settings_; }
@@ -144,8 +146,10 @@ class Broadcaster final : public StreamSink, private SessionHost {
   std::atomic<std::size_t> viewer_count_{0};
   std::atomic<std::size_t> video_viewers_{0};
   bool stopped_ = false;
-  StreamCounts counts_;  // its members `clients` and `sent` count viewers that left
-  SendCounts logged_;    // last logged counts of slow viewers
+  StreamCounts counts_;       // its members `clients` and `sent` count viewers that left
+  SendCounts logged_;         // last logged counts of slow viewers
+  std::uint64_t frames_ = 0;  // frames of publish()
+  Duration delay_{0};         // of the newest frame, from its capture to publish()
   LocalTime checked_;
   LocalTime counted_;
   DatagramSenderCounts logged_datagrams_;

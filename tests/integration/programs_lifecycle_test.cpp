@@ -156,6 +156,8 @@ TEST_F(ProgramsLifeTest, AKilledAndAStoppedViewerDoNotDisturbTheOthers) {
   if (kFullSpeed) {
     EXPECT_LT(after_kB, before_kB + kGrowth_kB);
   }
+  server->signal(SIGUSR1);
+  EXPECT_TRUE(server->says(" viewers, ", kSoon)) << "a line of status: " << server->output();
   for (std::size_t i = 1; i < clients.size(); ++i) clients[i]->signal(SIGINT);
   for (std::size_t i = 1; i < clients.size(); ++i) {
     EXPECT_EQ(clients[i]->wait(kSoon), 0) << clients[i]->output();

@@ -39,6 +39,16 @@ TEST(OriginElection, StaysStandbyWhileAnotherSends) {
   EXPECT_EQ(election.term(), kTerm + 6);
 }
 
+TEST(OriginElection, StaysStandbyForAnOriginThatStartedEarlier) {
+  OriginElection election(7, kTerm, at(0s));
+  for (auto time = 0ms; time < 5s; time += 100ms) {
+    election.onHeartbeat(kTerm - 60, 9, at(time));
+    EXPECT_FALSE(election.check(at(time + 99ms)));
+  }
+  EXPECT_TRUE(election.check(at(6s)));
+  EXPECT_EQ(election.term(), kTerm + 1) << "above its own start, too";
+}
+
 TEST(OriginElection, StepsBackForAHigherTermAndForAHigherOriginOfTheSameTerm) {
   OriginElection election(7, kTerm, at(0s));
   ASSERT_TRUE(election.check(at(1s)));
