@@ -281,12 +281,13 @@ void addRelayOptions(CLI::App& app, Settings& settings) {
       ->type_name("FILE");
 }
 
-void addOriginKey(CLI::App& app, Settings& settings) {
+std::optional<KeyBytes> parseOriginKey(const std::string& text) { return parseKey(text); }
+
+void addOriginKey(CLI::App& app, std::vector<KeyBytes>& keys) {
   addList(
-      app, "--origin-key", settings.origin_keys,
-      [](const std::string& text) { return parseKey(text); },
-      "A key that the origin of this edge may have; repeat for several. Default: any key",
-      "64 hexadecimal digits, as the origin logs them");
+      app, "--origin-key", keys, parseOriginKey,
+      "A public key that the origin of this edge may have; repeat for several. Default: any key",
+      "KEY (64 hex digits of the origin's public key)");
 }
 
 /// Refuses each flag that only a server with a source of its own can obey.
@@ -334,7 +335,7 @@ std::unique_ptr<CLI::App> commandLine(Settings& settings) {
   addSourceOptions(*app, settings);
   addNetworkOptions(*app, settings);
   addRelayOptions(*app, settings);
-  addOriginKey(*app, settings);
+  addOriginKey(*app, settings.origin_keys);
   addName(*app, settings.name);
   addVisionOptions(*app, settings.vision);
   addMaterialOptions(*app, settings.vision);
