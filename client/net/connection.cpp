@@ -267,7 +267,7 @@ void Connection::leaveOrigin(Session& session) {
   if (session.link) {
     bytes_received_ += session.link->bytesReceived();
     datagrams_ = datagrams();
-    delivery_ = delivery();
+    delivery_ = {};
     session.link->close();
     session.link.reset();
     session.order = Delivery{};  // replaces an order that is under way to the server

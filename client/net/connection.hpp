@@ -138,7 +138,7 @@ class Connection {
   bool in_contact_ = false;
   std::uint64_t bytes_received_ = 0;  // of the ended sessions
   DatagramCounts datagrams_;          // of the ended sessions
-  DeliveryStats delivery_;            // of the last session
+  DeliveryStats delivery_;            // without a link
 };
 
 }  // namespace hapticast::client

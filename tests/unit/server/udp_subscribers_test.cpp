@@ -111,6 +111,16 @@ TEST_F(AddressBookTest, WhoLeavesTakesItsTokenAlong) {
   EXPECT_EQ(book.remove(ann).sent, 0U);
 }
 
+TEST_F(AddressBookTest, AnotherStreamBeginsWithoutViewers) {
+  EXPECT_EQ(echo(ann, udp("192.0.2.1", 5000)), AddressValidation::kBelieved);
+  book.find(ann)->counts->sent = 12;
+  EXPECT_EQ(book.restart(kStream + 1).sent, 12U);
+  EXPECT_EQ(book.size(), 0U);
+  EXPECT_EQ(echo(ann, udp("192.0.2.1", 5000)), AddressValidation::kOtherStream);
+  const auto bytes = echoBytes({ann, kStream + 1});
+  EXPECT_EQ(book.onEcho(bytes, udp("192.0.2.1", 5000), now), AddressValidation::kUnknownToken);
+}
+
 TEST_F(AddressBookTest, TokensAreUnguessableAndTheirOwn) {
   std::set<std::uint64_t> tokens{0, ann};
   for (int i = 0; i < 1000; ++i)
