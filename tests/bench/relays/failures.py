@@ -120,14 +120,14 @@ def begin_of_log(logs, seconds):
 
 
 def find_gaps(rows, begin_s, end_s):
-    """Returns begin and end of each time of more than GAP_s without fresh frames that begins in begin_s..end_s."""
+    """Returns begin and end of each time of more than GAP_s without fresh frames of which a part is in begin_s..end_s."""
     gaps, last_fresh_s = [], rows[0][0]
     for t_s, _, fresh in rows:
         if fresh:
-            if t_s - last_fresh_s > GAP_s and begin_s <= last_fresh_s <= end_s:
+            if t_s - last_fresh_s > GAP_s and t_s > begin_s and last_fresh_s <= end_s:
                 gaps.append((last_fresh_s, t_s))
             last_fresh_s = t_s
-    if rows[-1][0] - last_fresh_s > GAP_s and begin_s <= last_fresh_s <= end_s:  # never back
+    if rows[-1][0] - last_fresh_s > GAP_s and last_fresh_s <= end_s:  # never back
         gaps.append((last_fresh_s, float("inf")))
     return gaps
 
