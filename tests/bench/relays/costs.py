@@ -122,7 +122,7 @@ def measure_stall(build, out, seconds=20):
         return rows
 
 
-def measure_clocks(build, out, edges=5):
+def measure_clocks(build, out, edges=8):
     """Each edge and its client are behind links with a delay of 20 +- 10 ms each way. Seeds differ."""
     rows = []
     for seconds in (10, 60):
