@@ -1,1 +1,162 @@
-COSTS = {}
+# SPDX-License-Identifier: MIT
+"""What an edge costs: delay, processor time, lost frames among 2,000 viewers, a stalled neighbour, and clock error.
+
+All programs run on loopback of this machine.
+"""
+import json
+import re
+import signal
+import statistics
+import time
+
+from lab import Lab, Viewer, quantile, watch
+
+FPS = 25
+
+
+def start_relays(lab, edges, *flags):
+    """Returns the NATS server's address, an origin and edges."""
+    nats = lab.nats()
+    origin = lab.server("origin", "--source", "synthetic:bounce", "--loop", "--publish", f"nats://{nats}/bench", *flags)
+    origin.wait_for("active")
+    made = [lab.server(f"edge{i + 1}", "--source", f"nats://{nats}/bench", "--max-clients", 1100)
+            for i in range(edges)]
+    for edge in made:
+        edge.wait_for("streaming")
+    return nats, origin, made
+
+
+def address(server):
+    return "{}:{}".format(*server.address())
+
+
+def behind_ms(direct, edge, after_ns=0, before_ns=1 << 62):
+    """Returns how much later than at the origin's own port each frame arrived through an edge."""
+    return [1e-6 * (edge.arrivals_ns[frame] - at_ns) for frame, at_ns in direct.arrivals_ns.items()
+            if frame in edge.arrivals_ns and after_ns <= at_ns < before_ns]
+
+
+def figures(values_ms):
+    return {"p50_ms": round(quantile(values_ms, 0.5), 2), "p99_ms": round(quantile(values_ms, 0.99), 2),
+            "max_ms": round(max(values_ms, default=float("nan")), 2), "frames": len(values_ms)}
+
+
+def cpu_us(servers, seconds):
+    """Returns the processor time of each server for each frame."""
+    before_s = [server.cpu_s() for server in servers]
+    time.sleep(seconds)
+    return [1e6 * (server.cpu_s() - was_s) / (FPS * seconds) for server, was_s in zip(servers, before_s)]
+
+
+def measure_delay_and_cost(build, out, viewers=200, rounds=4, seconds=8):
+    """The plain server costs what it computes with viewers less what it computes without: its vision is left out."""
+    with Lab(build, out) as lab:
+        _, origin, (edge,) = start_relays(lab, 1)
+        direct, through = Viewer(origin.address()), Viewer(edge.address())
+        watch([direct, through], 30)
+        rows = [{"what": "later through an edge", **figures(behind_ms(direct, through)), "required": "p50 2, p99 10 ms"}]
+        direct.socket.close()
+        through.socket.close()
+        plain = lab.server("plain", "--source", "synthetic:bounce", "--loop", "--max-clients", 1100)
+        plain.wait_for("streaming")
+        shares = []
+        for i in range(rounds):
+            without = cpu_us([plain, edge], seconds)
+            crowds = [lab.viewers(f"viewers{i}{name}", address(server), viewers, seconds + 6)
+                      for name, server in (("plain", plain), ("edge", edge))]
+            time.sleep(4)  # all have joined
+            with_viewers = cpu_us([plain, edge], seconds)
+            for crowd in crowds:
+                crowd.popen.wait(30)
+            shares.append({"plain": (with_viewers[0] - without[0]) / viewers, "edge": with_viewers[1] / viewers,
+                           "edge alone": without[1] / viewers})
+    middle = {name: statistics.median(share[name] for share in shares) for name in shares[0]}
+    print("  us per viewer and frame: " + "; ".join(
+        f"{name} {middle[name]:.2f} ({', '.join(f'{share[name]:.2f}' for share in shares)})" for name in middle))
+    rows.append({"what": f"CPU: edge / plain server, {viewers} viewers", "p50_ms": round(middle["edge"] / middle["plain"], 2),
+                 "p99_ms": "", "max_ms": "", "frames": "", "required": "ratio 1.1"})
+    return rows
+
+
+def measure_crowd(build, out, seconds=20, rounds=2):
+    rows = []
+    with Lab(build, out) as lab:
+        _, _, edges = start_relays(lab, 2, "--fps", 10)
+        plain = lab.server("plain", "--source", "synthetic:bounce", "--loop", "--fps", 10, "--max-clients", 2100)
+        plain.wait_for("streaming")
+        for i in range(rounds):
+            for what, servers in (("two edges", edges), ("one server", [plain])):
+                crowds = [lab.viewers(f"{what} {i} {k}", address(server), 2000 // len(servers), seconds)
+                          for k, server in enumerate(servers)]
+                for crowd in crowds:
+                    crowd.popen.wait(seconds + 120)
+                    line = next((line for line in crowd.text().splitlines() if "viewers: got" in line), crowd.text())
+                    found = re.search(r"(\d+) viewers: got (\d+) of (\d+) frames .*?(\d+) MB/s.*p50 ([\d.]+), p99 ([\d.]+)", line)
+                    count, got, expected, rate_MB_s, p50_ms, p99_ms = found.groups()
+                    rows.append({"round": i, "what": what, "viewers": count, "frames": expected,
+                                 "lost": int(expected) - int(got), "MB/s": rate_MB_s, "p50_ms": p50_ms, "p99_ms": p99_ms})
+    return rows
+
+
+def measure_stall(build, out, seconds=20):
+    with Lab(build, out) as lab:
+        _, origin, (edge, stalled) = start_relays(lab, 2)
+        direct, through = Viewer(origin.address()), Viewer(edge.address())
+        watch([direct, through], seconds)
+        stopped_ns = time.monotonic_ns()
+        stalled.send(signal.SIGSTOP)
+        watch([direct, through], seconds)
+        continued_ns = time.monotonic_ns()
+        stalled.send(signal.SIGCONT)
+        watch([direct, through], seconds / 2)
+        parts = {"before": (0, stopped_ns), "during": (stopped_ns, continued_ns), "after": (continued_ns, 1 << 62)}
+        rows = []
+        for name, part in parts.items():
+            # Arrival less capture; the constant difference of the clocks is taken out.
+            delays_ms = [1e-6 * (at_ns - through.media_ns[frame]) for frame, at_ns in through.arrivals_ns.items()
+                         if part[0] <= at_ns < part[1]]
+            least_ms = min(1e-6 * (at - through.media_ns[frame]) for frame, at in through.arrivals_ns.items())
+            rows.append({"part": name, **figures(behind_ms(direct, through, *part)),
+                         "p99_since_capture_ms": round(quantile(delays_ms, 0.99) - least_ms, 2)})
+        print("  log of the stalled edge: " + stalled.text().strip().splitlines()[-1])
+        return rows
+
+
+def measure_clocks(build, out, edges=8):
+    """Each edge and its client are behind links with a delay of 20 +- 10 ms each way. Seeds differ."""
+    rows = []
+    for seconds in (10, 60):
+        with Lab(build, out) as lab:
+            nats, origin, _ = start_relays(lab, 0)
+            clients = []
+            for seed in range(1, edges + 1):
+                to_nats = add_link(lab, f"to_nats{seed}", nats, seed)
+                edge = lab.server(f"edge{seed}", "--source", f"nats://{to_nats}/bench")
+                edge.wait_for("streaming")
+                to_edge = add_link(lab, f"to_edge{seed}", address(edge), 100 + seed)
+                clients.append(lab.client(f"client{seed}", to_edge, "--seconds", seconds))
+            clients.append(lab.client("direct", address(origin), "--seconds", seconds))
+            for client in clients:
+                if client.popen.wait(seconds + 30) != 0:
+                    raise RuntimeError(client.text())
+            summaries = [json.loads((out / f"{name}.json").read_text())
+                         for name in [*(f"client{seed}" for seed in range(1, edges + 1)), "direct"]]
+        true_us = summaries[-1]["clock_offset_us"]
+        for seed, summary in enumerate(summaries, 1):
+            rows.append({"seconds": seconds, "seed": seed if seed <= edges else "direct",
+                         "error_ms": round((summary["clock_offset_us"] - true_us) / 1e3, 3),
+                         "bound_ms": round(summary["clock_error_us"] / 1e3, 3),
+                         "step_excess_max_N": summary["step_excess_max_N"], "lost": summary["frames"]["lost"],
+                         "playout_ms": round(summary["playout_delay_ms"], 1)})
+    return rows
+
+
+def add_link(lab, name, server, seed):
+    """Returns the address of a link to a server: 10 ms, and up to 20 ms on top, each way."""
+    link = lab.start(name, lab.build / "tests/hapticast-link", "--listen", "127.0.0.1:0", "--server", server,
+                     "--delay", 10, "--jitter", 20, "--seed", seed, "--quiet")
+    link.wait_for("; Ctrl-C")
+    return link.text().split("relaying ")[1].split(" to ")[0]
+
+
+COSTS = {"e": measure_delay_and_cost, "f": measure_crowd, "g": measure_stall, "h": measure_clocks}

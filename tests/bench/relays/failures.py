@@ -16,6 +16,7 @@ CLIENTS = [2, 2, 2, 2, 1, 1]  # of each edge
 VIEWERS = [32, 32, 32, 32, 31, 31]
 STEADY_s = 5  # before the failure
 CUT_s = 5
+CLOCKS_APART_s = 8  # between the origins; play time stands still in a gap, so a client can be some seconds behind
 AFTER_s = 12
 MOST_BACK_s = {"a": 2.0, "b": 2.0, "c": 2.0, "d": 3.0}
 GAP_s = 0.15  # four frames; shorter times are jitter of a busy machine
@@ -38,7 +39,9 @@ class Network:
         for node in self.nodes.values():
             node.wait_for("Server is ready")
         orders = list(itertools.permutations(nodes.values()))
-        self.origins = [self._start_origin(i, orders[i]) for i in (0, 1)]
+        self.origins = [self._start_origin(0, orders[0])]
+        time.sleep(CLOCKS_APART_s)
+        self.origins.append(self._start_origin(1, orders[1]))
         self.edges = [self._start_edge(i, orders[i]) for i in range(6)]
         self.clients = {}
         for i, count in enumerate(CLIENTS):
@@ -117,14 +120,14 @@ def begin_of_log(logs, seconds):
 
 
 def find_gaps(rows, begin_s, end_s):
-    """Returns begin and end of each time of more than GAP_s without fresh frames that begins in begin_s..end_s."""
+    """Returns begin and end of each time of more than GAP_s without fresh frames of which a part is in begin_s..end_s."""
     gaps, last_fresh_s = [], rows[0][0]
     for t_s, _, fresh in rows:
         if fresh:
-            if t_s - last_fresh_s > GAP_s and begin_s <= last_fresh_s <= end_s:
+            if t_s - last_fresh_s > GAP_s and t_s > begin_s and last_fresh_s <= end_s:
                 gaps.append((last_fresh_s, t_s))
             last_fresh_s = t_s
-    if rows[-1][0] - last_fresh_s > GAP_s:  # never back
+    if rows[-1][0] - last_fresh_s > GAP_s and last_fresh_s <= end_s:  # never back
         gaps.append((last_fresh_s, float("inf")))
     return gaps
 
