@@ -71,6 +71,15 @@ void requireFile(const std::string& flag, const std::string& file) {
     throw AddressError(flag + " " + file + ": there is no such file");
 }
 
+/// Returns the cause without the place in libnats that comes before it: "(FILE:LINE): CAUSE".
+std::string describeLastError(natsStatus status) {
+  const char* const last = nats_GetLastError(nullptr);
+  const std::string detail = last != nullptr ? sanitizeUtf8(last) : "";
+  const std::size_t place = detail.find("): ");
+  if (detail.empty()) return natsStatus_GetText(status);
+  return place == std::string::npos ? detail : detail.substr(place + 3);
+}
+
 std::string urlOf(natsConnection* connection) {
   char url[256] = "";
   (void)natsConnection_GetConnectedUrl(connection, url, sizeof url);
@@ -168,10 +177,8 @@ void NatsConnection::Library::connect() {
     throw std::runtime_error(text + ": no nats-server answers there; is it running?");
   if (status == NATS_CONNECTION_AUTH_FAILED || status == NATS_NOT_PERMITTED)
     throw std::runtime_error(text + ": NATS refuses the credentials; see --nats-creds");
-  const char* const detail = nats_GetLastError(nullptr);
-  throw std::runtime_error(
-      text + ": cannot connect to NATS: " +
-      (detail != nullptr && *detail != '\0' ? sanitizeUtf8(detail) : natsStatus_GetText(status)));
+  throw std::runtime_error(text + ": cannot connect to NATS: " + describeLastError(status) +
+                           "; see --nats-creds and --nats-ca");
 }
 
 NatsConnection::NatsConnection(const std::string& flag, const NatsAddress& address,

@@ -119,13 +119,14 @@ void RelaySubscriber::poll() {
 
 void RelaySubscriber::synchronise(LocalTime now) {
   if (!state_ || !clock_sync_.ready()) return;
-  const Duration offset = clock_sync_.offset(now);
-  media_clock_.set(offset, clock_sync_.errorBound());
-  if (std::exchange(synchronised_, true)) return;
+  const Duration offset = clock_sync_.offset(now), error = clock_sync_.errorBound();
+  if (synchronised_) return media_clock_.set(offset, error);
+  synchronised_ = true;
   spdlog::info("channel {}: the origin's clock is known to {:.2f} ms", channel_,
-               1e3 * toSeconds(clock_sync_.errorBound()));
+               1e3 * toSeconds(error));
   broadcaster_.changeOrigin({state_->stream, state_->verifying_key, state_->probe},
-                            state_->description);
+                            state_->description,
+                            [&clock = media_clock_, offset, error] { clock.set(offset, error); });
   if (last_frame_) broadcaster_.publish(*last_frame_);
 }
 

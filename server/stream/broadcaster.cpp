@@ -109,8 +109,10 @@ void Broadcaster::describe(const StreamDescription& description) {
   });
 }
 
-void Broadcaster::changeOrigin(StreamIdentity identity, const StreamDescription& description) {
-  onIo([this, identity = std::move(identity), description] {
+void Broadcaster::changeOrigin(StreamIdentity identity, const StreamDescription& description,
+                               std::function<void()> change_clock) {
+  onIo([this, identity = std::move(identity), description, change = std::move(change_clock)] {
+    if (change) change();
     identity_ = identity;
     description_ = description;
     preparing_ = nullptr;

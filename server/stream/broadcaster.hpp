@@ -6,6 +6,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -60,9 +61,10 @@ class Broadcaster final : public StreamSink, private SessionHost {
   /// Another server makes the stream from now on. Frames and pictures that wait are removed. Every
   /// viewer receives a second welcome with the stream number, the key, the description and a new
   /// datagram token. Frames of publish() before this call belong to the server before, and frames
-  /// after it to `identity`. If the media clock changes too, let it change in a handler that is
-  /// posted to `io` directly after this call: viewers ignore pongs of earlier pings. Thread: any.
-  void changeOrigin(StreamIdentity identity, const StreamDescription& description);
+  /// after it to `identity`. `change_clock` sets the media clock, at the moment from which viewers
+  /// ignore pongs of earlier pings; thread: io. Thread: any.
+  void changeOrigin(StreamIdentity identity, const StreamDescription& description,
+                    std::function<void()> change_clock = nullptr);
   /// Returns whether at least one viewer subscribed to pictures. Thread: any.
   [[nodiscard]] bool videoWanted() const override {
     return video_viewers_.load(std::memory_order_relaxed) > 0;
