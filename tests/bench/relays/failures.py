@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Failures of a relay network in the middle of a run, as 10 real clients and 190 test viewers see them.
 
-Side 1 has NATS node 1, origin 1 (active) and edges 1 and 2. Side 2 has nodes 2 and 3, origin 2 (standby) and edges 3 to 6.
-The clients and viewers of an edge run on its host.
+Side 1 has NATS node 1, origin 1 (active) and edges 1 and 2. Side 2 has nodes 2 and 3, origin 2 (standby) and edges 3 to
+6. The clients and viewers of an edge run on its host.
 """
 import csv
 import itertools

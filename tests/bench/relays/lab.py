@@ -47,11 +47,9 @@ class Process:
         return self.popen.wait(seconds)
 
     def cpu_s(self):
-        """Returns the processor time of all threads so far."""
-        total_ns = 0
-        for task in Path(f"/proc/{self.popen.pid}/task").iterdir():
-            total_ns += int((task / "schedstat").read_text().split()[0])
-        return total_ns * 1e-9
+        """Returns the processor time of each thread so far."""
+        tasks = Path(f"/proc/{self.popen.pid}/task").iterdir()
+        return {task.name: int((task / "schedstat").read_text().split()[0]) * 1e-9 for task in tasks}
 
     def close(self):
         if self.popen.poll() is None:
