@@ -47,11 +47,9 @@ class Process:
         return self.popen.wait(seconds)
 
     def cpu_s(self):
-        """Returns the processor time of all threads so far."""
-        total_ns = 0
-        for task in Path(f"/proc/{self.popen.pid}/task").iterdir():
-            total_ns += int((task / "schedstat").read_text().split()[0])
-        return total_ns * 1e-9
+        """Returns the processor time of each thread so far."""
+        tasks = Path(f"/proc/{self.popen.pid}/task").iterdir()
+        return {task.name: int((task / "schedstat").read_text().split()[0]) * 1e-9 for task in tasks}
 
     def close(self):
         if self.popen.poll() is None:
@@ -164,6 +162,7 @@ class Viewer:
         self.data = bytearray()
         self.arrivals_ns = {}  # by frame id
         self.media_ns = {}
+        self.pongs = []  # (round trip, media clock less local clock), ns
         self._send(b"\x0a\x0b\x08\x03\x12\x05bench\x20\x01")  # Hello: version 3, frames on TCP
 
     def _send(self, message):
@@ -186,6 +185,9 @@ class Viewer:
             del self.data[:size]
 
     def _on_message(self, message, now_ns):
+        if message[0] == 0x22:  # Pong
+            t0_ns, t1_ns, t2_ns = (struct.unpack_from("<q", message, 3 + 9 * i)[0] for i in range(3))
+            self.pongs.append((now_ns - t0_ns - (t2_ns - t1_ns), (t1_ns - t0_ns + t2_ns - now_ns) // 2))
         if message[0] != 0x32:  # no HapticFrame
             return
         at = _varint(message, 1)[1]
@@ -202,7 +204,7 @@ def watch(viewers, seconds):
     next_ping = 0
     while (now := time.monotonic()) < end:
         if now >= next_ping:
-            next_ping = now + 1
+            next_ping = now + 0.1
             for viewer in viewers:
                 viewer.ping()
         for readable in select.select([viewer.socket for viewer in viewers], [], [], min(0.2, end - now))[0]:
