@@ -4,7 +4,6 @@
 #include <spdlog/spdlog.h>
 
 #include <atomic>
-#include <thread>
 
 #include "server/relay/relay_clock.hpp"
 #include "server/relay/relay_subscriber.hpp"
@@ -14,8 +13,6 @@
 namespace hapticast::server {
 
 namespace {
-
-constexpr Duration kPollEvery = std::chrono::milliseconds(10);  // as RelaySubscriber needs
 
 NatsAddress requireNatsAddress(const std::string& text) {
   if (const auto address = parseNatsAddress(text)) return *address;
@@ -45,7 +42,6 @@ void runEdge(const Settings& settings, const Clock& clock) {
                    description.fps);
       open = true;
     }
-    std::this_thread::sleep_for(kPollEvery);
   }
 }
 

@@ -24,7 +24,8 @@ namespace {
 constexpr std::int64_t kPingEvery_ms = 300;
 constexpr int kPingsUnanswered = 2;
 constexpr std::int64_t kReconnectAfter_ms = 100;
-constexpr std::int64_t kConnectWithin_ms = 2000;
+// Long enough for TLS over 200 ms; a server that is gone costs this long before the next is tried.
+constexpr std::int64_t kConnectWithin_ms = 1000;
 constexpr std::int64_t kWriteWithin_ms = 1000;
 // While there is no connection, nothing waits: the least that libnats accepts.
 constexpr int kWaiting_bytes = 1;

@@ -38,19 +38,22 @@ class OriginElection {
     last_received_ = now;
     active_ = false;
   }
-  /// Processes the highest term that an edge has seen. An active origin with a lower term steps
-  /// back, because edges ignore it.
+  /// Processes the highest term that an edge has seen. Edges ignore an active origin with a lower
+  /// term. It still sends, for edges that do not receive the other origin yet, until it receives a
+  /// heartbeat of the other one. After kSilence without one, it takes over from the lost origin.
   void onSeenTerm(std::uint64_t term, LocalTime now) {
-    if (term <= highest_ || term > kHighestTerm) return;
-    onHeartbeat(term, 0, now);
+    if (term > kHighestTerm || term <= std::max(highest_, seen_)) return;
+    seen_ = term;
+    seen_since_ = now;
   }
   /// Begins the silence anew. Call it while there is no connection: nothing can be received then.
   void onDisconnected(LocalTime now) { last_received_ = now; }
   /// Becomes active after kSilence. Returns whether this origin is active.
   bool check(LocalTime now) {
-    if (!active_ && now - last_received_ >= kSilence) {
+    const bool outdone = active_ && seen_ > highest_ && now - seen_since_ >= kSilence;
+    if (outdone || (!active_ && now - last_received_ >= kSilence)) {
       active_ = true;
-      highest_ = std::min(std::max(highest_, least_term_) + 1, kHighestTerm);
+      highest_ = std::min(std::max({highest_, seen_, least_term_}) + 1, kHighestTerm);
       leader_ = origin_;
     }
     return active_;
@@ -66,6 +69,8 @@ class OriginElection {
   std::uint64_t least_term_;
   std::uint64_t highest_ = 0;
   std::uint64_t leader_ = 0;
+  std::uint64_t seen_ = 0;  // highest term that edges have seen
+  LocalTime seen_since_{};
   LocalTime last_received_;
   bool active_ = false;
 };

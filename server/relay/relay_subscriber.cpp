@@ -13,6 +13,8 @@ namespace hapticast::server {
 namespace {
 
 constexpr std::size_t kMostPings = 64;  // without an answer; chosen
+// How late a new viewer's request for pictures may reach the origin; each call costs 30 us.
+constexpr Duration kPollEvery = RelaySubscriber::kPingEvery / 2;
 
 EncodedFrame encodedFrame(const RelayFrame& frame) {
   EncodedFrame encoded{frame.epoch, frame.id, frame.media_time, frame.delta, nullptr};
@@ -77,6 +79,7 @@ void RelaySubscriber::onNewOrigin() {
   state_.reset();
   synchronised_ = false;
   last_frame_.reset();
+  changed_.notify_all();
 }
 
 void RelaySubscriber::onContent(const RelayState& state) {
@@ -115,6 +118,10 @@ void RelaySubscriber::poll() {
   const auto ping = makePing(now);
   lock.unlock();
   if (ping) (void)nats_.publish(subjects_.pings, encodeRelayPing(*ping), inbox_);
+  lock.lock();
+  // A new origin ends the pause.
+  const bool begins = state_ && pongs_ < ClockSync::kBurst;
+  changed_.wait_for(lock, begins ? kBurstEvery / 2 : kPollEvery);
 }
 
 void RelaySubscriber::synchronise(LocalTime now) {

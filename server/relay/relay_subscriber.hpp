@@ -5,6 +5,7 @@
 // queues of the viewers, which keep the newest. Thread: see each function.
 #pragma once
 
+#include <condition_variable>
 #include <cstdint>
 #include <deque>
 #include <memory>
@@ -28,7 +29,7 @@ namespace hapticast::server {
 class RelaySubscriber {
  public:
   /// Interval of pings, and of the first pings to an origin.
-  static constexpr Duration kPingEvery = std::chrono::milliseconds(500);
+  static constexpr Duration kPingEvery = std::chrono::milliseconds(250);
   static constexpr Duration kBurstEvery = std::chrono::milliseconds(20);
   /// Silence of the origin that the log mentions; longer than the time of a takeover.
   static constexpr Duration kSilence = std::chrono::seconds(2);
@@ -39,8 +40,9 @@ class RelaySubscriber {
                   std::vector<KeyBytes> keys, const Clock& clock, RelayClock& media_clock,
                   Broadcaster& broadcaster);
 
-  /// Sends pings, updates the media clock, and completes a change of the origin. Call it every 10
-  /// ms. Throws std::runtime_error if NATS refuses the connection for good. Thread: one.
+  /// Sends pings, updates the media clock, and completes a change of the origin. Blocks until the
+  /// next call is due, for at most 125 ms. Throws std::runtime_error if NATS refuses the connection
+  /// for good. Thread: one.
   void poll();
   /// Returns the description of the stream once the clock is synchronised; nullopt before. Thread:
   /// the one of poll().
@@ -67,6 +69,7 @@ class RelaySubscriber {
   Subjects subjects_;
   std::string inbox_;
   mutable std::mutex mutex_;  // guards all members below but nats_
+  std::condition_variable changed_;
   RelayJoiner joiner_;
   OriginFollower follower_;
   ClockSync clock_sync_;

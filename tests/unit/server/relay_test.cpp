@@ -60,14 +60,25 @@ TEST(OriginElection, StepsBackForAHigherTermAndForAHigherOriginOfTheSameTerm) {
   EXPECT_FALSE(election.active());
 }
 
-TEST(OriginElection, StepsBackForATermThatEdgesHaveSeenAndReturnsAboveIt) {
+TEST(OriginElection, SendsUntilItReceivesTheOriginWhoseTermEdgesHaveSeen) {
+  OriginElection election(7, kTerm, at(0s));
+  ASSERT_TRUE(election.check(at(1s)));
+  election.onSeenTerm(kTerm + 50, at(2s));
+  EXPECT_TRUE(election.check(at(2900ms)));
+  EXPECT_EQ(election.term(), kTerm + 1);
+  election.onHeartbeat(kTerm + 50, 9, at(2950ms));
+  EXPECT_FALSE(election.check(at(3s)));
+}
+
+TEST(OriginElection, TakesOverFromAnOriginThatOnlyEdgesHaveSeen) {
   OriginElection election(7, kTerm, at(0s));
   ASSERT_TRUE(election.check(at(1s)));
   election.onSeenTerm(kTerm + 1, at(1s));
-  EXPECT_TRUE(election.active()) << "its own term";
-  election.onSeenTerm(kTerm + 50, at(2s));
-  EXPECT_FALSE(election.check(at(2900ms)));
-  EXPECT_TRUE(election.check(at(3s)));
+  EXPECT_TRUE(election.check(at(5s)));
+  EXPECT_EQ(election.term(), kTerm + 1) << "its own term";
+  election.onSeenTerm(kTerm + 50, at(6s));
+  election.onSeenTerm(kTerm + 50, at(6900ms));
+  EXPECT_TRUE(election.check(at(7s)));
   EXPECT_EQ(election.term(), kTerm + 51);
 }
 
