@@ -137,9 +137,9 @@ std::string HapticStatusLog::describeStatus(const TickReport& report) {
     return "the device's enabling button is not pressed: the client renders force only while you "
            "hold it";
   }
-  if (!begin_) begin_ = report.time;
-  const bool late = report.lookup == Lookup::kEmpty && report.time - *begin_ > kPatience;
-  if (late && !logged_empty_) {
+  if (report.lookup != Lookup::kEmpty) empty_since_.reset();
+  if (report.lookup == Lookup::kEmpty && !empty_since_) empty_since_ = report.time;
+  if (empty_since_ && report.time - *empty_since_ > kPatience && !logged_empty_) {
     logged_empty_ = true;
     return "no frames arrive: there is nothing to touch yet";
   }

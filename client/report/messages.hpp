@@ -96,8 +96,8 @@ class HapticStatusLog {
 
   Halt halt_ = Halt::kNone;
   bool stale_ = false;
-  bool logged_enable_ = false;  // logged once a run
-  std::optional<LocalTime> begin_;
+  bool logged_enable_ = false;            // logged once a run
+  std::optional<LocalTime> empty_since_;  // no frame since then
   bool logged_empty_ = false;
   LogInterval softer_;
   LogInterval later_;

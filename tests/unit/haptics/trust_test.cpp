@@ -242,12 +242,14 @@ TEST(HapticStatusLog, SaysThatFramesStayOutAndComeAgain) {
 
 TEST(HapticStatusLog, SaysOnceThatNoFrameHasEverArrived) {
   HapticStatusLog log;
-  const auto line = [&](double time_s) {
+  const auto line = [&](double time_s, Lookup lookup = Lookup::kEmpty) {
     TickReport report = at(time_s, Halt::kNone);
-    report.lookup = Lookup::kEmpty;
+    report.lookup = lookup;
     return log.onReport(report, kNever);
   };
-  EXPECT_FALSE(line(1.0));
+  EXPECT_FALSE(line(-9.0));
+  EXPECT_FALSE(line(-1.0, Lookup::kInterpolated));
+  EXPECT_FALSE(line(1.0)) << "another server took over";
   EXPECT_FALSE(line(3.9));
   EXPECT_EQ(line(4.1), "no frames arrive: there is nothing to touch yet");
   EXPECT_FALSE(line(9.0));
