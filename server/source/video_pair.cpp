@@ -40,8 +40,9 @@ cv::Mat firstFrame(VideoFile& video, bool depth) {
 
 }  // namespace
 
-VideoPair::VideoPair(std::string color_file, std::string depth_file, double fps)
+VideoPair::VideoPair(std::string color_file, std::string depth_file, double fps, DepthCode code)
     : color_file_(std::move(color_file)), depth_file_(std::move(depth_file)) {
+  code_ = code;
   std::error_code error;
   if (std::filesystem::equivalent(color_file_, depth_file_, error)) {
     throw SourceError(depth_file_ +
@@ -102,9 +103,10 @@ bool VideoPair::grabFrame() {
   return false;
 }
 
-void VideoPair::retrieveFrame(cv::Mat& color, cv::Mat& depth) {
+std::string VideoPair::retrieveFrame(cv::Mat& color, cv::Mat& depth) {
   color = color_->retrieveColor(0);
   depth = depth_->retrieveDepth(0);
+  return "";
 }
 
 }  // namespace hapticast::server

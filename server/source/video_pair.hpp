@@ -20,12 +20,13 @@ class VideoPair final : public VideoSource {
   /// Opens both files and decodes their first frames. `fps` > 0 overrides the colour video's rate,
   /// frames/s. The clip ends with the shorter file. Throws SourceError if the files' aspect ratios
   /// differ, or if their frame counts differ by more than five. It also throws if both are one
-  /// file, and for depth in colours.
-  VideoPair(std::string color_file, std::string depth_file, double fps);
+  /// file, and for depth in colours that `code` does not explain.
+  VideoPair(std::string color_file, std::string depth_file, double fps,
+            DepthCode code = DepthCode::kGrey);
 
  private:
   bool grabFrame() override;
-  void retrieveFrame(cv::Mat& color, cv::Mat& depth) override;
+  std::string retrieveFrame(cv::Mat& color, cv::Mat& depth) override;
   void open() override;
   [[nodiscard]] const std::string& fileOf(bool depth) const override {
     return depth ? depth_file_ : color_file_;
@@ -40,7 +41,6 @@ class VideoPair final : public VideoSource {
   std::string depth_file_;
   std::unique_ptr<VideoFile> color_;
   std::unique_ptr<VideoFile> depth_;
-  bool cut_reported_ = false;
 };
 
 }  // namespace hapticast::server

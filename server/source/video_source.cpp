@@ -3,6 +3,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include "server/source/depth_code.hpp"
 #include "server/source/depth_scale.hpp"
 
 namespace hapticast::server {
@@ -29,9 +30,12 @@ void requireDepthFormat(const VideoTrack& track, const std::string& file) {
 
 bool isMetric(const cv::Mat& depth) { return depth.depth() != CV_8U; }
 
-void VideoSource::describe(const cv::Mat& color, const cv::Mat& depth, const VideoTrack& track,
+void VideoSource::describe(const cv::Mat& color, const cv::Mat& raw, const VideoTrack& track,
                            double fps) {
   const std::string& file = fileOf(true);
+  if (isMetric(raw) && code_ != DepthCode::kGrey)
+    throw SourceError(file + ": has depth in mm, so leave --depth-code out");
+  const cv::Mat depth = decodeDepth(raw, code_);
   if (!sameAspect(depth.size(), color.size())) {
     throw SourceError(file + ": is " + sizeText(depth.cols, depth.rows) +
                       ", but the colour video is " + sizeText(color.cols, color.rows) +
@@ -69,7 +73,9 @@ bool VideoSource::grab() {
 std::string VideoSource::load(RgbdFrame& frame) {
   const cv::Size size(info_.width_px, info_.height_px);
   cv::Mat raw;
-  retrieveFrame(frame.color, raw);
+  const std::string problem = retrieveFrame(frame.color, raw);
+  if (!problem.empty())
+    return fileOf(true) + ": frame " + std::to_string(frame.index) + " " + problem;
   const bool color = frame.color.size() == size;
   const bool depth = raw.size() == depth_size_;
   if (!color || !depth) {
@@ -77,7 +83,7 @@ std::string VideoSource::load(RgbdFrame& frame) {
     return fileOf(color) + ": frame " + std::to_string(frame.index) +
            " cannot be decoded or is not " + sizeText(wanted.width, wanted.height);
   }
-  ImageResult converted = toDepth(raw, format_);
+  ImageResult converted = toDepth(decodeDepth(raw, code_), format_);
   if (!converted.ok())
     return fileOf(true) + ": frame " + std::to_string(frame.index) + " " + converted.problem;
   frame.depth = scaleDepth(converted.image, size);

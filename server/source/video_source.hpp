@@ -12,11 +12,12 @@
 #include "server/source/image_file.hpp"
 #include "server/source/rgbd_source.hpp"
 #include "server/source/video_file.hpp"
+#include "server/source/video_layout.hpp"
 
 namespace hapticast::server {
 
-/// Source whose frames come from video files. A subclass opens the files and fills in `info_`,
-/// `depth_size_` and `format_`.
+/// Source whose frames come from video files. A subclass opens the files, sets `code_` and calls
+/// describe().
 class VideoSource : public RgbdSource {
  public:
   [[nodiscard]] const SourceInfo& info() const override { return info_; }
@@ -31,8 +32,8 @@ class VideoSource : public RgbdSource {
   /// SourceError if there is no first frame.
   virtual bool grabFrame() = 0;
   /// Returns the frame: colour as CV_8UC3, and depth as the file has it, or as CV_32FC1 in mm. A
-  /// picture is empty if it is damaged.
-  virtual void retrieveFrame(cv::Mat& color, cv::Mat& depth) = 0;
+  /// picture is empty if it is damaged. Returns "", or another problem of the frame, as a phrase.
+  virtual std::string retrieveFrame(cv::Mat& color, cv::Mat& depth) = 0;
   /// Opens the files again, at their first frame.
   virtual void open() = 0;
   /// Returns the name of the file with depth or colour, for messages.
@@ -41,10 +42,12 @@ class VideoSource : public RgbdSource {
   [[nodiscard]] std::uint64_t next() const { return next_; }
   /// Sets the sizes and the kind of depth from the first frame, and logs if depth is scaled. `fps`
   /// > 0 overrides the rate of `track`. Throws SourceError if the pictures cannot be a source.
-  void describe(const cv::Mat& color, const cv::Mat& depth, const VideoTrack& track, double fps);
+  void describe(const cv::Mat& color, const cv::Mat& raw, const VideoTrack& track, double fps);
 
   SourceInfo info_;
+  DepthCode code_ = DepthCode::kGrey;
   DepthFormat format_;
+  bool cut_reported_ = false;  // whether a warning of a clip that ends early was logged
   cv::Size depth_size_;
 
  private:
@@ -56,7 +59,6 @@ class VideoSource : public RgbdSource {
   std::uint32_t epoch_ = 0;
   bool ended_ = false;
   bool any_read_ = false;  // whether a frame was read since the clip's start
-  bool cut_reported_ = false;
   // First frame of each run of unusable frames whose warning was logged.
   std::set<std::uint64_t> reported_;
 };
