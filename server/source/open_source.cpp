@@ -99,7 +99,7 @@ std::unique_ptr<RgbdSource> openSingle(const std::string& file, double fps,
                                        const VideoLayout& layout) {
   try {
     (void)VideoFile(file);
-  } catch (const SourceError&) {
+  } catch (const NoVideoError&) {
     if (layout.layout != Layout::kSeparate) throw;
     throw SourceError(file +
                       ": is a single file; depth is needed too, so use COLOR,DEPTH or a folder");

@@ -63,8 +63,8 @@ class LibavOptions {
 };
 
 [[noreturn]] void throwNoVideo(const std::string& file) {
-  throw SourceError(file +
-                    ": holds no video that can be read; convert it, for example to H.264 in MP4");
+  throw NoVideoError(file +
+                     ": holds no video that can be read; convert it, for example to H.264 in MP4");
 }
 
 FormatPtr openFormat(const std::string& file) {
@@ -192,6 +192,7 @@ struct TrackDecoder {
   CodecPtr codec;  // null: not started
   ScalerPtr scaler;
   PicturePtr picture;
+  cv::Mat padded;       // buffer of convertToBgr()
   bool usable = false;  // whether `picture` is whole
   std::deque<PacketPtr> waiting;
   std::size_t waiting_bytes = 0;
@@ -252,13 +253,17 @@ cv::Mat VideoFile::Parts::convertToBgr(TrackDecoder& decoder) const {
   // The scaler writes whole vectors, beyond the end of a line.
   constexpr int kVector_px = 64;
   const int padded_px = (picture.width + kVector_px - 1) / kVector_px * kVector_px;
-  cv::Mat padded(picture.height + 1, padded_px, CV_8UC3);
-  const std::array<std::uint8_t*, 4> to{padded.data};
-  const std::array<int, 4> step{static_cast<int>(padded.step)};
+  const bool fits = padded_px == picture.width;
+  cv::Mat exact;
+  cv::Mat& target = fits ? exact : decoder.padded;
+  target.create(picture.height, padded_px, CV_8UC3);
+  const std::array<std::uint8_t*, 4> to{target.data};
+  const std::array<int, 4> step{static_cast<int>(target.step)};
   if (sws_scale(decoder.scaler.get(), picture.data, picture.linesize, 0, picture.height, to.data(),
                 step.data()) != picture.height)
     return {};
-  return padded(cv::Rect(0, 0, picture.width, picture.height)).clone();
+  if (fits) return exact;
+  return target(cv::Rect(0, 0, picture.width, picture.height)).clone();
 }
 
 VideoFile::VideoFile(std::string file) : parts_(std::make_unique<Parts>()) {

@@ -29,11 +29,17 @@ struct VideoTrack {
   bool operator==(const VideoTrack&) const = default;
 };
 
+/// Reports a file that holds no video.
+class NoVideoError : public SourceError {
+ public:
+  using SourceError::SourceError;
+};
+
 /// Open video file. Its tracks are numbered from 0, in the file's order.
 class VideoFile {
  public:
-  /// Opens `file` and reads its header. Throws SourceError if it is no file with a video track that
-  /// can be decoded, a playlist, or has more than 16 tracks.
+  /// Opens `file` and reads its header. Throws NoVideoError if it has no video track that can
+  /// be decoded. Throws SourceError if it is no file, a playlist, or has more than 16 tracks.
   explicit VideoFile(std::string file);
   ~VideoFile();
   VideoFile(const VideoFile&) = delete;

@@ -293,6 +293,24 @@ TEST_F(SingleVideoFiles, AColourVideoAloneIsRefusedWithoutAGuess) {
                                         HasSubstr("COLOR,DEPTH")));
 }
 
+TEST_F(SingleVideoFiles, TooLargePicturesAreRefusedBeforeTheyAreDecoded) {
+  ffmpeg("-f lavfi -i color=size=3880x64 -frames:v 1 -c:v mjpeg wide.avi");
+  EXPECT_THAT(openError("wide.avi", {Layout::kSideBySide, DepthCode::kGrey}),
+              HasSubstr("wide.avi: is 1940x64; allowed is up to 1920x1080"));
+  ffmpeg("-f lavfi -i color=size=3840x2160 -frames:v 1 -c:v libx264 -preset ultrafast 4k.mp4");
+  EXPECT_THAT(openError("4k.mp4", {Layout::kSideBySide, DepthCode::kGrey}),
+              HasSubstr("4k.mp4: is 1920x2160; allowed is"));
+}
+
+TEST_F(SingleVideoFiles, PlaylistsAndFilesOfManyTracksAreRefused) {
+  ffmpeg("-f lavfi -i color=size=32x32:duration=1 -c:v libx264 -f hls list.m3u8");
+  EXPECT_THAT(openError("list.m3u8"), HasSubstr("list.m3u8: "));
+  std::string maps;
+  for (int i = 0; i < 17; ++i) maps += "-map 0 ";
+  ffmpeg("-f lavfi -i color=size=32x32:duration=0.2 " + maps + "-c:v ffv1 many.mkv");
+  EXPECT_THAT(openError("many.mkv"), HasSubstr("many.mkv: has 17 tracks; allowed are 16"));
+}
+
 TEST_F(SingleVideoFiles, FlagsOfVideosAreRefusedForOtherSources) {
   const VideoLayout beside{Layout::kSideBySide, DepthCode::kGrey};
   const VideoLayout hue{Layout::kSeparate, DepthCode::kHue};
