@@ -202,6 +202,31 @@ TEST_F(SingleVideoFiles, RecordingsOfAKinectAreToldToBeUnaligned) {
   EXPECT_EQ(frame->depth.at<float>(5, 5), 500.0F);
 }
 
+TEST_F(SingleVideoFiles, RawDepthInTheFormatOfAKinectIsExact) {
+  // As the recorder writes it: big-endian values, with b16g in a BITMAPINFOHEADER. ffmpeg writes
+  // the header with a zero there.
+  ffmpeg(rawColor() + rawDepth() +
+         "-map 0 -map 1 -c:v:0 mjpeg -pix_fmt:v:0 yuvj420p -c:v:1 rawvideo " +
+         "-pix_fmt:v:1 gray16be -allow_raw_vfw 1 -metadata:s:v:1 K4A_DEPTH_TRACK=2 k4a.mkv");
+  std::ifstream in(folder / "k4a.mkv", std::ios::binary);
+  std::string bytes{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  // Its size, width, negative height, planes, bits and format.
+  const std::string header("\x28\0\0\0\x40\0\0\0\xD0\xFF\xFF\xFF\x01\0\x10\0\0\0\0\0", 20);
+  const std::size_t place = bytes.find(header);
+  ASSERT_NE(place, std::string::npos);
+  const std::string recorder("\x28\0\0\0\x40\0\0\0\x30\0\0\0\x01\0\x10\0b16g", 20);
+  bytes.replace(place, header.size(), recorder);
+  const auto source = openSource(folder.write("b16g.mkv", bytes), 0.0);
+  EXPECT_EQ(source->info().depth_kind, DepthKind::kMetric);
+  for (int i = 0; i < kFrames; ++i) {
+    const auto frame = source->read();
+    ASSERT_TRUE(frame);
+    cv::Mat wanted;
+    drawnDepth(i, {64, 48}).convertTo(wanted, CV_32F);
+    EXPECT_EQ(cv::countNonZero(frame->depth != wanted), 0);
+  }
+}
+
 TEST_F(SingleVideoFiles, HalvesOfGreyDepth) {
   // Colour in one half; in the other, frame i is evenly 20 i bright.
   const auto draw = [](bool beside) {
