@@ -77,7 +77,7 @@ class App::Impl {
 App::Impl::Impl(Settings settings, const Clock& clock)
     : settings_(std::move(settings)),
       media_clock_(clock),
-      source_(openSource(settings_.source, settings_.fps, settings_.to_and_fro)),
+      source_(openSource(settings_.source, settings_.fps, settings_.to_and_fro, settings_.layout)),
       vision_(describeSource(*source_, settings_.name),
               dropInvalidPoints(settings_.vision, source_->info()), &clock),
       signer_(settings_.signing_key_file.empty() ? SigningKey()

@@ -32,6 +32,12 @@ const std::map<std::string, Method> kMethods{{"hapticast", Method::kHapticast},
 
 const std::map<std::string, bool> kTransports{{"udp", true}, {"tcp", false}};
 
+const std::map<std::string, Layout> kLayouts{{"separate", Layout::kSeparate},
+                                             {"side-by-side", Layout::kSideBySide},
+                                             {"top-bottom", Layout::kTopBottom}};
+const std::map<std::string, DepthCode> kDepthCodes{
+    {"grey", DepthCode::kGrey}, {"inverse", DepthCode::kInverse}, {"hue", DepthCode::kHue}};
+
 constexpr double kMostDepth_mm = 1e6;
 constexpr double kLongestClip_s = 1e6;  // chosen: eleven days
 
@@ -117,12 +123,22 @@ void addSourceOptions(CLI::App& app, Settings& settings) {
          "--source", settings.source,
          "The video to stream: synthetic:bounce|approach|tumble|still, a folder of RGB-D "
          "images (rgb/ and depth/, or TUM's rgb.txt and depth.txt), COLOR,DEPTH (two video "
-         "files, 8-bit depth), camera:N,M (colour camera, depth camera), or "
+         "files), FILE (one video file with colour and depth), camera:N,M (colour camera, depth "
+         "camera), or "
          "nats://HOST[:PORT][,HOST2]/CHANNEL (an edge: it forwards the stream that an origin "
          "publishes)")
       ->required();
   addNumber(app, "--fps", settings.fps, 1.0, 240.0, "1..240",
             "Frames a second; default: the source's own");
+  addChoice(
+      app, "--layout", settings.layout.layout, kLayouts,
+      "The place of the depth in a single video file: a track of its own (separate), or a half "
+      "of the picture. Colour is on the left or at the top; with --depth-code hue it is on the "
+      "right or below. Default: separate");
+  addChoice(
+      app, "--depth-code", settings.layout.code, kDepthCodes,
+      "The depth of a video with 8 bits: grey (near is white), inverse (near is dark), or hue "
+      "(Record3D: 3 m for the whole circle of hues). Default: grey");
   app.add_flag("--loop", settings.loop, "Start again at the end of the clip");
   app.add_flag("--to-and-fro", settings.to_and_fro,
                "Play the images of a folder forwards, then backwards; with --loop no jump remains");

@@ -11,6 +11,7 @@
 #include "common/endpoint.hpp"
 #include "common/transport/signature.hpp"
 #include "server/nats_address.hpp"
+#include "server/source/video_layout.hpp"
 #include "server/stream/multicast_group.hpp"
 #include "server/vision/vision_settings.hpp"
 
@@ -22,6 +23,7 @@ struct Settings {
   double fps = 0.0;  ///< frames/s; 0: the source's own rate
   bool loop = false;
   bool to_and_fro = false;
+  VideoLayout layout;  ///< how a video file holds its depth
   bool wait_for_viewer = false;
   std::uint64_t frames = 0;  ///< number of frames to stream; 0: no limit
   Endpoint listen{"0.0.0.0", kDefaultPort};

@@ -92,7 +92,8 @@ bool warnOfDepth(RgbdSource& source, const VisionSettings& settings) {
     spdlog::warn(
         "--source {}: its depth looks inverted, because the border is nearer than the object; "
         "8-bit "
-        "depth needs near as white, so invert it (ffmpeg -i FILE -vf negate OUT)",
+        "depth needs near as white, so use --depth-code inverse for a video, or invert it (ffmpeg "
+        "-i FILE -vf negate OUT)",
         info.name);
   }
   return true;

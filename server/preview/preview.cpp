@@ -176,7 +176,7 @@ std::vector<std::string> formatLines(const Settings& settings, const Watched& wa
 void writePreview(const Settings& settings, const Clock& clock) {
   const fs::path place = settings.preview;
   const std::unique_ptr<RgbdSource> source =
-      openSource(settings.source, settings.fps, settings.to_and_fro);
+      openSource(settings.source, settings.fps, settings.to_and_fro, settings.layout);
   checkPlace(place);
   Vision vision(source->info(), dropInvalidPoints(settings.vision, source->info()));
   warnOfUnlikelyInput(*source, settings.vision);

@@ -6,18 +6,18 @@
 #include <algorithm>
 #include <vector>
 
+#include "server/source/depth_scale.hpp"
+
 namespace hapticast::server {
 
 namespace {
 
-/// Returns the depth format, from the declarations and the first depth file.
-DepthFormat detectFormat(const std::filesystem::path& file, const ClipFiles& clip) {
-  const ImageResult first = readRawFile(file);
-  if (!first.ok())
-    throw SourceError(file.string() + ": " + first.problem + "; mend this first frame");
-  const int bits = static_cast<int>(8 * first.image.elemSize1());
+/// Returns the depth format, from the declarations and `first`, the first depth image.
+DepthFormat detectFormat(const std::filesystem::path& file, const cv::Mat& first,
+                         const ClipFiles& clip) {
+  const int bits = static_cast<int>(8 * first.elemSize1());
   constexpr double kMm_m = 1000.0;  // estimators and simulators write metres
-  if (first.image.depth() == CV_32F) return {DepthKind::kMetric, clip.mm_per_unit.value_or(kMm_m)};
+  if (first.depth() == CV_32F) return {DepthKind::kMetric, clip.mm_per_unit.value_or(kMm_m)};
   const int declared = clip.declared_depth_bits.value_or(bits);
   if (bits != declared) {
     throw SourceError(file.string() + ": depth has " + std::to_string(bits) + " bits where " +
@@ -26,7 +26,7 @@ DepthFormat detectFormat(const std::filesystem::path& file, const ClipFiles& cli
                                       : "save it as 8-bit grey, or set \"depth_bits\": 16") +
                       " in meta.json");
   }
-  if (isColorCoded(first.image)) {
+  if (isColorCoded(first)) {
     throw SourceError(
         file.string() +
         ": shows depth as colours; save it as grey (8 bit, near is white) or as 16-bit "
@@ -51,10 +51,14 @@ ImageSequence::ImageSequence(const std::filesystem::path& folder, double fps, bo
   if (!color.ok()) {
     throw SourceError(first.color.string() + ": " + color.problem + "; mend this first frame");
   }
-  format_ = detectFormat(first.depth, files_);
+  const ImageResult depth = readRawFile(first.depth);
+  if (!depth.ok())
+    throw SourceError(first.depth.string() + ": " + depth.problem + "; mend this first frame");
+  format_ = detectFormat(first.depth, depth.image, files_);
   info_.name = fileName(folder);
   info_.width_px = color.image.cols;
   info_.height_px = color.image.rows;
+  chooseDepthSize(folder, depth.image);
   warnOfOtherSize(folder);
   info_.fps = fps > 0.0 ? fps : files_.fps;
   info_.depth_kind = format_.kind;
@@ -69,6 +73,12 @@ ImageSequence::ImageSequence(const std::filesystem::path& folder, double fps, bo
   if (const std::string problem = load(index, frame); !problem.empty()) {
     throw SourceError(problem + "; mend this first frame");
   }
+}
+
+void ImageSequence::chooseDepthSize(const std::filesystem::path& folder, const cv::Mat& first) {
+  const cv::Size color(info_.width_px, info_.height_px);
+  depth_size_ = sameAspect(first.size(), color) ? first.size() : color;
+  if (depth_size_ != color) logScaledDepth(folder.string(), depth_size_, color);
 }
 
 void ImageSequence::warnOfOtherSize(const std::filesystem::path& folder) const {
@@ -152,6 +162,21 @@ ImageResult ImageSequence::readMask(const std::filesystem::path& file) const {
   return mask;
 }
 
+ImageResult ImageSequence::readDepth(const std::filesystem::path& file) const {
+  ImageResult depth = readRawFile(file);
+  if (depth.ok()) depth = toDepth(depth.image, format_);
+  if (!depth.ok()) return depth;
+  const cv::Size size = depth.image.size();
+  const cv::Size color(info_.width_px, info_.height_px);
+  if (size != depth_size_ && depth_size_ != color) {
+    return {{},
+            "is " + sizeText(size.width, size.height) + ", but the clip's depth is " +
+                sizeText(depth_size_.width, depth_size_.height)};
+  }
+  if (size == depth_size_) depth.image = scaleDepth(depth.image, color);
+  return depth;
+}
+
 std::string ImageSequence::otherSize(const cv::Mat& image) const {
   if (image.cols == info_.width_px && image.rows == info_.height_px) return "";
   return "is " + sizeText(image.cols, image.rows) + ", but the clip's colour is " +
@@ -167,8 +192,7 @@ std::string ImageSequence::load(std::uint64_t index, RgbdFrame& frame) const {
   };
   ImageResult color = readColorFile(files.color);
   if (std::string problem = checked(files.color, color); !problem.empty()) return problem;
-  ImageResult depth = readRawFile(files.depth);
-  if (depth.ok()) depth = toDepth(depth.image, format_);
+  const ImageResult depth = readDepth(files.depth);
   if (std::string problem = checked(files.depth, depth); !problem.empty()) return problem;
   ImageResult mask;
   if (!files.mask.empty()) {

@@ -39,6 +39,10 @@ class ImageSequence final : public RgbdSource {
   void checkKeyMasks() const;
   /// Returns the problem if `image` has another size than the clip; otherwise "".
   [[nodiscard]] std::string otherSize(const cv::Mat& image) const;
+  /// Returns the depth image in `file` at the clip's size, or its problem.
+  [[nodiscard]] ImageResult readDepth(const std::filesystem::path& file) const;
+  /// Sets the size of the depth images from the first one, and logs if they are scaled.
+  void chooseDepthSize(const std::filesystem::path& folder, const cv::Mat& first);
   /// Returns the mask in `file`, converted by toMask(), or its problem.
   [[nodiscard]] ImageResult readMask(const std::filesystem::path& file) const;
   /// Returns whether the frame's files no longer exist.
@@ -51,6 +55,7 @@ class ImageSequence final : public RgbdSource {
   ClipFiles files_;
   SourceInfo info_;
   DepthFormat format_;
+  cv::Size depth_size_;  // size of the depth images, before they are scaled
   std::uint64_t next_ = 0;
   std::uint32_t epoch_ = 0;
   bool any_read_ = false;  // whether a frame was read since the clip's start

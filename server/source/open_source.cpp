@@ -10,6 +10,7 @@
 #include "server/source/camera.hpp"
 #include "server/source/image_sequence.hpp"
 #include "server/source/rgbd_source.hpp"
+#include "server/source/single_video.hpp"
 #include "server/source/synthetic_source.hpp"
 #include "server/source/video_pair.hpp"
 
@@ -68,7 +69,7 @@ bool isFile(const std::string& path) {
   return fs::is_regular_file(path, error);
 }
 
-std::unique_ptr<RgbdSource> openPair(const std::string& spec, double fps) {
+std::unique_ptr<RgbdSource> openPair(const std::string& spec, double fps, DepthCode code) {
   // File names may contain commas: prefers the split at which both files exist.
   std::size_t comma = spec.find(',');
   for (std::size_t at = comma; at != std::string::npos; at = spec.find(',', at + 1)) {
@@ -79,7 +80,31 @@ std::unique_ptr<RgbdSource> openPair(const std::string& spec, double fps) {
   if (color.empty() || depth.empty()) {
     throw SourceError(spec + ": one of the two videos is missing; use COLOR,DEPTH");
   }
-  return std::make_unique<VideoPair>(color, depth, fps);
+  return std::make_unique<VideoPair>(color, depth, fps, code);
+}
+
+/// Returns whether `spec` has the form of two files.
+bool isPair(const std::string& spec) { return spec.find(',') != std::string::npos; }
+
+/// Throws SourceError for flags of videos that this source cannot obey.
+void requireVideo(const std::string& spec, bool is_video, const VideoLayout& layout) {
+  const bool single = is_video && isFile(spec);
+  if (layout.layout != Layout::kSeparate && !single)
+    throw SourceError(spec + ": only a single video file has a --layout; leave the flag out");
+  if (layout.code != DepthCode::kGrey && !is_video)
+    throw SourceError(spec + ": only a video has a --depth-code; leave the flag out");
+}
+
+std::unique_ptr<RgbdSource> openSingle(const std::string& file, double fps,
+                                       const VideoLayout& layout) {
+  try {
+    (void)VideoFile(file);
+  } catch (const NoVideoError&) {
+    if (layout.layout != Layout::kSeparate) throw;
+    throw SourceError(file +
+                      ": is a single file; depth is needed too, so use COLOR,DEPTH or a folder");
+  }
+  return std::make_unique<SingleVideo>(file, layout, fps);
 }
 
 }  // namespace
@@ -90,7 +115,8 @@ std::string fileName(const fs::path& path) {
   return (error ? path : whole).filename().string();
 }
 
-std::unique_ptr<RgbdSource> openSource(const std::string& spec, double fps, bool to_and_fro) {
+std::unique_ptr<RgbdSource> openSource(const std::string& spec, double fps, bool to_and_fro,
+                                       const VideoLayout& layout) {
   if (fps != 0.0 && !(fps >= 1.0 && fps <= 240.0)) {
     throw SourceError("frame rate " + std::to_string(fps) + ": allowed is 1 to 240 per second");
   }
@@ -101,15 +127,14 @@ std::unique_ptr<RgbdSource> openSource(const std::string& spec, double fps, bool
   const bool is_folder = fs::is_directory(spec, error);
   if (to_and_fro && !is_folder)
     throw SourceError(spec + ": only a folder of images plays --to-and-fro; use --loop alone");
+  const bool is_named = view.starts_with(kSynthetic) || view.starts_with(kCamera);
+  requireVideo(spec, !is_named && (isFile(spec) || isPair(spec)), layout);
   if (view.starts_with(kSynthetic)) return openSynthetic(view.substr(kSynthetic.size()), fps);
   if (view.starts_with(kCamera)) return openCamera(spec, view.substr(kCamera.size()), fps);
   if (is_folder) return std::make_unique<ImageSequence>(spec, fps, to_and_fro);
   refuseOtherKinds(spec);
-  if (isFile(spec)) {
-    throw SourceError(spec +
-                      ": is a single file; depth is needed too, so use COLOR,DEPTH or a folder");
-  }
-  if (spec.find(',') != std::string::npos) return openPair(spec, fps);
+  if (isFile(spec)) return openSingle(spec, fps, layout);
+  if (isPair(spec)) return openPair(spec, fps, layout.code);
   throw SourceError(
       (spec.empty() ? "(empty source)" : spec) +
       ": no such file or folder; use synthetic:NAME, a folder, COLOR,DEPTH or camera:N,M");

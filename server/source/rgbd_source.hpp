@@ -13,6 +13,7 @@
 #include <string>
 
 #include "server/source/camera_model.hpp"
+#include "server/source/video_layout.hpp"
 
 namespace hapticast::server {
 
@@ -76,10 +77,11 @@ class RgbdSource {
 /// Returns the last part of a path. Viewers receive only this part.
 std::string fileName(const std::filesystem::path& path);
 
-/// Opens the source that `spec` names, the value of --source: synthetic:NAME, DIR, COLOR,DEPTH or
-/// camera:N,M. `fps` > 0 overrides its rate, frames/s. `to_and_fro`: the images of a folder play
-/// forwards, then backwards. Throws SourceError, also if only a folder can do that.
-std::unique_ptr<RgbdSource> openSource(const std::string& spec, double fps,
-                                       bool to_and_fro = false);
+/// Opens the source that `spec` names, the value of --source: synthetic:NAME, DIR, COLOR,DEPTH,
+/// FILE or camera:N,M. `fps` > 0 overrides its rate, frames/s. `to_and_fro`: the images of a folder
+/// play forwards, then backwards. `layout`: how videos hold their depth. Throws SourceError, also
+/// if the source is none that can do that.
+std::unique_ptr<RgbdSource> openSource(const std::string& spec, double fps, bool to_and_fro = false,
+                                       const VideoLayout& layout = {});
 
 }  // namespace hapticast::server

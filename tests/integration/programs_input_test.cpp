@@ -50,6 +50,8 @@ TEST_F(ProgramsInputTest, FlagsOfTheServer) {
       {"--frames", "2.5", "whole number"},
       {"--frames", "99999999999999999999999", "whole number"},
       {"--max-clients", "0", "from 1 to 10000"},
+      {"--layout", "beside", "separate|side-by-side|top-bottom"},
+      {"--depth-code", "red", "grey|hue|inverse"},
       {"--object", "1", "U,V"},
       {"--object", "1,nan", "U,V"},
       {"--object", "1,2@nan", "U,V[@SECONDS]"},
@@ -204,8 +206,8 @@ TEST_F(ProgramsInputTest, ClipsThatDoNotFit) {
   serverEnds({"--source", "camera:0"}, 2, {"camera:0", "depth"});
 
   std::string clip = makeClip("size");
-  setDepth(clip, 100, cv::Mat(48, 64, CV_16UC1, cv::Scalar(900)));
-  serverEnds({"--source", clip}, 2, {"depth/100.png", "64x48", "128x96"});
+  setDepth(clip, 100, cv::Mat(64, 64, CV_16UC1, cv::Scalar(900)));
+  serverEnds({"--source", clip}, 2, {"depth/100.png", "64x64", "128x96"});
   clip = makeClip("count");
   std::filesystem::remove(clip + "/depth/103.png");
   for (const int i : {100, 101, 102, 104, 105}) {  // no numbers to pair them by

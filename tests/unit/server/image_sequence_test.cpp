@@ -214,8 +214,30 @@ TEST_F(ImageSequenceFolder, DepthOfAnotherSizeIsRefusedAtTheStartAndLeftOutLater
   EXPECT_EQ(log.count(), 1);
   EXPECT_THAT(log.text(), AllOf(HasSubstr("000002.png: is 16x12, but the clip's colour is 32x24"),
                                 HasSubstr("frame 2 is left out")));
-  folder.write("depth/000000.png", depth16(7, {16, 12}));
-  EXPECT_THAT(openError(), HasSubstr("depth/000000.png: is 16x12"));
+  folder.write("depth/000000.png", depth16(7, {16, 16}));
+  EXPECT_THAT(openError(), HasSubstr("depth/000000.png: is 16x16"));
+}
+
+TEST_F(ImageSequenceFolder, SmallerDepthOfTheSameAspectIsScaled) {
+  fill();
+  for (int i = 0; i < 5; ++i) {
+    cv::Mat depth = depth16(800, {16, 12});
+    depth.colRange(8, 16).setTo(i == 0 ? 0 : 1600);
+    folder.write("depth/" + number(i) + ".png", depth);
+  }
+  folder.write("depth/000003.png", depth16(7));
+  const LogLines log;
+  ImageSequence source(folder.string(), 0.0);
+  EXPECT_THAT(log.text(), HasSubstr("depth of 16 x 12 is scaled to 32 x 24"));
+  const auto frame = source.read();
+  EXPECT_EQ(frame->depth.size(), cv::Size(32, 24));
+  EXPECT_EQ(cv::countNonZero(frame->depth == 800.0F), 16 * 24) << "no value at the edge is mixed";
+  EXPECT_EQ(cv::countNonZero(frame->depth == 0.0F), 16 * 24);
+  int rest = 0;
+  while (source.read()) ++rest;
+  EXPECT_EQ(rest, 3);
+  EXPECT_THAT(log.text(), HasSubstr("000003.png: is 32x24, but the clip's depth is 16x12"));
+  EXPECT_EQ(log.count(), 2) << log.text();
 }
 
 TEST_F(ImageSequenceFolder, UnreadableImagesInTheMiddleAreLeftOutWithOneWarningEach) {

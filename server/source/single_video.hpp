@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+// Source from one video file that holds colour and depth: as two tracks, or as the halves of one
+// picture. Thread: one.
+#pragma once
+
+#include <cstddef>
+#include <limits>
+#include <memory>
+#include <opencv2/core.hpp>
+#include <string>
+
+#include "server/source/video_file.hpp"
+#include "server/source/video_layout.hpp"
+#include "server/source/video_source.hpp"
+
+namespace hapticast::server {
+
+/// Source whose frames are those of one file.
+class SingleVideo final : public VideoSource {
+ public:
+  /// Opens `file` and decodes its first frame. `fps` > 0 overrides the rate of the colour,
+  /// frames/s. With Layout::kSeparate the depth is the track of an Azure Kinect's depth, else the
+  /// one whose title has the word depth, else the only grey one. Its frames belong to the colour
+  /// frames that are nearest in time. Throws SourceError. For one track without a layout the error
+  /// says what the picture looks like.
+  SingleVideo(std::string file, const VideoLayout& layout, double fps);
+
+ private:
+  bool grabFrame() override;
+  std::string retrieveFrame(cv::Mat& color, cv::Mat& depth) override;
+  void open() override;
+  [[nodiscard]] const std::string& fileOf(bool) const override { return file_; }
+  /// Chooses the tracks. Throws SourceError if they are not clear.
+  void chooseTracks();
+  /// Throws SourceError that says what the file with a single track looks like.
+  [[noreturn]] void throwOneTrack();
+  /// Throws SourceError if the pictures are too large.
+  void requireSizes() const;
+  /// Moves the depth to the frame of the colour's time. Returns false at the end of the depth.
+  bool followColor();
+
+  std::string file_;
+  Layout layout_;
+  std::unique_ptr<VideoFile> video_;
+  std::size_t color_ = 0;
+  std::size_t depth_ = 0;
+  double color_time_s_ = -std::numeric_limits<double>::infinity();  // latest so far
+  bool depth_grabbed_ = false;                                      // whether the depth has a frame
+  std::string problem_;  // problem of the frame's time; "" if depth belongs to colour
+};
+
+}  // namespace hapticast::server

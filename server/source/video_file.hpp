@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+// Reads the pictures of video files, with FFmpeg's libraries. One pass over the file serves all of
+// its tracks. Files come from outside: sizes, numbers of tracks and waiting packets are limited.
+// Thread: one.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+#include "server/source/rgbd_source.hpp"
+
+namespace hapticast::server {
+
+/// Facts about one video track.
+struct VideoTrack {
+  int width_px = 0;  ///< as shown, after the rotation that the file states
+  int height_px = 0;
+  double fps = 0.0;               ///< frames/s; 0: the file does not state it
+  std::uint64_t frame_count = 0;  ///< 0: the file does not state it
+  std::string format;             ///< FFmpeg's name of the pixel format, for example "gray16le"
+  int bits = 8;                   ///< bits of a sample
+  bool grey = false;              ///< whether the format has grey values only
+  bool depth_name = false;        ///< whether the track's title or handler has the word depth
+  bool kinect_depth = false;      ///< whether it is the depth track of an Azure Kinect or Orbbec
+  bool operator==(const VideoTrack&) const = default;
+};
+
+/// Reports a file that holds no video.
+class NoVideoError : public SourceError {
+ public:
+  using SourceError::SourceError;
+};
+
+/// Open video file. Its tracks are numbered from 0, in the file's order.
+class VideoFile {
+ public:
+  /// Opens `file` and reads its header. Throws NoVideoError if it has no video track that can
+  /// be decoded. Throws SourceError if it is no file, a playlist, or has more than 16 tracks.
+  explicit VideoFile(std::string file);
+  ~VideoFile();
+  VideoFile(const VideoFile&) = delete;
+  VideoFile& operator=(const VideoFile&) = delete;
+
+  [[nodiscard]] const std::string& file() const;
+  [[nodiscard]] const std::vector<VideoTrack>& tracks() const;
+  /// Begins to decode `track`, before its first grab(). Throws SourceError if that is impossible.
+  void start(std::size_t track);
+  /// Moves `track` to its next frame. Returns false at its end. A frame that is damaged counts as
+  /// one. Throws SourceError if too many packets of another started track wait.
+  bool grab(std::size_t track);
+  /// Returns the time of the frame of `track`, s, on the clock that all tracks share. A negative
+  /// infinity: the file states no time.
+  [[nodiscard]] double time_s(std::size_t track) const;
+  /// Returns the frame of `track` as new CV_8UC3 (BGR); empty if it is damaged.
+  [[nodiscard]] cv::Mat retrieveColor(std::size_t track);
+  /// Returns the frame of `track` as depth: new CV_16UC1 with the values of the file if the format
+  /// is grey with more than 8 bits, else as retrieveColor(). Empty if it is damaged.
+  [[nodiscard]] cv::Mat retrieveDepth(std::size_t track);
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace hapticast::server

@@ -1,0 +1,432 @@
+// SPDX-License-Identifier: MIT
+// One video file with colour and depth: as two tracks, or as halves of one picture. The files are
+// written with ffmpeg where it is there.
+#include "server/source/single_video.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <opencv2/imgproc.hpp>
+#include <vector>
+
+#include "server/source/depth_code.hpp"
+#include "tests/unit/server/source_files.hpp"
+
+namespace hapticast::server {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+constexpr int kFrames = 10;
+constexpr const char* kCopyTwo =
+    " -map 0 -map 1 -c:v:0 libx264 -pix_fmt:v:0 yuv420p -c:v:1 ffv1 -pix_fmt:v:1 gray16le ";
+
+/// Frame i of a drawn depth: 500 + 100 i mm on the left, random on the right.
+cv::Mat drawnDepth(int i, cv::Size size) {
+  cv::Mat depth(size, CV_16UC1);
+  cv::RNG random(static_cast<std::uint64_t>(i) + 1);
+  random.fill(depth, cv::RNG::UNIFORM, 0, 65536);
+  depth.colRange(0, size.width / 2).setTo(500 + 100 * i);
+  return depth;
+}
+
+/// Returns the colour that Record3D writes for a depth.
+cv::Vec3b hueOf(double depth_mm) {
+  const cv::Mat hsv(1, 1, CV_32FC3, cv::Scalar(360.0 * depth_mm / 3000.0, 1.0, 1.0));
+  cv::Mat bgr;
+  cv::cvtColor(hsv, bgr, cv::COLOR_HSV2BGR);
+  cv::Mat levels;
+  bgr.convertTo(levels, CV_8U, 255.0);
+  return levels.at<cv::Vec3b>(0, 0);
+}
+
+class SingleVideoFiles : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (std::system("ffmpeg -version >/dev/null 2>&1") != 0) GTEST_SKIP() << "needs ffmpeg";
+  }
+  [[nodiscard]] std::string at(const std::string& name) const { return (folder / name).string(); }
+  /// Runs ffmpeg in the folder.
+  void ffmpeg(const std::string& arguments) const {
+    const std::string command = "cd '" + folder.string() + "' && ffmpeg -loglevel quiet -y " +
+                                arguments + " >/dev/null 2>&1 </dev/null";
+    ASSERT_EQ(std::system(command.c_str()), 0) << arguments;
+  }
+  /// Writes pictures one after the other. Returns the arguments of ffmpeg that read them.
+  [[nodiscard]] std::string raw(const std::string& name, const std::string& format, cv::Size size,
+                                const std::function<cv::Mat(int)>& draw, int fps = 30) const {
+    std::ofstream out(folder / name, std::ios::binary);
+    for (int i = 0; i < kFrames; ++i) {
+      const cv::Mat picture = draw(i);
+      out.write(reinterpret_cast<const char*>(picture.data),
+                static_cast<std::streamsize>(picture.total() * picture.elemSize()));
+    }
+    return "-f rawvideo -pix_fmt " + format + " -s " + std::to_string(size.width) + "x" +
+           std::to_string(size.height) + " -r " + std::to_string(fps) + " -i " + name + " ";
+  }
+  [[nodiscard]] std::string rawDepth(cv::Size size = {64, 48}, int fps = 30) const {
+    return raw(
+        "depth.raw", "gray16le", size, [&](int i) { return drawnDepth(i, size); }, fps);
+  }
+  [[nodiscard]] static std::string rawColor() {
+    return "-f lavfi -i testsrc=size=64x48:rate=30:duration=0.333 ";
+  }
+  [[nodiscard]] std::string openError(const std::string& name,
+                                      const VideoLayout& layout = {}) const {
+    return errorOf([&] { (void)openSource(at(name), 0.0, false, layout); });
+  }
+  SourceFolder folder;
+};
+
+TEST_F(SingleVideoFiles, TwoTracksAreColourAndDepthToTheBit) {
+  ffmpeg(rawColor() + rawDepth() + kCopyTwo + "two.mkv");
+  ffmpeg("-i two.mkv -map 0:1 -map 0:0 -c copy other.mkv");
+  for (const char* name : {"two.mkv", "other.mkv"}) {
+    SCOPED_TRACE(name);
+    const auto source = openSource(at(name), 0.0);
+    EXPECT_EQ(source->info().depth_kind, DepthKind::kMetric);
+    // From the duration of the whole file.
+    EXPECT_NEAR(static_cast<double>(source->info().frame_count.value_or(0)), 10.0, 2.0);
+    EXPECT_EQ(source->info().fps, 30.0);
+    for (int round = 0; round < 2; ++round) {
+      for (int i = 0; i < kFrames; ++i) {
+        const auto frame = source->read();
+        ASSERT_TRUE(frame);
+        EXPECT_EQ(frame->index, static_cast<std::uint64_t>(i));
+        EXPECT_EQ(frame->epoch, static_cast<std::uint32_t>(round));
+        cv::Mat wanted;
+        drawnDepth(i, {64, 48}).convertTo(wanted, CV_32F);
+        EXPECT_EQ(cv::countNonZero(frame->depth != wanted), 0);
+        EXPECT_TRUE(isColorCoded(frame->color));
+      }
+      EXPECT_FALSE(source->read());
+      source->rewind();
+    }
+  }
+}
+
+TEST_F(SingleVideoFiles, ATrackOfTheNameDepthIsDepth) {
+  const std::string tracks =
+      "-map 0 -map 1 -c:v libx264 -pix_fmt yuv420p -metadata:s:v:0 title=Depth ";
+  ffmpeg("-f lavfi -i color=gray:size=64x48:rate=30:duration=0.333 " + rawColor() + tracks +
+         "named.mkv");
+  const auto source = openSource(at("named.mkv"), 0.0);
+  EXPECT_EQ(source->info().depth_kind, DepthKind::kHeight);
+  const auto frame = source->read();
+  ASSERT_TRUE(frame);
+  EXPECT_NEAR(frame->depth.at<float>(20, 20), 128.0F, 3.0F);
+  EXPECT_TRUE(isColorCoded(frame->color));
+  ffmpeg("-i named.mkv -map 0 -c copy -metadata:s:v:0 title= unnamed.mkv");
+  EXPECT_THAT(openError("unnamed.mkv"),
+              AllOf(HasSubstr("has 2 video tracks"), HasSubstr("title=depth")));
+}
+
+TEST_F(SingleVideoFiles, TimesPairFramesOfOtherRates) {
+  ffmpeg(rawColor() + rawDepth({64, 48}, 15) + kCopyTwo + "rates.mkv");
+  const auto source = openSource(at("rates.mkv"), 0.0);
+  const LogLines log;
+  for (int i = 0; i < kFrames; ++i) {
+    const auto frame = source->read();
+    ASSERT_TRUE(frame);
+    // An odd frame lies in the middle of two depths.
+    const float depth_mm = frame->depth.at<float>(5, 5);
+    EXPECT_GE(depth_mm, 500.0F + 100.0F * static_cast<float>(i / 2));
+    EXPECT_LE(depth_mm, 500.0F + 100.0F * static_cast<float>((i + 1) / 2));
+  }
+  EXPECT_EQ(log.count(), 0) << log.text();
+}
+
+TEST_F(SingleVideoFiles, FramesWithoutDepthAreLeftOut) {
+  ffmpeg(rawColor() + rawDepth() + kCopyTwo + "-bsf:v:1 setts=pts=PTS+100:dts=DTS+100 late.mkv");
+  const auto source = openSource(at("late.mkv"), 0.0);
+  const LogLines log;
+  const auto frame = source->read();
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(frame->index, 3U);
+  EXPECT_EQ(frame->depth.at<float>(5, 5), 500.0F);
+  EXPECT_EQ(log.count(), 1) << log.text();
+  EXPECT_THAT(log.text(), HasSubstr("late.mkv: frame 0 has no depth at its time"));
+}
+
+TEST_F(SingleVideoFiles, TimesThatRunBackLeaveFramesOut) {
+  ffmpeg(
+      "-f lavfi -i testsrc=size=64x48:rate=30:duration=0.333 -c:v mjpeg "
+      "-bsf:v \"setts=pts='if(eq(N,4),PTS+100,PTS)':dts=DTS\" jump.avi.mkv");
+  ffmpeg("-i jump.avi.mkv " + rawDepth() +
+         "-map 0 -map 1 -c:v:0 copy -c:v:1 ffv1 -copyts jump.mkv");
+  const auto source = openSource(at("jump.mkv"), 0.0);
+  const LogLines log;
+  int frames = 0;
+  while (source->read()) ++frames;
+  EXPECT_GE(frames, 5);
+  EXPECT_LT(frames, kFrames);
+  EXPECT_THAT(log.text(), HasSubstr("jump.mkv: frame 5 has a time stamp that runs back"));
+}
+
+TEST_F(SingleVideoFiles, SmallerDepthIsScaledAndOtherAspectsAreRefused) {
+  ffmpeg(rawColor() + rawDepth({32, 24}) + kCopyTwo + "small.mkv");
+  const LogLines log;
+  const auto source = openSource(at("small.mkv"), 0.0);
+  EXPECT_THAT(log.text(), HasSubstr("depth of 32 x 24 is scaled to 64 x 48"));
+  const auto frame = source->read();
+  ASSERT_TRUE(frame);
+  cv::Mat wanted;
+  drawnDepth(0, {32, 24}).convertTo(wanted, CV_32F);
+  EXPECT_EQ(frame->depth.size(), cv::Size(64, 48));
+  for (int v = 0; v < 48; ++v)
+    EXPECT_EQ(frame->depth.at<float>(v, 63), wanted.at<float>(v / 2, 31)) << v;
+  ffmpeg(rawColor() + rawDepth({40, 40}) + kCopyTwo + "square.mkv");
+  EXPECT_THAT(openError("square.mkv"),
+              HasSubstr("square.mkv: is 40x40, but the colour video is 64x48"));
+}
+
+TEST_F(SingleVideoFiles, RecordingsOfAKinectAreToldToBeUnaligned) {
+  // Colour, depth and infrared, both grey with 16 bits, raw.
+  ffmpeg(
+      rawColor() + rawDepth() + "-f lavfi -i nullsrc=size=64x48:rate=30:duration=0.333 " +
+      "-map 0 -map 2 -map 1 -c:v:0 mjpeg -pix_fmt:v:0 yuvj420p -c:v:1 ffv1 -pix_fmt:v:1 gray16le "
+      "-c:v:2 ffv1 -pix_fmt:v:2 gray16le -metadata:s:v:2 K4A_DEPTH_TRACK=2 k4a.mkv");
+  const LogLines log;
+  const auto source = openSource(at("k4a.mkv"), 0.0);
+  EXPECT_EQ(log.count(), 1) << log.text();
+  EXPECT_THAT(log.text(), AllOf(HasSubstr("k4a.mkv"), HasSubstr("not aligned")));
+  const auto frame = source->read();
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(frame->depth.at<float>(5, 5), 500.0F);
+}
+
+TEST_F(SingleVideoFiles, RawDepthInTheFormatOfAKinectIsExact) {
+  // As the recorder writes it: big-endian values, with b16g in a BITMAPINFOHEADER. ffmpeg writes
+  // the header with a zero there.
+  ffmpeg(rawColor() + rawDepth() +
+         "-map 0 -map 1 -c:v:0 mjpeg -pix_fmt:v:0 yuvj420p -c:v:1 rawvideo " +
+         "-pix_fmt:v:1 gray16be -allow_raw_vfw 1 -metadata:s:v:1 K4A_DEPTH_TRACK=2 k4a.mkv");
+  std::ifstream in(folder / "k4a.mkv", std::ios::binary);
+  std::string bytes{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  // Its size, width, negative height, planes, bits and format.
+  const std::string header("\x28\0\0\0\x40\0\0\0\xD0\xFF\xFF\xFF\x01\0\x10\0\0\0\0\0", 20);
+  const std::size_t place = bytes.find(header);
+  ASSERT_NE(place, std::string::npos);
+  const std::string recorder("\x28\0\0\0\x40\0\0\0\x30\0\0\0\x01\0\x10\0b16g", 20);
+  bytes.replace(place, header.size(), recorder);
+  const auto source = openSource(folder.write("b16g.mkv", bytes), 0.0);
+  EXPECT_EQ(source->info().depth_kind, DepthKind::kMetric);
+  for (int i = 0; i < kFrames; ++i) {
+    const auto frame = source->read();
+    ASSERT_TRUE(frame);
+    cv::Mat wanted;
+    drawnDepth(i, {64, 48}).convertTo(wanted, CV_32F);
+    EXPECT_EQ(cv::countNonZero(frame->depth != wanted), 0);
+  }
+}
+
+TEST_F(SingleVideoFiles, HalvesOfGreyDepth) {
+  // Colour in one half; in the other, frame i is evenly 20 i bright.
+  const auto draw = [](bool beside) {
+    return [beside](int i) {
+      const cv::Mat color(48, 64, CV_8UC3, cv::Scalar(40, 90, 200));
+      const cv::Mat grey(48, 64, CV_8UC3, cv::Scalar::all(20.0 * i));
+      cv::Mat picture;
+      if (beside)
+        cv::hconcat(color, grey, picture);
+      else
+        cv::vconcat(color, grey, picture);
+      return picture;
+    };
+  };
+  ffmpeg(raw("b.raw", "bgr24", {128, 48}, draw(true)) + "-c:v ffv1 -pix_fmt bgr0 beside.mkv");
+  ffmpeg(raw("b.raw", "bgr24", {64, 96}, draw(false)) + "-c:v ffv1 -pix_fmt bgr0 below.mkv");
+  const auto expectDepth = [&](const char* name, const VideoLayout& layout, float first,
+                               float step) {
+    SCOPED_TRACE(name);
+    const auto source = openSource(at(name), 0.0, false, layout);
+    EXPECT_EQ(source->info().width_px, 64);
+    EXPECT_EQ(source->info().height_px, 48);
+    for (int i = 0; i < kFrames; ++i) {
+      const auto frame = source->read();
+      ASSERT_TRUE(frame);
+      EXPECT_EQ(frame->depth.at<float>(30, 30), first + step * static_cast<float>(i));
+      EXPECT_EQ(frame->color.at<cv::Vec3b>(30, 30), cv::Vec3b(40, 90, 200));
+    }
+    EXPECT_FALSE(source->read());
+  };
+  expectDepth("beside.mkv", {Layout::kSideBySide, DepthCode::kGrey}, 0.0F, 20.0F);
+  expectDepth("beside.mkv", {Layout::kSideBySide, DepthCode::kInverse}, 255.0F, -20.0F);
+  expectDepth("below.mkv", {Layout::kTopBottom, DepthCode::kGrey}, 0.0F, 20.0F);
+  EXPECT_THAT(openError("beside.mkv"), AllOf(HasSubstr("beside.mkv: has one video track"),
+                                             HasSubstr("side by side with grey depth on the right"),
+                                             HasSubstr("confirm with --layout side-by-side")));
+  EXPECT_THAT(openError("below.mkv"), HasSubstr("confirm with --layout top-bottom"));
+}
+
+TEST_F(SingleVideoFiles, HueOfRecord3d) {
+  // Left: a plane from 150 to 2750 mm, with black where nothing was measured. Right: colour.
+  const auto depthAt = [](int u) { return 150.0 + 2600.0 * u / 127.0; };
+  const auto draw = [&](int) {
+    cv::Mat picture(96, 256, CV_8UC3, cv::Scalar(120, 130, 150));
+    for (int u = 0; u < 128; ++u) picture.col(u).rowRange(0, 80).setTo(hueOf(depthAt(u)));
+    picture(cv::Rect(0, 80, 128, 16)).setTo(0);
+    return picture;
+  };
+  const std::string from = raw("hue.raw", "bgr24", {256, 96}, draw);
+  ffmpeg(from + "-c:v ffv1 -pix_fmt bgr0 hue.mkv");
+  ffmpeg(from + "-c:v libx264 -pix_fmt yuv420p -crf 18 hue.mp4");
+  const VideoLayout record3d{Layout::kSideBySide, DepthCode::kHue};
+  // The 1530 hues of 8 bits are 1.96 mm apart. A lossy codec has larger errors.
+  for (const auto& [name, largest_mm] : {std::pair{"hue.mkv", 1.0}, std::pair{"hue.mp4", 40.0}}) {
+    SCOPED_TRACE(name);
+    const auto source = openSource(at(name), 0.0, false, record3d);
+    EXPECT_EQ(source->info().depth_kind, DepthKind::kMetric);
+    EXPECT_EQ(source->info().width_px, 128);
+    const auto frame = source->read();
+    ASSERT_TRUE(frame);
+    EXPECT_NEAR(frame->color.at<cv::Vec3b>(40, 100)[0], 120, 8) << "colour is on the right";
+    double error_mm = 0.0;
+    for (int u = 2; u < 126; ++u)
+      error_mm = std::max(error_mm, std::abs(frame->depth.at<float>(40, u) - depthAt(u)));
+    EXPECT_LE(error_mm, largest_mm);
+    RecordProperty(std::string(name) + "_error_mm", std::to_string(error_mm));
+    EXPECT_EQ(cv::countNonZero(frame->depth.rowRange(84, 96)), 0) << "black is not measured";
+    EXPECT_THAT(openError(name), AllOf(HasSubstr("hue-coded depth on the left"),
+                                       HasSubstr("--layout side-by-side --depth-code hue")));
+  }
+}
+
+TEST_F(SingleVideoFiles, DepthOutsideTheRangeOfRecord3dIsNotMeasured) {
+  cv::Mat hues(1, 4, CV_8UC3);
+  hues.at<cv::Vec3b>(0, 0) = hueOf(90.0);
+  hues.at<cv::Vec3b>(0, 1) = hueOf(120.0);
+  hues.at<cv::Vec3b>(0, 2) = hueOf(2780.0);
+  hues.at<cv::Vec3b>(0, 3) = hueOf(2810.0);
+  const cv::Mat depth = decodeDepth(hues, DepthCode::kHue);
+  EXPECT_EQ(depth.at<float>(0, 0), 0.0F);
+  EXPECT_NEAR(depth.at<float>(0, 1), 120.0F, 1.0F);
+  EXPECT_NEAR(depth.at<float>(0, 2), 2780.0F, 1.0F);
+  EXPECT_EQ(depth.at<float>(0, 3), 0.0F);
+}
+
+TEST_F(SingleVideoFiles, AColourVideoAloneIsRefusedWithoutAGuess) {
+  ffmpeg("-f lavfi -i mandelbrot=size=64x48:rate=30 -frames:v 3 -c:v mjpeg c.avi");
+  EXPECT_THAT(openError("c.avi"), AllOf(HasSubstr("c.avi: is a single file with one video track"),
+                                        HasSubstr("COLOR,DEPTH")));
+}
+
+TEST_F(SingleVideoFiles, TooLargePicturesAreRefusedBeforeTheyAreDecoded) {
+  ffmpeg("-f lavfi -i color=size=3880x64 -frames:v 1 -c:v mjpeg wide.avi");
+  EXPECT_THAT(openError("wide.avi", {Layout::kSideBySide, DepthCode::kGrey}),
+              HasSubstr("wide.avi: is 1940x64; allowed is up to 1920x1080"));
+  ffmpeg("-f lavfi -i color=size=3840x2160 -frames:v 1 -c:v libx264 -preset ultrafast 4k.mp4");
+  EXPECT_THAT(openError("4k.mp4", {Layout::kSideBySide, DepthCode::kGrey}),
+              HasSubstr("4k.mp4: is 1920x2160; allowed is"));
+}
+
+TEST_F(SingleVideoFiles, PlaylistsAndFilesOfManyTracksAreRefused) {
+  ffmpeg("-f lavfi -i color=size=32x32:duration=1 -c:v libx264 -f hls list.m3u8");
+  EXPECT_THAT(openError("list.m3u8"), HasSubstr("list.m3u8: "));
+  std::string maps;
+  for (int i = 0; i < 17; ++i) maps += "-map 0 ";
+  ffmpeg("-f lavfi -i color=size=32x32:duration=0.2 " + maps + "-c:v ffv1 many.mkv");
+  EXPECT_THAT(openError("many.mkv"), HasSubstr("many.mkv: has 17 tracks; allowed are 16"));
+}
+
+TEST_F(SingleVideoFiles, FlagsOfVideosAreRefusedForOtherSources) {
+  const VideoLayout beside{Layout::kSideBySide, DepthCode::kGrey};
+  const VideoLayout hue{Layout::kSeparate, DepthCode::kHue};
+  for (const std::string& spec : {std::string("synthetic:still"), folder.string()}) {
+    EXPECT_THAT(errorOf([&] { (void)openSource(spec, 0.0, false, beside); }),
+                HasSubstr("only a single video file has a --layout"));
+    EXPECT_THAT(errorOf([&] { (void)openSource(spec, 0.0, false, hue); }),
+                HasSubstr("only a video has a --depth-code"));
+  }
+  EXPECT_THAT(errorOf([&] { (void)openSource("a.mp4,b.mp4", 0.0, false, beside); }),
+              HasSubstr("only a single video file has a --layout"));
+}
+
+TEST_F(SingleVideoFiles, DamagedFilesEndInOneSentenceOrPlayWhatIsWhole) {
+  ffmpeg(rawColor() + rawDepth() + kCopyTwo + "two.mkv");
+  ffmpeg("-i two.mkv -map 0 -c:v:0 copy -c:v:1 png -pix_fmt:v:1 gray16be two.mov");
+  ffmpeg("-i two.mkv -map 0:0 -c copy -movflags +faststart beside.mp4");
+  ffmpeg("-i two.mkv -map 0:0 -c:v mjpeg beside.avi");
+  ffmpeg("-i two.mkv -map 0:0 -c copy beside.ts");
+  ffmpeg("-i two.mkv -map 0:0 -c:v libvpx beside.webm");
+  cv::RNG random(3);
+  int opened = 0;
+  int refused = 0;
+  for (const std::string name :
+       {"two.mkv", "two.mov", "beside.mp4", "beside.avi", "beside.ts", "beside.webm"}) {
+    std::ifstream in(folder / name, std::ios::binary);
+    const std::string bytes{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+    const VideoLayout layout{name[0] == 't' ? Layout::kSeparate : Layout::kSideBySide,
+                             DepthCode::kInverse};
+    const VideoLayout chosen = name[0] == 't' ? VideoLayout{} : layout;
+    for (int i = 0; i < 40; ++i) {
+      std::string damaged = bytes;
+      if (i % 2 == 0) damaged.resize(bytes.size() * static_cast<std::size_t>(i) / 40);
+      for (int k = 0; i % 2 == 1 && k < 8; ++k) {  // in the header, then anywhere
+        const int range = i < 20 ? std::min<int>(600, static_cast<int>(bytes.size()))
+                                 : static_cast<int>(bytes.size());
+        damaged[static_cast<std::size_t>(random.uniform(0, range))] =
+            static_cast<char>(random.uniform(0, 256));
+      }
+      const std::string file = folder.write("damaged_" + name, damaged);
+      const LogLines log;
+      try {
+        const auto source = openSource(file, 0.0, false, chosen);
+        ++opened;
+        int frames = 0;
+        while (source->read() && frames < 1000) ++frames;
+        EXPECT_LE(frames, 2 * kFrames) << name << " " << i;
+      } catch (const SourceError& error) {
+        ++refused;
+        const std::string line = error.what();
+        EXPECT_THAT(line, HasSubstr("damaged_" + name));
+        EXPECT_EQ(line.find('\n'), std::string::npos) << line;
+      }
+      EXPECT_LE(log.count(), 12) << log.text();
+    }
+  }
+  EXPECT_GT(opened, 30);
+  EXPECT_GT(refused, 30);
+}
+
+TEST_F(SingleVideoFiles, ACutFileSaysWhereItEnds) {
+  ffmpeg(
+      "-f lavfi -i testsrc2=size=128x96:rate=30:duration=2 -c:v mjpeg -movflags +faststart c.mp4");
+  std::ifstream in(folder / "c.mp4", std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  const std::string file = folder.write("cut.mp4", bytes.substr(0, bytes.size() / 2));
+  SingleVideo source(file, {Layout::kSideBySide, DepthCode::kHue}, 0.0);
+  const LogLines log;
+  std::uint64_t last = 0;
+  while (const auto frame = source.read()) last = frame->index;
+  EXPECT_LT(last, 40U);
+  EXPECT_THAT(log.text(),
+              AllOf(HasSubstr("cut.mp4: ends after frame "), HasSubstr("states 60 frames")));
+}
+
+TEST_F(SingleVideoFiles, TwoSizesInOneFileLeaveTheSecondOut) {
+  ffmpeg("-f lavfi -i testsrc=size=64x48:rate=25 -frames:v 3 -c:v mjpeg a.mjpeg");
+  ffmpeg("-f lavfi -i testsrc=size=96x80:rate=25 -frames:v 3 -c:v mjpeg b.mjpeg");
+  std::string bytes;
+  for (const char* name : {"a.mjpeg", "b.mjpeg"}) {
+    std::ifstream in(folder / name, std::ios::binary);
+    bytes.append(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
+  }
+  SingleVideo source(folder.write("both.mjpeg", bytes), {Layout::kSideBySide, DepthCode::kHue},
+                     0.0);
+  const LogLines log;
+  int frames = 0;
+  while (source.read()) ++frames;
+  EXPECT_EQ(frames, 3);
+  EXPECT_THAT(log.text(), HasSubstr("both.mjpeg: frame 3 cannot be decoded or is not 32x48"));
+}
+
+}  // namespace
+}  // namespace hapticast::server
