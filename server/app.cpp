@@ -39,6 +39,15 @@ SourceInfo describeSource(const RgbdSource& source, const std::string& name) {
   return info;
 }
 
+/// Returns the keys of origins that this one makes room for: all, unless the user named keys or has
+/// a key of its own.
+std::vector<KeyBytes> trustedOrigins(const Settings& settings, const FrameSigner& signer) {
+  std::vector<KeyBytes> keys = settings.origin_keys;
+  if (!keys.empty() || !settings.signing_key_file.empty())
+    keys.push_back(signer.identity().verifying_key);
+  return keys;
+}
+
 }  // namespace
 
 class App::Impl {
@@ -87,7 +96,8 @@ App::Impl::Impl(Settings settings, const Clock& clock)
   if (settings_.publish || !settings_.signing_key_file.empty())
     spdlog::info("origin key: {}", toHex(signer_.identity().verifying_key));
   if (settings_.publish)
-    relay_.emplace(*settings_.publish, settings_.nats, clock, media_clock_, signer_);
+    relay_.emplace(*settings_.publish, settings_.nats, clock, media_clock_, signer_,
+                   trustedOrigins(settings_, signer_));
 }
 
 void App::Impl::run() {

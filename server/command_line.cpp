@@ -302,7 +302,8 @@ std::optional<KeyBytes> parseOriginKey(const std::string& text) { return parseKe
 void addOriginKey(CLI::App& app, std::vector<KeyBytes>& keys) {
   addList(
       app, "--origin-key", keys, parseOriginKey,
-      "A public key that the origin of this edge may have; repeat for several. Default: any key",
+      "A public key that the origin of this edge may have, or the other origins of the channel; "
+      "repeat for several. Default: any key, but with --signing-key only its own",
       "KEY (64 hex digits of the origin's public key)");
 }
 
@@ -363,8 +364,8 @@ std::unique_ptr<CLI::App> commandLine(Settings& settings) {
   addConfigFile(*app);
   app->final_callback([&settings, parsed = app.get()] {
     if (isEdge(settings)) return requireEdgeFlags(*parsed);
-    if (!settings.origin_keys.empty())
-      throw CLI::ValidationError("--origin-key", "only an edge needs it (--source nats://...)");
+    if (!settings.origin_keys.empty() && !settings.publish)
+      throw CLI::ValidationError("--origin-key", "needs --source nats://... or --publish");
   });
   return app;
 }

@@ -33,7 +33,7 @@ struct Settings {
   std::size_t max_clients = 64;
   std::optional<NatsAddress> publish;  ///< where edges receive the stream; nullopt: no edges
   NatsCredentials nats;
-  std::vector<KeyBytes> origin_keys;  ///< keys that an edge's origin may have; empty: any
+  std::vector<KeyBytes> origin_keys;  ///< keys that (other) origins may have; empty: any
   std::string signing_key_file;       ///< file of the signing key; empty: a new key in each run
   std::string announce;               ///< the server's name on the LAN; empty: not announced
   std::string name;                   ///< name of the stream for viewers; empty: the source's name

@@ -16,6 +16,21 @@ FollowedMessage dropMessage(std::string problem = {}) {
 
 }  // namespace
 
+Result<TrustedState> readTrustedState(const RelayHead& head, std::span<const std::uint8_t> whole,
+                                      const std::vector<KeyBytes>& keys) {
+  auto content = decodeRelay(whole);
+  if (!content.ok()) return Error{content.error().message};
+  auto* const state = std::get_if<RelayState>(&content.value());
+  if (state == nullptr) return Error{};
+  if (state->stream != static_cast<std::uint32_t>(head.origin))
+    return Error{"a state contradicts the number of its origin"};
+  if (!keys.empty() && std::find(keys.begin(), keys.end(), state->verifying_key) == keys.end())
+    return Error{"an origin has another key than --origin-key"};
+  auto key = VerifyingKey::from(state->verifying_key);
+  if (!key.ok() || !verifyRelay(whole, key.value())) return Error{"a state has no valid signature"};
+  return TrustedState{std::move(*state), std::move(key).value()};
+}
+
 FollowedMessage OriginFollower::onMessage(std::span<const std::uint8_t> whole) {
   const auto head = readRelayHead(whole, channel_);
   if (!head.ok()) return dropMessage(head.error().message);
@@ -28,21 +43,12 @@ FollowedMessage OriginFollower::onMessage(std::span<const std::uint8_t> whole) {
 
 FollowedMessage OriginFollower::onOther(const RelayHead& head,
                                         std::span<const std::uint8_t> whole) {
-  auto content = decodeRelay(whole);
-  if (!content.ok()) return dropMessage(content.error().message);
+  auto trusted = readTrustedState(head, whole, keys_);
   // Other messages of a new origin can arrive before its first state.
-  const auto* const state = std::get_if<RelayState>(&content.value());
-  if (state == nullptr) return dropMessage();
-  if (state->stream != static_cast<std::uint32_t>(head.origin))
-    return dropMessage("a state contradicts the number of its origin");
-  if (!keys_.empty() && std::find(keys_.begin(), keys_.end(), state->verifying_key) == keys_.end())
-    return dropMessage("an origin has another key than --origin-key");
-  auto key = VerifyingKey::from(state->verifying_key);
-  if (!key.ok() || !verifyRelay(whole, key.value()))
-    return dropMessage("a state has no valid signature");
+  if (!trusted.ok()) return dropMessage(trusted.error().message);
   leader_.emplace(
-      Leader{head.term, head.origin, head.number, std::move(key).value(), std::nullopt});
-  return {std::move(content).value(), true, {}};
+      Leader{head.term, head.origin, head.number, std::move(trusted.value().key), std::nullopt});
+  return {std::move(trusted.value().state), true, {}};
 }
 
 FollowedMessage OriginFollower::onLeader(const RelayHead& head,

@@ -17,6 +17,18 @@
 
 namespace hapticast::server {
 
+/// A state, and the key that has signed it.
+struct TrustedState {
+  RelayState state;
+  VerifyingKey key;
+};
+/// Returns the state in the whole message `whole` with the head `head`. Returns an error if its own
+/// key has not signed it, or if `keys` are not empty and lack that key. The message of the error is
+/// empty if the content is no state. Requires readRelayHead() to succeed. Thread: any.
+[[nodiscard]] Result<TrustedState> readTrustedState(const RelayHead& head,
+                                                    std::span<const std::uint8_t> whole,
+                                                    const std::vector<KeyBytes>& keys);
+
 /// Result of one message.
 struct FollowedMessage {
   /// Content of a valid message of the followed origin; nullopt: the edge drops the message.

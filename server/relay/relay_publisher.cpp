@@ -7,6 +7,8 @@
 #include <ctime>
 #include <utility>
 
+#include "server/relay/origin_follower.hpp"
+
 namespace hapticast::server {
 
 namespace {
@@ -39,10 +41,11 @@ RelayFrame relayFrame(const EncodedFrame& frame) {
 
 RelayPublisher::RelayPublisher(const NatsAddress& address, const NatsCredentials& credentials,
                                const Clock& clock, const MediaClock& media_clock,
-                               FrameSigner& signer)
+                               FrameSigner& signer, std::vector<KeyBytes> keys)
     : clock_(clock),
       media_clock_(media_clock),
       signer_(signer),
+      keys_(std::move(keys)),
       channel_(address.channel),
       subjects_(address.channel),
       pictures_wanted_ns_((clock.now() - kWantedFor).time_since_epoch().count()),
@@ -160,7 +163,15 @@ void RelayPublisher::onHeartbeat(std::span<const std::uint8_t> bytes) {
   if (!whole.ok() || !whole.value()) return;
   const auto head = readRelayHead(*whole.value(), channel_);
   if (!head.ok()) return;
+  const auto trusted = readTrustedState(head.value(), *whole.value(), keys_);
   const std::lock_guard lock(mutex_);
+  if (!trusted.ok()) {
+    if (distrusted_.allow(now))
+      spdlog::warn(
+          "origin of the channel {}: it ignores heartbeats: {}", channel_,
+          trusted.error().message.empty() ? "they are no states" : trusted.error().message);
+    return;
+  }
   if (head.value().origin != election_.origin())
     return election_.onHeartbeat(head.value().term, head.value().origin, now);
   // NATS does not return this connection's own messages.

@@ -14,6 +14,7 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "common/log_rate_limiter.hpp"
 #include "common/protocol/relay.hpp"
@@ -28,10 +29,11 @@ namespace hapticast::server {
 /// An origin of one channel.
 class RelayPublisher final : public StreamSink {
  public:
-  /// Connects to NATS and begins as a standby. Throws AddressError (see NatsConnection). The clocks
+  /// Connects to NATS and begins as a standby. `keys`: the keys of the channel's origins; it
+  /// ignores the heartbeats of others; empty: any key. Throws as NatsConnection does. The clocks
   /// and `signer` must outlive this object.
   RelayPublisher(const NatsAddress& address, const NatsCredentials& credentials, const Clock& clock,
-                 const MediaClock& media_clock, FrameSigner& signer);
+                 const MediaClock& media_clock, FrameSigner& signer, std::vector<KeyBytes> keys);
   /// Ends the thread and the connection.
   ~RelayPublisher() override;
 
@@ -61,6 +63,7 @@ class RelayPublisher final : public StreamSink {
   const Clock& clock_;
   const MediaClock& media_clock_;
   FrameSigner& signer_;
+  std::vector<KeyBytes> keys_;
   std::string channel_;
   Subjects subjects_;
   std::atomic<std::int64_t> pictures_wanted_ns_;  // local time of the last request
@@ -72,6 +75,7 @@ class RelayPublisher final : public StreamSink {
   Waiting waiting_;                               // guarded by mutex_
   std::uint64_t number_ = 0;                      // of the last message; guarded by mutex_
   LogInterval same_number_;                       // guarded by mutex_
+  LogInterval distrusted_;                        // guarded by mutex_
   bool logged_active_ = false;                    // used by the thread only
   std::optional<LocalTime> heartbeat_;            // used by the thread only
   LogInterval too_large_;                         // used by the thread only

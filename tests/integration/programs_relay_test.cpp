@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/build_options.hpp"
+#include "common/protocol/relay.hpp"
 #include "server/relay/nats_connection.hpp"
 #include "server/relay/subjects.hpp"
 #include "tests/integration/programs_fixture.hpp"
@@ -152,6 +153,10 @@ TEST_F(ProgramsRelayTest, MessagesOfStrangersHarmNobody) {
       (void)stranger.publish(subject, {});
     }
   }
+  const auto forged = encodeRelay("lab", {std::uint64_t{1} << 61U, 5, 1}, RelayPong{},
+                                  [](auto /*bytes*/) { return Signature{}; });
+  (void)stranger.publish(subjects.state, splitRelay(forged, 1, 100'000).front());
+  EXPECT_TRUE(origin->says("it ignores heartbeats: they are no states", kSoon)) << origin->output();
   EXPECT_TRUE(edge->says("bytes that are not a piece of a relayed message", kSoon))
       << edge->output();
   EXPECT_TRUE(framesArrive("stranger"));
