@@ -135,10 +135,9 @@ void addSourceOptions(CLI::App& app, Settings& settings) {
       "The place of the depth in a single video file: a track of its own (separate), or a half "
       "of the picture. Colour is on the left or at the top; with --depth-code hue it is on the "
       "right or below. Default: separate");
-  addChoice(
-      app, "--depth-code", settings.layout.code, kDepthCodes,
-      "The depth of a video with 8 bits: grey (near is white), inverse (near is dark), or hue "
-      "(Record3D: 3 m for the whole circle of hues). Default: grey");
+  addChoice(app, "--depth-code", settings.layout.code, kDepthCodes,
+            "Depth with 8 bits: grey (near is white), inverse (near is dark), or, in videos, hue "
+            "(Record3D: 3 m for the whole circle of hues). Default: grey");
   app.add_flag("--loop", settings.loop, "Start again at the end of the clip");
   app.add_flag("--to-and-fro", settings.to_and_fro,
                "Play the images of a folder forwards, then backwards; with --loop no jump remains");

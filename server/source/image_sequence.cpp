@@ -37,8 +37,9 @@ DepthFormat detectFormat(const std::filesystem::path& file, const cv::Mat& first
 
 }  // namespace
 
-ImageSequence::ImageSequence(const std::filesystem::path& folder, double fps, bool to_and_fro)
-    : files_(findClipFiles(folder)) {
+ImageSequence::ImageSequence(const std::filesystem::path& folder, double fps, bool to_and_fro,
+                             DepthCode code)
+    : files_(findClipFiles(folder)), near_is_dark_(code == DepthCode::kInverse) {
   if (to_and_fro && files_.frames.size() > 2) {
     const std::vector<FrameFiles> back(files_.frames.rbegin() + 1, files_.frames.rend() - 1);
     files_.frames.insert(files_.frames.end(), back.begin(), back.end());
@@ -55,6 +56,8 @@ ImageSequence::ImageSequence(const std::filesystem::path& folder, double fps, bo
   if (!depth.ok())
     throw SourceError(first.depth.string() + ": " + depth.problem + "; mend this first frame");
   format_ = detectFormat(first.depth, depth.image, files_);
+  if (near_is_dark_ && format_.kind == DepthKind::kMetric)
+    throw SourceError(first.depth.string() + ": has depth in mm, so leave --depth-code out");
   info_.name = fileName(folder);
   info_.width_px = color.image.cols;
   info_.height_px = color.image.rows;
@@ -166,6 +169,7 @@ ImageResult ImageSequence::readDepth(const std::filesystem::path& file) const {
   ImageResult depth = readRawFile(file);
   if (depth.ok()) depth = toDepth(depth.image, format_);
   if (!depth.ok()) return depth;
+  if (near_is_dark_) depth.image = 255.0F - depth.image;
   const cv::Size size = depth.image.size();
   const cv::Size color(info_.width_px, info_.height_px);
   if (size != depth_size_ && depth_size_ != color) {

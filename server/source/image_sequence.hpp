@@ -10,6 +10,7 @@
 #include "server/source/clip_files.hpp"
 #include "server/source/image_file.hpp"
 #include "server/source/rgbd_source.hpp"
+#include "server/source/video_layout.hpp"
 
 namespace hapticast::server {
 
@@ -18,8 +19,10 @@ class ImageSequence final : public RgbdSource {
  public:
   /// Finds the files in `folder` and checks the first frame. `fps` > 0 overrides the folder's rate,
   /// frames/s. If `to_and_fro` is true, the images follow again from the last but one back to the
-  /// second. So a loop has no jump. Throws SourceError.
-  ImageSequence(const std::filesystem::path& folder, double fps, bool to_and_fro = false);
+  /// second. So a loop has no jump. `code`: kGrey or kInverse, the code of 8-bit depth. Throws
+  /// SourceError, also for kInverse and depth in mm.
+  ImageSequence(const std::filesystem::path& folder, double fps, bool to_and_fro = false,
+                DepthCode code = DepthCode::kGrey);
 
   [[nodiscard]] const SourceInfo& info() const override { return info_; }
   /// Returns the next frame, as in RgbdSource. Throws SourceError if no frame of the whole clip is
@@ -55,6 +58,7 @@ class ImageSequence final : public RgbdSource {
   ClipFiles files_;
   SourceInfo info_;
   DepthFormat format_;
+  bool near_is_dark_ = false;
   cv::Size depth_size_;  // size of the depth images, before they are scaled
   std::uint64_t next_ = 0;
   std::uint32_t epoch_ = 0;

@@ -88,11 +88,16 @@ bool isPair(const std::string& spec) { return spec.find(',') != std::string::npo
 
 /// Throws SourceError for flags of videos that this source cannot obey.
 void requireVideo(const std::string& spec, bool is_video, const VideoLayout& layout) {
+  std::error_code error;
+  const bool inverse_folder = layout.code == DepthCode::kInverse && fs::is_directory(spec, error);
   const bool single = is_video && isFile(spec);
   if (layout.layout != Layout::kSeparate && !single)
     throw SourceError(spec + ": only a single video file has a --layout; leave the flag out");
-  if (layout.code != DepthCode::kGrey && !is_video)
-    throw SourceError(spec + ": only a video has a --depth-code; leave the flag out");
+  if (layout.code != DepthCode::kGrey && !is_video && !inverse_folder) {
+    throw SourceError(spec +
+                      ": has no such --depth-code (hue: only videos; inverse: videos and folders); "
+                      "leave the flag out");
+  }
 }
 
 std::unique_ptr<RgbdSource> openSingle(const std::string& file, double fps,
@@ -131,7 +136,7 @@ std::unique_ptr<RgbdSource> openSource(const std::string& spec, double fps, bool
   requireVideo(spec, !is_named && (isFile(spec) || isPair(spec)), layout);
   if (view.starts_with(kSynthetic)) return openSynthetic(view.substr(kSynthetic.size()), fps);
   if (view.starts_with(kCamera)) return openCamera(spec, view.substr(kCamera.size()), fps);
-  if (is_folder) return std::make_unique<ImageSequence>(spec, fps, to_and_fro);
+  if (is_folder) return std::make_unique<ImageSequence>(spec, fps, to_and_fro, layout.code);
   refuseOtherKinds(spec);
   if (isFile(spec)) return openSingle(spec, fps, layout);
   if (isPair(spec)) return openPair(spec, fps, layout.code);

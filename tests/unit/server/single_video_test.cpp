@@ -343,7 +343,7 @@ TEST_F(SingleVideoFiles, FlagsOfVideosAreRefusedForOtherSources) {
     EXPECT_THAT(errorOf([&] { (void)openSource(spec, 0.0, false, beside); }),
                 HasSubstr("only a single video file has a --layout"));
     EXPECT_THAT(errorOf([&] { (void)openSource(spec, 0.0, false, hue); }),
-                HasSubstr("only a video has a --depth-code"));
+                HasSubstr("has no such --depth-code (hue: only videos"));
   }
   EXPECT_THAT(errorOf([&] { (void)openSource("a.mp4,b.mp4", 0.0, false, beside); }),
               HasSubstr("only a single video file has a --layout"));
