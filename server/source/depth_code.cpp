@@ -92,18 +92,25 @@ std::string guessLayout(const cv::Mat& picture) {
   if (picture.type() != CV_8UC3 || picture.cols < 2 || picture.rows < 2) return "";
   for (const Layout layout : {Layout::kSideBySide, Layout::kTopBottom}) {
     const bool beside = layout == Layout::kSideBySide;
-    const std::string flag = beside ? "--layout side-by-side" : "--layout top-bottom";
-    const std::string kind = beside ? "side by side" : "one above the other";
+    const char* const flag = beside ? "--layout side-by-side" : "--layout top-bottom";
+    const char* const kind = beside ? "side by side" : "one above the other";
     const auto [first, second] = splitPicture(picture, {layout, DepthCode::kGrey});
     const double hues = pureHueShare(first);
+    std::string guess = "looks like ";
+    guess += kind;
     if (hues >= kHueHalf && pureHueShare(second) < kOrdinary * hues) {
-      return "looks like " + kind + " with hue-coded depth " +
-             (beside ? "on the left" : "at the top") + "; confirm with " + flag +
-             " --depth-code hue";
+      guess += " with hue-coded depth ";
+      guess += beside ? "on the left" : "at the top";
+      guess += "; confirm with ";
+      guess += flag;
+      return guess.append(" --depth-code hue");
     }
     if (isColorCoded(first) && !isColorCoded(second)) {
-      return "looks like " + kind + " with grey depth " + (beside ? "on the right" : "below") +
-             "; confirm with " + flag + " (--depth-code inverse if near is dark)";
+      guess += " with grey depth ";
+      guess += beside ? "on the right" : "below";
+      guess += "; confirm with ";
+      guess += flag;
+      return guess.append(" (--depth-code inverse if near is dark)");
     }
   }
   return "";

@@ -27,6 +27,7 @@ namespace hapticast::server {
 namespace {
 
 constexpr unsigned kMostStreams = 16;
+constexpr std::size_t kMostProbed = 64;  // streams of a file that is refused for their number
 constexpr std::size_t kMostWaiting_bytes = 256U << 20U;  // chosen: a second of raw pictures
 constexpr std::size_t kMostWaiting_packets = 2000;
 constexpr int kMostTries = 4096;  // packets without a picture, as OpenCV allows
@@ -72,7 +73,7 @@ FormatPtr openFormat(const std::string& file) {
   LibavOptions options;
   options.set("probesize", 5'000'000);
   options.set("analyzeduration", 5'000'000);
-  options.set("max_streams", 4 * kMostStreams);
+  options.set("max_streams", std::int64_t{kMostProbed});
   options.set("protocol_whitelist", "file");
   AVFormatContext* raw = nullptr;
   if (avformat_open_input(&raw, ("file:" + file).c_str(), nullptr, options.get()) < 0)
@@ -89,7 +90,7 @@ FormatPtr openFormat(const std::string& file) {
   }
   // A later stream of the file would have no options of its own.
   std::array<LibavOptions, kMostStreams> limits;
-  std::array<AVDictionary*, 4 * kMostStreams> each{};
+  std::array<AVDictionary*, kMostProbed> each{};
   for (unsigned i = 0; i < format->nb_streams; ++i) {
     limits[i].set("max_pixels", kMostPixels);
     av_dict_copy(&each[i], *limits[i].get(), 0);
@@ -110,7 +111,7 @@ std::string lowerTag(const AVDictionary* tags, const char* name) {
 }
 
 /// Returns by how many degrees the picture turns clockwise to be shown: 0, 90, 180 or 270.
-int clockwiseTurn_deg(const AVStream& stream) {
+int findTurn(const AVStream& stream) {
   std::size_t size = 0;
   const std::uint8_t* const matrix =
       av_stream_get_side_data(&stream, AV_PKT_DATA_DISPLAYMATRIX, &size);
@@ -151,7 +152,7 @@ VideoTrack describeTrack(AVFormatContext* format, AVStream* stream) {
   VideoTrack track;
   track.width_px = stream->codecpar->width;
   track.height_px = stream->codecpar->height;
-  if (clockwiseTurn_deg(*stream) % 180 != 0) std::swap(track.width_px, track.height_px);
+  if (findTurn(*stream) % 180 != 0) std::swap(track.width_px, track.height_px);
   track.fps = statedRate(format, stream);
   track.frame_count = countOf(*format, *stream, track.fps);
   describeFormat(stream->codecpar->format, track);
@@ -280,7 +281,7 @@ VideoFile::VideoFile(std::string file) : parts_(std::make_unique<Parts>()) {
     parts_->tracks.push_back(describeTrack(parts_->format.get(), stream));
     TrackDecoder decoder;
     decoder.stream = stream;
-    decoder.turn_deg = clockwiseTurn_deg(*stream);
+    decoder.turn_deg = findTurn(*stream);
     parts_->decoders.push_back(std::move(decoder));
   }
   if (parts_->tracks.empty()) throwNoVideo(parts_->file);

@@ -137,8 +137,10 @@ TEST_F(SingleVideoFiles, TimesPairFramesOfOtherRates) {
     ASSERT_TRUE(frame);
     // An odd frame lies in the middle of two depths.
     const float depth_mm = frame->depth.at<float>(5, 5);
-    EXPECT_GE(depth_mm, 500.0F + 100.0F * static_cast<float>(i / 2));
-    EXPECT_LE(depth_mm, 500.0F + 100.0F * static_cast<float>((i + 1) / 2));
+    const int before = i / 2;
+    const int after = (i + 1) / 2;
+    EXPECT_GE(depth_mm, 500.0F + 100.0F * static_cast<float>(before));
+    EXPECT_LE(depth_mm, 500.0F + 100.0F * static_cast<float>(after));
   }
   EXPECT_EQ(log.count(), 0) << log.text();
 }
