@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Publishes the stream of this server on NATS, for edges (--publish). A thread of its own sends, so
-// that a slow NATS server delays nobody: the newest frames replace those that wait. While another
+// Publishes the stream of this server on NATS, for edges (--publish). A separate thread sends, so a
+// slow NATS server does not delay the encoder. Newer frames replace frames that wait. While another
 // origin of the channel is active, this one sends nothing (OriginElection). Thread: see each
 // function.
 #pragma once

@@ -38,20 +38,17 @@ RelaySubscriber::RelaySubscriber(const NatsAddress& address, const NatsCredentia
       inbox_(NatsConnection::makeInbox()),
       follower_(address.channel, std::move(keys)),
       nats_("--source", address, credentials) {
-  nats_.subscribe(inbox_, [this](auto bytes, const auto&) { onPong(bytes); });
-  nats_.subscribe(subjects_.everything, [this](auto bytes, const auto&) { onPiece(bytes); });
+  nats_.subscribe(inbox_, [this](auto bytes, const auto&) {
+    RelayJoiner one_piece;  // a pong has no more
+    onPiece(bytes, one_piece);
+  });
+  nats_.subscribe(subjects_.everything,
+                  [this](auto bytes, const auto&) { onPiece(bytes, joiner_); });
 }
 
-void RelaySubscriber::onPiece(std::span<const std::uint8_t> piece) {
+void RelaySubscriber::onPiece(std::span<const std::uint8_t> piece, RelayJoiner& joiner) {
   const std::lock_guard lock(mutex_);
-  auto whole = joiner_.add(piece);
-  if (!whole.ok()) return logProblem(whole.error().message);
-  if (whole.value()) process(*whole.value());
-}
-
-void RelaySubscriber::onPong(std::span<const std::uint8_t> piece) {
-  auto whole = RelayJoiner().add(piece);
-  const std::lock_guard lock(mutex_);
+  auto whole = joiner.add(piece);
   if (!whole.ok()) return logProblem(whole.error().message);
   if (whole.value()) process(*whole.value());
 }

@@ -49,8 +49,7 @@ class RelaySubscriber {
   [[nodiscard]] std::optional<StreamDescription> description() const;
 
  private:
-  void onPiece(std::span<const std::uint8_t> piece);
-  void onPong(std::span<const std::uint8_t> piece);
+  void onPiece(std::span<const std::uint8_t> piece, RelayJoiner& joiner);
   void onContent(const RelayState& state);
   void onContent(const RelayFrame& frame);
   void onContent(const RelayPicture& picture);

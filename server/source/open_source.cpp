@@ -3,7 +3,9 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
+#include <memory>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "common/text.hpp"
@@ -102,14 +104,15 @@ void requireVideo(const std::string& spec, bool is_video, const VideoLayout& lay
 
 std::unique_ptr<RgbdSource> openSingle(const std::string& file, double fps,
                                        const VideoLayout& layout) {
+  std::unique_ptr<VideoFile> video;
   try {
-    (void)VideoFile(file);
+    video = std::make_unique<VideoFile>(file);
   } catch (const NoVideoError&) {
     if (layout.layout != Layout::kSeparate) throw;
     throw SourceError(file +
                       ": is a single file; depth is needed too, so use COLOR,DEPTH or a folder");
   }
-  return std::make_unique<SingleVideo>(file, layout, fps);
+  return std::make_unique<SingleVideo>(std::move(video), layout, fps);
 }
 
 }  // namespace

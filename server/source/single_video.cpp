@@ -39,13 +39,12 @@ std::size_t findColorTrack(const std::vector<VideoTrack>& tracks, std::size_t de
 
 }  // namespace
 
-SingleVideo::SingleVideo(std::string file, const VideoLayout& layout, double fps)
-    : file_(std::move(file)), layout_(layout.layout) {
+SingleVideo::SingleVideo(std::unique_ptr<VideoFile> video, const VideoLayout& layout, double fps)
+    : file_(video->file()), layout_(layout.layout), video_(std::move(video)) {
   code_ = layout.code;
-  video_ = std::make_unique<VideoFile>(file_);
   chooseTracks();
   requireSizes();
-  SingleVideo::open();
+  startTracks();
   cv::Mat color;
   cv::Mat depth;
   while (color.empty() || depth.empty()) {
@@ -103,6 +102,10 @@ void SingleVideo::open() {
   video_ = std::make_unique<VideoFile>(file_);
   if (std::max(color_, depth_) >= video_->tracks().size())
     throw SourceError(file_ + ": has lost a video track; put the file back");
+  startTracks();
+}
+
+void SingleVideo::startTracks() {
   video_->start(color_);
   if (layout_ == Layout::kSeparate) video_->start(depth_);
   color_time_s_ = -std::numeric_limits<double>::infinity();

@@ -18,12 +18,12 @@ namespace hapticast::server {
 /// Source whose frames are those of one file.
 class SingleVideo final : public VideoSource {
  public:
-  /// Opens `file` and decodes its first frame. `fps` > 0 overrides the rate of the colour,
-  /// frames/s. With Layout::kSeparate the depth is the track of an Azure Kinect's depth, else the
-  /// one whose title has the word depth, else the only grey one. Its frames belong to the colour
-  /// frames that are nearest in time. Throws SourceError. For one track without a layout the error
-  /// says what the picture looks like.
-  SingleVideo(std::string file, const VideoLayout& layout, double fps);
+  /// Decodes the first frame of `video`, of which no track has started. `fps` > 0 overrides the
+  /// rate of the colour, frames/s. With Layout::kSeparate the depth is the track of an Azure
+  /// Kinect's depth, else the one whose title has the word depth, else the only grey one. Its
+  /// frames belong to the colour frames that are nearest in time. Throws SourceError. For one track
+  /// without a layout the error says what the picture looks like.
+  SingleVideo(std::unique_ptr<VideoFile> video, const VideoLayout& layout, double fps);
 
  private:
   bool grabFrame() override;
@@ -34,6 +34,8 @@ class SingleVideo final : public VideoSource {
   void chooseTracks();
   /// Throws SourceError that says what the file with a single track looks like.
   [[noreturn]] void throwOneTrack();
+  /// Starts the chosen tracks of the open file.
+  void startTracks();
   /// Throws SourceError if the pictures are too large.
   void requireSizes() const;
   /// Moves the depth to the frame of the colour's time. Returns false at the end of the depth.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Clients as a user runs them, each at a server that lies: nothing is rendered that the safety
-// chain does not allow, and the user is told.
+// Clients as a user runs them, each at a server that lies. The client renders no force beyond the
+// limits of the safety chain, and it logs the cause.
 #pragma once
 
 #include <algorithm>

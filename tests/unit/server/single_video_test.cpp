@@ -12,6 +12,7 @@
 #include <fstream>
 #include <functional>
 #include <iterator>
+#include <memory>
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
@@ -404,7 +405,8 @@ TEST_F(SingleVideoFiles, ACutFileSaysWhereItEnds) {
   std::ifstream in(folder / "c.mp4", std::ios::binary);
   const std::string bytes{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
   const std::string file = folder.write("cut.mp4", bytes.substr(0, bytes.size() / 2));
-  SingleVideo source(file, {Layout::kSideBySide, DepthCode::kHue}, 0.0);
+  SingleVideo source(std::make_unique<VideoFile>(file), {Layout::kSideBySide, DepthCode::kHue},
+                     0.0);
   const LogLines log;
   std::uint64_t last = 0;
   while (const auto frame = source.read()) last = frame->index;
@@ -421,8 +423,8 @@ TEST_F(SingleVideoFiles, TwoSizesInOneFileLeaveTheSecondOut) {
     std::ifstream in(folder / name, std::ios::binary);
     bytes.append(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
   }
-  SingleVideo source(folder.write("both.mjpeg", bytes), {Layout::kSideBySide, DepthCode::kHue},
-                     0.0);
+  SingleVideo source(std::make_unique<VideoFile>(folder.write("both.mjpeg", bytes)),
+                     {Layout::kSideBySide, DepthCode::kHue}, 0.0);
   const LogLines log;
   int frames = 0;
   while (source.read()) ++frames;
