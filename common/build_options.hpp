@@ -11,5 +11,6 @@ inline constexpr bool kHasSound = HAPTICAST_SDL2 != 0;
 inline constexpr bool kHasWindow = HAPTICAST_IMGUI != 0;
 inline constexpr bool kHasDiscovery = HAPTICAST_AVAHI != 0;
 inline constexpr bool kHasRelays = HAPTICAST_NATS != 0;
+inline constexpr bool kHasOpenni = HAPTICAST_OPENNI2 != 0;
 
 }  // namespace hapticast

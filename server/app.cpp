@@ -55,7 +55,10 @@ class App::Impl {
   Impl(Settings settings, const Clock& clock);
 
   void run();
-  void stop() noexcept { stop_ = true; }
+  void stop() noexcept {
+    stop_ = true;
+    source_->stop();
+  }
   [[nodiscard]] bool streaming() const { return streaming_; }
 
  private:

@@ -124,7 +124,8 @@ void addSourceOptions(CLI::App& app, Settings& settings) {
          "The video to stream: synthetic:bounce|approach|tumble|still, a folder of RGB-D "
          "images (rgb/ and depth/, or TUM's rgb.txt and depth.txt), COLOR,DEPTH (two video "
          "files), FILE (one video file with colour and depth), camera:N,M (colour camera, depth "
-         "camera), or "
+         "camera), openni:[DEVICE] (a camera of OpenNI2), v4l2:COLOR,DEPTH (two nodes of "
+         "a camera, 16-bit depth), or "
          "nats://HOST[:PORT][,HOST2]/CHANNEL (an edge: it forwards the stream that an origin "
          "publishes)")
       ->required();
@@ -347,7 +348,8 @@ std::unique_ptr<CLI::App> commandLine(Settings& settings) {
   addVersion(*app, std::string("sources: synthetic, images, videos, cameras; transports: udp, "
                                "multicast, tcp; discovery: ") +
                        (kHasDiscovery ? "Avahi" : "none") +
-                       "; relays: " + (kHasRelays ? "NATS" : "none"));
+                       "; relays: " + (kHasRelays ? "NATS" : "none") +
+                       "; camera libraries: " + (kHasOpenni ? "OpenNI2" : "none"));
   addSourceOptions(*app, settings);
   addNetworkOptions(*app, settings);
   addRelayOptions(*app, settings);

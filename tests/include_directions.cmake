@@ -47,6 +47,7 @@ set(doors
   "^(imgui|backends/imgui)"          "^(client/view/window/|tests/)"
   "^avahi-"                          "^(common/transport/mdns_session|client/discovery/mdns_browser|server/stream/announce)\\.cpp$"
   "^nats/"                           "^server/relay/nats_connection\\.cpp$"
+  "^OpenNI\\.h$"                     "^server/source/openni_camera\\.cpp$"
   "^libusb"                          "^client/device/falcon/usb\\.cpp$"
   "^common/(codec|protocol|transport)/" "^(common/(codec|protocol|transport)/|server/(stream/|relay/|pipeline/|[^/]*$)|client/(net/|discovery/|report/|[^/]*$)|tests/)"
 )

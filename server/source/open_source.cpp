@@ -11,9 +11,11 @@
 #include "common/text.hpp"
 #include "server/source/camera.hpp"
 #include "server/source/image_sequence.hpp"
+#include "server/source/openni_camera.hpp"
 #include "server/source/rgbd_source.hpp"
 #include "server/source/single_video.hpp"
 #include "server/source/synthetic_source.hpp"
+#include "server/source/v4l2_camera.hpp"
 #include "server/source/video_pair.hpp"
 
 namespace hapticast::server {
@@ -51,6 +53,17 @@ std::unique_ptr<RgbdSource> openCamera(const std::string& spec, std::string_view
                       ",M where M is the depth camera's number");
   }
   return std::make_unique<Camera>(color, parse(numbers.substr(comma + 1)), fps);
+}
+
+std::unique_ptr<RgbdSource> openV4l2(const std::string& spec, const std::string& nodes,
+                                     double fps) {
+  const std::size_t comma = nodes.find(',');
+  if (comma == std::string::npos || comma == 0 || comma + 1 == nodes.size()) {
+    throw SourceError(spec +
+                      ": colour and depth are needed; use v4l2:COLOR,DEPTH with two nodes, " +
+                      "for example v4l2:/dev/video4,/dev/video2");
+  }
+  return openV4l2Camera(nodes.substr(0, comma), nodes.substr(comma + 1), fps);
 }
 
 /// Throws SourceError for a kind of source that the server does not read.
@@ -130,15 +143,20 @@ std::unique_ptr<RgbdSource> openSource(const std::string& spec, double fps, bool
   }
   constexpr std::string_view kSynthetic = "synthetic:";
   constexpr std::string_view kCamera = "camera:";
+  constexpr std::string_view kOpenni = "openni:";
+  constexpr std::string_view kV4l2 = "v4l2:";
   const std::string_view view = spec;
   std::error_code error;
   const bool is_folder = fs::is_directory(spec, error);
   if (to_and_fro && !is_folder)
     throw SourceError(spec + ": only a folder of images plays --to-and-fro; use --loop alone");
-  const bool is_named = view.starts_with(kSynthetic) || view.starts_with(kCamera);
+  const bool is_named = view.starts_with(kSynthetic) || view.starts_with(kCamera) ||
+                        view.starts_with(kOpenni) || view.starts_with(kV4l2);
   requireVideo(spec, !is_named && (isFile(spec) || isPair(spec)), layout);
   if (view.starts_with(kSynthetic)) return openSynthetic(view.substr(kSynthetic.size()), fps);
   if (view.starts_with(kCamera)) return openCamera(spec, view.substr(kCamera.size()), fps);
+  if (view.starts_with(kV4l2)) return openV4l2(spec, spec.substr(kV4l2.size()), fps);
+  if (view.starts_with(kOpenni)) return openOpenniCamera(spec.substr(kOpenni.size()), fps);
   if (is_folder) return std::make_unique<ImageSequence>(spec, fps, to_and_fro, layout.code);
   refuseOtherKinds(spec);
   if (isFile(spec)) return openSingle(spec, fps, layout);

@@ -59,7 +59,7 @@ class SourceError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Source of frames. Thread: one.
+/// Source of frames. Thread: one, except stop().
 class RgbdSource {
  public:
   virtual ~RgbdSource() = default;
@@ -72,15 +72,18 @@ class RgbdSource {
   /// Begins the clip again: the next frame is the first one, with the epoch incremented. Throws
   /// SourceError if the source is live.
   virtual void rewind() = 0;
+  /// Makes read() of a live source return nullopt within about 100 ms, now and from now on. Other
+  /// sources never wait. Thread: any, also a signal handler.
+  virtual void stop() noexcept {}
 };
 
 /// Returns the last part of a path. Viewers receive only this part.
 std::string fileName(const std::filesystem::path& path);
 
 /// Opens the source that `spec` names, the value of --source: synthetic:NAME, DIR, COLOR,DEPTH,
-/// FILE or camera:N,M. `fps` > 0 overrides its rate, frames/s. `to_and_fro`: the images of a folder
-/// play forwards, then backwards. `layout`: how videos hold their depth. Throws SourceError, also
-/// if the source is none that can do that.
+/// FILE, camera:N,M, openni:DEVICE or v4l2:COLOR,DEPTH. `fps` > 0 overrides its rate, frames/s.
+/// `to_and_fro`: the images of a folder play forwards, then backwards. `layout`: how videos hold
+/// their depth. Throws SourceError, also if the source is none that can do that.
 std::unique_ptr<RgbdSource> openSource(const std::string& spec, double fps, bool to_and_fro = false,
                                        const VideoLayout& layout = {});
 

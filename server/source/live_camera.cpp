@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: MIT
+#include "server/source/live_camera.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <thread>
+#include <utility>
+
+#include "server/source/depth_scale.hpp"
+#include "server/source/image_file.hpp"
+
+namespace hapticast::server {
+
+namespace {
+
+constexpr Duration kSilence = std::chrono::seconds(1);     // without a frame: the device is gone
+constexpr Duration kFirstFrame = std::chrono::seconds(5);  // chosen: cameras start in 1 to 3 s
+constexpr Duration kPause = std::chrono::seconds(1);       // between two tries to open the device
+constexpr Duration kLongestWait = std::chrono::milliseconds(50);  // until stop() has an effect
+
+LocalTime steadyNow() { return SteadyClock().now(); }
+
+/// Ends readPair() after stop().
+struct Stopped {};
+
+}  // namespace
+
+PicturePairer::PicturePairer(double fps) : longest_apart_(fromSeconds(0.5 / fps)) {}
+
+std::optional<LivePair> PicturePairer::push(LivePicture picture) {
+  (picture.is_depth ? depth_ : color_) = std::move(picture);
+  if (!color_ || !depth_ || std::chrono::abs(color_->time - depth_->time) > longest_apart_)
+    return std::nullopt;
+  LivePair pair{color_->image, depth_->image};
+  color_.reset();
+  depth_.reset();
+  return pair;
+}
+
+LiveCamera::LiveCamera(Open open) : open_(std::move(open)) {
+  device_ = open_();
+  info_ = device_->info();
+  info_.live = true;
+  for (const std::string& warning : device_->warnings()) spdlog::warn("{}", warning);
+  pairer_.emplace(info_.fps);
+  (void)readPair(kFirstFrame);
+  began_ = steadyNow();
+}
+
+std::optional<RgbdFrame> LiveCamera::read() {
+  while (!stop_) {
+    try {
+      if (!device_) open();
+      return makeFrame(readPair(away_ ? kFirstFrame : kSilence));
+    } catch (const Stopped&) {
+      break;
+    } catch (const SourceError& error) {
+      lose(error.what());
+    }
+  }
+  return std::nullopt;
+}
+
+void LiveCamera::rewind() { throw SourceError(info_.name + ": is live and cannot be rewound"); }
+
+void LiveCamera::open() {
+  device_ = open_();
+  const SourceInfo& now = device_->info();
+  if (now.width_px != info_.width_px || now.height_px != info_.height_px)
+    throw SourceError(info_.name + ": delivers " + sizeText(now.width_px, now.height_px) +
+                      ", but began with " + sizeText(info_.width_px, info_.height_px));
+  pairer_.emplace(info_.fps);
+}
+
+LivePair LiveCamera::readPair(Duration patience) {
+  std::string problem;
+  bool any_color = false;
+  bool any_depth = false;
+  const LocalTime end = steadyNow() + patience;
+  while (steadyNow() < end) {
+    if (stop_) throw Stopped();
+    std::optional<LivePicture> picture = device_->read(kLongestWait);
+    if (!picture) continue;
+    (picture->is_depth ? any_depth : any_color) = true;
+    if (!picture->problem.empty()) {
+      problem = picture->problem;
+      logFault(problem);
+      continue;
+    }
+    if (auto pair = pairer_->push(std::move(*picture))) return *pair;
+  }
+  if (!problem.empty()) throw SourceError(problem);
+  const char* what = "colour and depth of one moment";
+  if (!any_color) what = any_depth ? "colour pictures" : "pictures";
+  if (any_color && !any_depth) what = "depth pictures";
+  throw SourceError(info_.name + ": delivers no " + what + "; plug it in again");
+}
+
+RgbdFrame LiveCamera::makeFrame(LivePair pair) {
+  const LocalTime now = steadyNow();
+  if (away_) {
+    spdlog::info("{}: frames are back", info_.name);
+    away_ = false;
+    ++epoch_;
+    began_ = now;
+  }
+  if (pair.depth.size() != pair.color.size() && !std::exchange(logged_scaling_, true))
+    logScaledDepth(info_.name, pair.depth.size(), pair.color.size());
+  RgbdFrame frame;
+  frame.index = next_++;
+  frame.epoch = epoch_;
+  frame.clip_time_s = toSeconds(now - began_);
+  frame.color = std::move(pair.color);
+  frame.depth = scaleDepth(pair.depth, frame.color.size());
+  return frame;
+}
+
+// Logs the first fault and every doubling, so that a device with occasional faults does not fill
+// the log.
+void LiveCamera::logFault(const std::string& problem) {
+  if (std::has_single_bit(++faults_))
+    spdlog::warn("{}; the picture is left out (time {})", problem, faults_);
+}
+
+void LiveCamera::lose(const std::string& reason) {
+  device_.reset();
+  if (!std::exchange(away_, true))
+    spdlog::warn("{}; the server tries to open it again each second", reason);
+  const LocalTime end = steadyNow() + kPause;
+  while (!stop_ && steadyNow() < end) std::this_thread::sleep_for(kLongestWait);
+}
+
+}  // namespace hapticast::server

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: MIT
+// Live source from a camera that may go away and come back. An unplugged camera gives one warning,
+// and the source tries to open it again each second. Thread: one, except stop().
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <opencv2/core.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/time.hpp"
+#include "server/source/rgbd_source.hpp"
+
+namespace hapticast::server {
+
+/// One picture of a live device.
+struct LivePicture {
+  bool is_depth = false;
+  LocalTime time{};     ///< when the picture was taken or arrived
+  cv::Mat image;        ///< colour: CV_8UC3, BGR; depth: CV_32FC1, mm; empty if there is a problem
+  std::string problem;  ///< why the picture is unusable, with the name of the device; else empty
+};
+
+/// An open device that delivers pictures of colour and of depth. Its pictures belong to the caller.
+/// Thread: one.
+class LiveDevice {
+ public:
+  virtual ~LiveDevice() = default;
+  /// Returns the name, the size of the colour, the rate and the camera model.
+  [[nodiscard]] virtual const SourceInfo& info() const = 0;
+  /// Returns what the user must know about this device, one line each.
+  [[nodiscard]] virtual std::vector<std::string> warnings() const = 0;
+  /// Waits for the next picture, at most `longest`, and returns it. Returns nullopt if none came.
+  /// Leaves out pictures that are older than another one of the same kind. Throws SourceError if
+  /// the device is gone.
+  virtual std::optional<LivePicture> read(Duration longest) = 0;
+};
+
+/// Colour and depth of one moment.
+struct LivePair {
+  cv::Mat color;
+  cv::Mat depth;
+};
+
+/// Pairs pictures of colour with pictures of depth by their times. Thread: one.
+class PicturePairer {
+ public:
+  /// `fps`: frames/s of the colour; a pair is at most half a frame apart.
+  explicit PicturePairer(double fps);
+
+  /// Adds a picture. Returns it with the last one of the other kind if both are of one moment. No
+  /// picture is in two pairs.
+  std::optional<LivePair> push(LivePicture picture);
+
+ private:
+  Duration longest_apart_;
+  std::optional<LivePicture> color_;
+  std::optional<LivePicture> depth_;
+};
+
+/// Source whose frames are those of a live device.
+class LiveCamera final : public RgbdSource {
+ public:
+  /// Opens the device. Throws SourceError.
+  using Open = std::function<std::unique_ptr<LiveDevice>()>;
+
+  /// Opens the device, logs its warnings and waits for its first frame, at most 5 s. Throws
+  /// SourceError, also if there is no frame.
+  explicit LiveCamera(Open open);
+
+  [[nodiscard]] const SourceInfo& info() const override { return info_; }
+  /// Waits for the next frame and returns it. Returns nullopt after stop() only. Without a frame
+  /// for a second it opens the device again until there is one. That frame begins a new epoch.
+  /// Smaller depth of the same aspect ratio is scaled to the size of the colour.
+  std::optional<RgbdFrame> read() override;
+  bool skip() override { return read().has_value(); }
+  /// Always throws SourceError, because a live source cannot be rewound.
+  void rewind() override;
+  void stop() noexcept override { stop_ = true; }
+
+ private:
+  void open();
+  [[nodiscard]] LivePair readPair(Duration patience);
+  [[nodiscard]] RgbdFrame makeFrame(LivePair pair);
+  void logFault(const std::string& problem);
+  void lose(const std::string& reason);
+
+  Open open_;
+  std::unique_ptr<LiveDevice> device_;
+  SourceInfo info_;
+  std::optional<PicturePairer> pairer_;
+  std::atomic<bool> stop_{false};
+  bool away_ = false;
+  std::uint64_t next_ = 0;
+  std::uint32_t epoch_ = 0;
+  LocalTime began_{};         // of the epoch
+  std::uint64_t faults_ = 0;  // unusable pictures so far
+  bool logged_scaling_ = false;
+};
+
+}  // namespace hapticast::server

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+// Live source from two nodes of Video4Linux2: one for colour, one for 16-bit depth (Z16, for
+// example of a RealSense), which OpenCV cannot open. Thread: one.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "server/source/rgbd_source.hpp"
+
+namespace hapticast::server {
+
+/// Opens the nodes `color` and `depth`, paths such as /dev/video2. Colour is YUYV, NV12 or MJPEG,
+/// depth is Z16 or Y16 in mm. Both are asked for 640x480; depth of the same shape is scaled to the
+/// colour. `fps` > 0: wanted rate, frames/s. Throws SourceError.
+[[nodiscard]] std::unique_ptr<RgbdSource> openV4l2Camera(const std::string& color,
+                                                         const std::string& depth, double fps);
+
+}  // namespace hapticast::server
