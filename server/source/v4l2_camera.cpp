@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "server/source/depth_scale.hpp"
+#include "server/source/image_file.hpp"
 #include "server/source/live_camera.hpp"
 #include "server/source/v4l2_picture.hpp"
 
@@ -165,7 +166,7 @@ void V4l2Node::setFormat() {
       pix.pixelformat == V4L2_PIX_FMT_MJPEG || pix.pixelformat == V4L2_PIX_FMT_JPEG;
   format_ = {pix.pixelformat, pix.width, pix.height, compressed ? 0 : pix.bytesperline};
   if (pix.pixelformat != *code) fail("refuses its own format");
-  if (pix.width < 1 || pix.height < 1 || pix.width > kMaxWidth_px || pix.height > kMaxHeight_px)
+  if (!sizeAllowed(static_cast<int>(pix.width), static_cast<int>(pix.height)))
     fail("delivers " + std::to_string(pix.width) + "x" + std::to_string(pix.height) +
          "; allowed is up to 1920x1080");
 }

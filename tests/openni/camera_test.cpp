@@ -152,7 +152,7 @@ TEST_F(OpenniCamera, WrongFramesAreLeftOut) {
            {"lie_width", 1 << 30}, {"lie_bytes", 1000}, {"lie_stride", -384}}) {
     order({{lie, value}});
     // The frames are left out until they are whole again.
-    std::thread mend([&] {
+    std::thread mend([this, lie = lie] {
       std::this_thread::sleep_for(std::chrono::milliseconds(300));
       order({{lie, 0}});
     });
