@@ -85,6 +85,7 @@ Material read(const proto::Material& from, Check& check) {
       value(from.has_static_friction(), from.static_friction(), limits::kFriction),
       value(from.has_dynamic_friction(), from.dynamic_friction(), limits::kFriction),
       value(from.has_texture_k_mm(), from.texture_k_mm(), limits::kWorkspace_mm),
+      value(from.has_mass_kg(), from.mass_kg(), limits::kMass_kg),
   };
 }
 

@@ -31,6 +31,7 @@ void write(const Material& from, proto::Material& to) {
   if (from.static_friction) to.set_static_friction(given(from.static_friction));
   if (from.dynamic_friction) to.set_dynamic_friction(given(from.dynamic_friction));
   if (from.texture_K_mm) to.set_texture_k_mm(given(from.texture_K_mm));
+  if (from.mass_kg) to.set_mass_kg(given(from.mass_kg));
 }
 
 }  // namespace

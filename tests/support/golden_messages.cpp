@@ -62,7 +62,7 @@ HapticFrame goldenFrame() {
                  0.5};
   ball.grid = grid();
   ball.impacts = {{mediaTime(40.0), {0.0, 200.0, -1.0}}, {mediaTime(40.08), {0.0, 150.0, 0.0}}};
-  ball.material = {0.5, 1.0, 0.25, 0.0, {}};  // no sliding friction, and of K nothing is said
+  ball.material = {0.5, 1.0, 0.25, 0.0, {}, {}};  // no sliding friction, and of K nothing is said
   frame.objects.push_back(ball);
   HapticObject still;
   still.id = 8;

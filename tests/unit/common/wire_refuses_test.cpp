@@ -44,6 +44,7 @@ TEST(WireRefuses, NumbersThatAreNotOrAreAbsurd) {
       {[](auto& f, double x) { f.objects[0].material.static_friction = x; }, limits::kFriction},
       {[](auto& f, double x) { f.objects[0].material.dynamic_friction = x; }, limits::kFriction},
       {[](auto& f, double x) { f.objects[0].material.texture_K_mm = x; }, limits::kWorkspace_mm},
+      {[](auto& f, double x) { f.objects[0].material.mass_kg = x; }, limits::kMass_kg},
       {[](auto& f, double x) {
          auto grid = std::make_shared<MotionGrid>(*f.objects[0].grid);
          grid->velocity_mm_s[0].x() = static_cast<float>(x);
@@ -72,7 +73,7 @@ TEST(WireRefuses, NumbersThatAreNotOrAreAbsurd) {
 TEST(WireRefuses, MaterialsThatAreNegative) {
   for (const auto field :
        {&Material::stiffness_N_mm, &Material::damping_Ns_m, &Material::static_friction,
-        &Material::dynamic_friction, &Material::texture_K_mm}) {
+        &Material::dynamic_friction, &Material::texture_K_mm, &Material::mass_kg}) {
     HapticFrame frame = goldenFrame();
     frame.objects[0].material.*field = -0.001;
     EXPECT_EQ(refusal(frame), ErrorCode::kMalformed);

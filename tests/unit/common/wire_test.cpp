@@ -174,8 +174,8 @@ TEST(Wire, CarriesEveryFieldOfAFrame) {
 
 TEST(Wire, CarriesEachFieldOfAMaterialAloneAndItsZero) {
   const std::vector<std::optional<double> Material::*> fields = {
-      &Material::stiffness_N_mm, &Material::damping_Ns_m, &Material::static_friction,
-      &Material::dynamic_friction, &Material::texture_K_mm};
+      &Material::stiffness_N_mm,   &Material::damping_Ns_m, &Material::static_friction,
+      &Material::dynamic_friction, &Material::texture_K_mm, &Material::mass_kg};
   for (const auto field : fields) {
     for (const double value : {0.0, 0.5}) {
       HapticFrame frame = goldenFrame();
