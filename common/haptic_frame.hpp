@@ -86,7 +86,7 @@ struct Impact {
   bool operator==(const Impact&) const = default;
 };
 
-/// The author's material of the surface. No value is negative. For absent values the viewer uses
+/// The author's material of an object. No value is negative. For absent values the viewer uses
 /// its own defaults (client/haptics/contact/surface_model.hpp).
 struct Material {
   std::optional<double> stiffness_N_mm;
@@ -94,6 +94,7 @@ struct Material {
   std::optional<double> static_friction;
   std::optional<double> dynamic_friction;
   std::optional<double> texture_K_mm;  ///< K of Eq. 3, in mm
+  std::optional<double> mass_kg;       ///< mass of this object, instead of the stream's
   bool operator==(const Material&) const = default;
 };
 

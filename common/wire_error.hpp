@@ -16,6 +16,8 @@ enum class ErrorCode : std::uint8_t {
   kServerFull = 5,    ///< the server accepts no more clients
   kTimeout = 6,       ///< the peer was silent for too long
   kShuttingDown = 7,  ///< the server shuts down
+  kUnauthorized = 8,  ///< the client's token is missing, unknown or expired, or it must use TLS
+  kForbidden = 9,     ///< the client's token does not allow this request
 };
 
 /// An error to send to a peer.

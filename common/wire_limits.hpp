@@ -34,6 +34,9 @@ inline constexpr std::size_t kClientName = 64;
 inline constexpr std::size_t kStreamName = 256;
 inline constexpr std::size_t kErrorText = 512;
 inline constexpr std::size_t kGroupAddress = 64;
+inline constexpr std::size_t kAccessToken = 256;  ///< bytes
+inline constexpr std::int64_t kKeyGrace_ms = 60'000;
+inline constexpr double kClip_s = 1e6;
 /// Largest number of times that a datagram is sent.
 inline constexpr std::uint32_t kMostCopies = 4;
 inline constexpr std::size_t kJpeg = 4U << 20U;

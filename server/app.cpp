@@ -17,6 +17,7 @@
 #include "server/pipeline/input_check.hpp"
 #include "server/pipeline/plan_log.hpp"
 #include "server/relay/relay_publisher.hpp"
+#include "server/source/key_mask_source.hpp"
 #include "server/source/pacer.hpp"
 #include "server/stream/signing_key_file.hpp"
 #include "server/stream_service.hpp"
@@ -89,7 +90,9 @@ class App::Impl {
 App::Impl::Impl(Settings settings, const Clock& clock)
     : settings_(std::move(settings)),
       media_clock_(clock),
-      source_(openSource(settings_.source, settings_.fps, settings_.to_and_fro, settings_.layout)),
+      source_(addKeyMasks(
+          openSource(settings_.source, settings_.fps, settings_.to_and_fro, settings_.layout),
+          settings_.key_masks)),
       vision_(describeSource(*source_, settings_.name),
               dropInvalidPoints(settings_.vision, source_->info()), &clock),
       signer_(settings_.signing_key_file.empty() ? SigningKey()

@@ -10,6 +10,7 @@
 
 #include "common/endpoint.hpp"
 #include "common/transport/signature.hpp"
+#include "server/author/scene_file.hpp"
 #include "server/nats_address.hpp"
 #include "server/source/video_layout.hpp"
 #include "server/stream/multicast_group.hpp"
@@ -38,6 +39,8 @@ struct Settings {
   std::string announce;               ///< the server's name on the LAN; empty: not announced
   std::string name;                   ///< name of the stream for viewers; empty: the source's name
   VisionSettings vision;
+  Scene scene;                         ///< the author's work, from the scene file and from flags
+  std::vector<KeyMaskFile> key_masks;  ///< those of the scene file
   std::string preview;  ///< output of the preview: FILE.png or a folder; empty: no preview
   bool explain = false;
   bool quiet = false;

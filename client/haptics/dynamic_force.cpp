@@ -148,10 +148,12 @@ double DynamicForce::cursorMass_kg() const noexcept {
   return std::clamp(profile_.mass_kg, 0.0, kCursorMass_kg);
 }
 
-double DynamicForce::objectMass_kg(const StreamTiming& stream, double scale) const noexcept {
-  const bool authored = stream.author_mass_kg > 0.0 && std::isfinite(stream.author_mass_kg);
+double DynamicForce::objectMass_kg(const Material& material, const StreamTiming& stream,
+                                   double scale) const noexcept {
+  const double authored_kg = material.mass_kg.value_or(stream.author_mass_kg);
+  const bool authored = authored_kg > 0.0 && std::isfinite(authored_kg);
   const double wanted_kg =
-      std::max(authored ? std::min(stream.author_mass_kg, kHeaviest_kg) : kUnknownMass_kg,
+      std::max(authored ? std::min(authored_kg, kHeaviest_kg) : kUnknownMass_kg,
                kMassRatio * cursorMass_kg());
   const double largest_m_s2 = stream.largest_acceleration_mm_s2 * metresPerMillimetre(scale);
   if (!(largest_m_s2 > 0.0) || !std::isfinite(largest_m_s2)) return wanted_kg;
@@ -198,7 +200,7 @@ Vec3 DynamicForce::evaluate(const InterpolatedObject* object, double penetration
   implausible_ = false;
   if (object == nullptr || !(penetration_mm > 0.0)) return Vec3::Zero();
   const double to_metres = metresPerMillimetre(scale);
-  const double mass_kg = objectMass_kg(stream, scale);
+  const double mass_kg = objectMass_kg(object->before->material, stream, scale);
   const AtContact acceleration = computeAcceleration(
       *object, contact_mm != nullptr ? *contact_mm : object->position_mm, stream.workspace);
   const auto pushes_N = [&](const Vec3& acceleration_mm_s2) noexcept {

@@ -50,11 +50,13 @@ class DynamicForce {
   /// this part, and the stream does not.
   [[nodiscard]] const Vec3& inertia_N() const noexcept { return inertia_N_; }
 
-  /// Returns m_object in kg, finite and at least 0. It is the author's mass, or 0.5 kg if the
+  /// Returns m_object in kg, finite and at least 0. It is the author's mass of an object with
+  /// `material`, or else the author's mass of the stream. It is 0.5 kg if the
   /// author states none. It is at most 5 kg, and at least 10 times m_cursor. One further bound may
   /// lower it below that: the continuous force of the device, divided by the largest acceleration
   /// of the stream.
-  [[nodiscard]] double objectMass_kg(const StreamTiming& stream, double scale) const noexcept;
+  [[nodiscard]] double objectMass_kg(const Material& material, const StreamTiming& stream,
+                                     double scale) const noexcept;
 
  private:
   [[nodiscard]] double cursorMass_kg() const noexcept;

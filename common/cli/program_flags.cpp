@@ -9,13 +9,15 @@ namespace hapticast {
 namespace {
 
 constexpr auto kServerFlags = std::to_array<std::string_view>(
-    {"announce",      "compensate-pan", "damping",     "depth-code", "depth-range",
-     "error-budget",  "explain",        "fov",         "fps",        "frames",
-     "friction",      "layout",         "listen",      "loop",       "low-latency",
-     "map-range",     "mass",           "max-clients", "motion",     "multicast",
-     "multicast-ttl", "name",           "nats-ca",     "nats-creds", "not",
-     "object",        "plan",           "preview",     "publish",    "segment",
-     "signing-key",   "source",         "stiffness",   "stretch",    "texture-depth",
+    {"announce",      "compensate-pan", "damping",     "depth-code",
+     "depth-range",   "error-budget",   "explain",     "fov",
+     "fps",           "frames",         "friction",    "layout",
+     "listen",        "loop",           "low-latency", "map-range",
+     "mass",          "max-clients",    "motion",      "multicast",
+     "multicast-ttl", "name",           "nats-ca",     "nats-creds",
+     "not",           "object",         "plan",        "preview",
+     "publish",       "segment",        "scene",       "signing-key",
+     "source",        "stiffness",      "stretch",     "texture-depth",
      "to-and-fro",    "wait-for-viewer"});
 constexpr auto kClientFlags = std::to_array<std::string_view>({"check-device",
                                                                "device",

@@ -27,9 +27,35 @@ std::string text(const std::string& from, std::size_t limit, Check& check) {
   return check.error() ? std::string() : sanitizeUtf8(from);
 }
 
+std::string token(const std::string& from, Check& check) {
+  check.bound(from.size(), limits::kAccessToken, "an access token is too long");
+  return check.error() ? std::string() : from;
+}
+
 Hello read(const proto::Hello& from, Check& check) {
   return {from.protocol_version(), text(from.client_name(), limits::kClientName, check),
-          from.wants_video(), from.wants_frames_on_tcp()};
+          from.wants_video(), from.wants_frames_on_tcp(), token(from.access_token(), check)};
+}
+
+DatagramKey read(const proto::DatagramKey& from, Check& check) {
+  DatagramKey to;
+  check.require(from.id() >= 1 && from.id() <= 255, "a datagram key's id is not 1..255");
+  check.require(from.key().size() == to.bytes.size(), "a datagram key is not 16 bytes");
+  check.require(from.grace_ms() <= limits::kKeyGrace_ms, "a key's grace is not 0..60 s");
+  if (check.error()) return to;
+  to.id = static_cast<std::uint8_t>(from.id());
+  std::copy(from.key().begin(), from.key().end(), to.bytes.begin());
+  to.grace = std::chrono::milliseconds(from.grace_ms());
+  return to;
+}
+
+Control read(const proto::Control& from, Check& check) {
+  Control to;
+  if (from.has_paused()) to.paused = from.paused();
+  if (from.has_seek_s())
+    to.seek_s = check.number(from.seek_s(), 0.0, limits::kClip_s, "a seek is not 0..1e6 s");
+  if (from.has_material()) to.material = readMaterial(from.material(), check);
+  return to;
 }
 
 StreamDescription read(const proto::StreamDescription& from, Check& check) {
@@ -83,6 +109,7 @@ Welcome read(const proto::Welcome& from, Check& check) {
     to.verifying_key.emplace();
     std::copy(from.verifying_key().begin(), from.verifying_key().end(), to.verifying_key->begin());
   }
+  if (from.has_datagram_key()) to.datagram_key = read(from.datagram_key(), check);
   if (from.has_group()) {
     check.require(to.datagram_token != 0 && from.group().port() != 0, "a group without a port");
     to.group = DatagramGroup{text(from.group().address(), limits::kGroupAddress, check),
@@ -127,7 +154,7 @@ ReceiverReport read(const proto::Report& from, Check& check) {
 
 WireError read(const proto::Error& from, Check& check) {
   check.require(from.code() >= static_cast<unsigned>(ErrorCode::kMalformed) &&
-                    from.code() <= static_cast<unsigned>(ErrorCode::kShuttingDown),
+                    from.code() <= static_cast<unsigned>(ErrorCode::kForbidden),
                 "an unknown error code");
   return {static_cast<ErrorCode>(from.code()), text(from.message(), limits::kErrorText, check)};
 }
@@ -160,6 +187,10 @@ Message readContent(const proto::Message& from, Check& check) {
       return read(from.preparing(), check);
     case proto::Message::kDelivery:
       return read(from.delivery(), check);
+    case proto::Message::kDatagramKey:
+      return read(from.datagram_key(), check);
+    case proto::Message::kControl:
+      return read(from.control(), check);
     case proto::Message::CONTENT_NOT_SET:
       break;
   }

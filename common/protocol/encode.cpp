@@ -17,6 +17,24 @@ void write(const Hello& from, proto::Message& message) {
   to.set_client_name(sanitizeUtf8(from.client_name, limits::kClientName));
   to.set_wants_video(from.wants_video);
   to.set_wants_frames_on_tcp(from.wants_frames_on_tcp);
+  to.set_access_token(from.access_token);
+}
+
+void write(const DatagramKey& from, proto::DatagramKey& to) {
+  to.set_id(from.id);
+  to.set_key(from.bytes.data(), from.bytes.size());
+  to.set_grace_ms(static_cast<std::uint32_t>(from.grace / std::chrono::milliseconds(1)));
+}
+
+void write(const DatagramKey& from, proto::Message& message) {
+  write(from, *message.mutable_datagram_key());
+}
+
+void write(const Control& from, proto::Message& message) {
+  auto& to = *message.mutable_control();
+  if (from.paused) to.set_paused(*from.paused);
+  if (from.seek_s) to.set_seek_s(*from.seek_s);
+  if (from.material != Material{}) writeMaterial(from.material, *to.mutable_material());
 }
 
 void write(const StreamDescription& from, proto::StreamDescription& to) {
@@ -48,6 +66,7 @@ void write(const Welcome& from, proto::Message& message) {
   to.set_stream(from.stream);
   if (from.verifying_key)
     to.set_verifying_key(from.verifying_key->data(), from.verifying_key->size());
+  if (from.datagram_key) write(*from.datagram_key, *to.mutable_datagram_key());
   if (!from.group) return;
   to.mutable_group()->set_address(from.group->address);
   to.mutable_group()->set_port(from.group->port);

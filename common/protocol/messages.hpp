@@ -4,6 +4,7 @@
 // is in proto/README.md. Thread: any.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -29,6 +30,14 @@ struct Hello {
   std::string client_name;
   bool wants_video = false;
   bool wants_frames_on_tcp = true;
+  std::string access_token = {};  ///< secret of the user; empty: none
+};
+/// Key of the sealed datagrams (proto/README.md, section 13).
+struct DatagramKey {
+  std::uint8_t id = 1;  ///< 1..255
+  std::array<std::uint8_t, 16> bytes{};
+  Duration grace{};  ///< how long datagrams under the keys before stay valid
+  bool operator==(const DatagramKey&) const = default;
 };
 /// A multicast group to which the server sends the stream.
 struct DatagramGroup {
@@ -49,6 +58,14 @@ struct Welcome {
   /// Key of the signatures. Where it is present, every frame is signed. Datagrams need it.
   std::optional<KeyBytes> verifying_key = std::nullopt;
   std::optional<DatagramGroup> group = std::nullopt;
+  std::optional<DatagramKey> datagram_key = std::nullopt;  ///< absent: datagrams are not sealed
+};
+/// Request of an operator. The server returns it to him when it is done.
+struct Control {
+  std::optional<bool> paused;
+  std::optional<double> seek_s;  ///< time in the clip, s
+  Material material;             ///< its values replace those of all objects
+  bool operator==(const Control&) const = default;
 };
 /// Request of a client: how it wants to receive frames from now on.
 struct Delivery {
@@ -89,7 +106,7 @@ struct Preparing {
 };
 
 using Message = std::variant<Hello, Welcome, Ping, Pong, StreamDescription, CodedFrame, VideoFrame,
-                             ReceiverReport, WireError, Preparing, Delivery>;
+                             ReceiverReport, WireError, Preparing, Delivery, DatagramKey, Control>;
 
 /// Returns the bytes of one message, without the length prefix (framing.hpp). Requires valid
 /// content.

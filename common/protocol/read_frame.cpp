@@ -74,20 +74,6 @@ GridPart read(const proto::MotionGrid& from, bool in_pieces, Check& check) {
   return {std::move(to), from.first_cell()};
 }
 
-Material read(const proto::Material& from, Check& check) {
-  const auto value = [&](bool given, float number, double limit) -> std::optional<double> {
-    if (!given) return std::nullopt;
-    return check.number(number, 0.0, limit, "a material's value is out of range");
-  };
-  return {
-      value(from.has_stiffness_n_mm(), from.stiffness_n_mm(), limits::kStiffness_N_mm),
-      value(from.has_damping_ns_m(), from.damping_ns_m(), limits::kDamping_Ns_m),
-      value(from.has_static_friction(), from.static_friction(), limits::kFriction),
-      value(from.has_dynamic_friction(), from.dynamic_friction(), limits::kFriction),
-      value(from.has_texture_k_mm(), from.texture_k_mm(), limits::kWorkspace_mm),
-  };
-}
-
 /// A slice covers at least one cell.
 constexpr std::size_t kMostSlices =
     std::size_t{codec::cellsOver(kMaxWidth_px)} * std::size_t{codec::cellsOver(kMaxHeight_px)};
@@ -132,7 +118,7 @@ void readHead(const proto::Object& from, std::uint64_t frame_id, CodedObject& to
     to.impacts.push_back({MediaTime(check.time(impact.time_ns())),
                           read(impact.delta_velocity_mm_s(), limits::kVelocity_mm_s, check)});
   }
-  if (from.has_material()) to.material = read(from.material(), check);
+  if (from.has_material()) to.material = readMaterial(from.material(), check);
 }
 
 ObjectPiece read(const proto::Object& from, std::uint64_t frame_id, bool in_pieces, Check& check) {
@@ -196,6 +182,21 @@ void boundSlices(std::span<const std::uint8_t> object, Check& check) {
 }
 
 }  // namespace
+
+Material readMaterial(const proto::Material& from, Check& check) {
+  const auto value = [&](bool given, float number, double limit) -> std::optional<double> {
+    if (!given) return std::nullopt;
+    return check.number(number, 0.0, limit, "a material's value is out of range");
+  };
+  return {
+      value(from.has_stiffness_n_mm(), from.stiffness_n_mm(), limits::kStiffness_N_mm),
+      value(from.has_damping_ns_m(), from.damping_ns_m(), limits::kDamping_Ns_m),
+      value(from.has_static_friction(), from.static_friction(), limits::kFriction),
+      value(from.has_dynamic_friction(), from.dynamic_friction(), limits::kFriction),
+      value(from.has_texture_k_mm(), from.texture_k_mm(), limits::kWorkspace_mm),
+      value(from.has_mass_kg(), from.mass_kg(), limits::kMass_kg),
+  };
+}
 
 void boundCounts(std::span<const std::uint8_t> message, Check& check) {
   const auto frames = submessages(message, proto::Message::kFrameFieldNumber, 1);

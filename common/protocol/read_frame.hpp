@@ -25,6 +25,9 @@ void boundCountsOfFrame(std::span<const std::uint8_t> frame, Check& check);
 [[nodiscard]] FramePiece readFramePiece(const proto::HapticFrame& from, std::uint64_t frame_id,
                                         Check& check);
 
+/// Returns the struct of a parsed material. Records an error in `check` for every invalid value.
+[[nodiscard]] Material readMaterial(const proto::Material& from, Check& check);
+
 /// Checks that the objects of a frame are consistent, and records an error in `check` if they are
 /// not. No object may occur twice, and no slices may overlap. A grid must cover its relief, and the
 /// limits of the whole frame must hold.

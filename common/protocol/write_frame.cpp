@@ -24,16 +24,17 @@ void write(const Motion& from, proto::Motion& to) {
   to.set_visible_fraction(static_cast<float>(from.visible_fraction));
 }
 
-void write(const Material& from, proto::Material& to) {
+}  // namespace
+
+void writeMaterial(const Material& from, proto::Material& to) {
   const auto given = [](const std::optional<double>& value) { return static_cast<float>(*value); };
   if (from.stiffness_N_mm) to.set_stiffness_n_mm(given(from.stiffness_N_mm));
   if (from.damping_Ns_m) to.set_damping_ns_m(given(from.damping_Ns_m));
   if (from.static_friction) to.set_static_friction(given(from.static_friction));
   if (from.dynamic_friction) to.set_dynamic_friction(given(from.dynamic_friction));
   if (from.texture_K_mm) to.set_texture_k_mm(given(from.texture_K_mm));
+  if (from.mass_kg) to.set_mass_kg(given(from.mass_kg));
 }
-
-}  // namespace
 
 void writeRect(const PixelRect& from, proto::Relief& to) {
   to.set_u(static_cast<std::uint32_t>(from.u));
@@ -65,7 +66,7 @@ void writeHead(const CodedObject& from, proto::Object& to) {
     hit.set_time_ns(impact.time.time_since_epoch().count());
     write(impact.delta_velocity_mm_s, *hit.mutable_delta_velocity_mm_s());
   }
-  if (from.material != Material{}) write(from.material, *to.mutable_material());
+  if (from.material != Material{}) writeMaterial(from.material, *to.mutable_material());
 }
 
 void writeFrame(const CodedFrame& from, proto::HapticFrame& to) {

@@ -15,6 +15,7 @@ namespace hapticast {
 void writeFrame(const CodedFrame& from, proto::HapticFrame& to);
 /// Writes the object `from` to `to`, without its relief and its motion grid.
 void writeHead(const CodedObject& from, proto::Object& to);
+void writeMaterial(const Material& from, proto::Material& to);
 void writeRect(const PixelRect& from, proto::Relief& to);
 /// Appends cells of the grid `from` to `to`. It begins with the cell `first` and appends at most
 /// `most` cells.

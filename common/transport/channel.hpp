@@ -64,6 +64,9 @@ class Channel {
   /// would otherwise store them for minutes.
   virtual void abort() noexcept = 0;
 
+  /// Returns whether the connection is encrypted (TLS). It is known after the first payload.
+  [[nodiscard]] virtual bool encrypted() const noexcept { return false; }
+
   /// Sets the size of the longest payload that read() accepts from now on.
   void setReadLimit(std::size_t bytes) { read_limit_bytes_ = bytes; }
   /// Address of the peer, for the log.

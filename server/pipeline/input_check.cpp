@@ -51,8 +51,8 @@ double computeMedianIn(const cv::Mat& depth, const cv::Rect& part) {
 
 double findObjectDepth(const cv::Mat& depth, const VisionSettings& settings) {
   std::vector<double> depths;
-  for (const Vec2& at_px : pointsAtStart_px(settings.object_points)) {
-    const cv::Point at(static_cast<int>(at_px.x()), static_cast<int>(at_px.y()));
+  for (const AuthorPoint& point : settings.pointsAtStart()) {
+    const cv::Point at(static_cast<int>(point.at_px.x()), static_cast<int>(point.at_px.y()));
     const cv::Rect around(at.x - kPoint_px, at.y - kPoint_px, 2 * kPoint_px + 1, 2 * kPoint_px + 1);
     if (cv::Rect({0, 0}, depth.size()).contains(at))
       depths.push_back(computeMedianIn(depth, around));

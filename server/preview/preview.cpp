@@ -17,6 +17,8 @@
 #include "server/pipeline/input_check.hpp"
 #include "server/preview/contact_sheet.hpp"
 #include "server/preview/correction_hint.hpp"
+#include "server/preview/preview_scene.hpp"
+#include "server/source/key_mask_source.hpp"
 
 namespace hapticast::server {
 
@@ -67,6 +69,13 @@ void write(const fs::path& file, const cv::Mat& picture) {
     written = false;
   }
   if (!written) throwCannotWrite(file.string(), "cannot be written");
+  fmt::print("written: {}\n", file.string());
+}
+
+void writeText(const fs::path& file, const std::string& text) {
+  std::ofstream out(file);
+  out << text << std::flush;
+  if (!out) throwCannotWrite(file.string(), "cannot be written");
   fmt::print("written: {}\n", file.string());
 }
 
@@ -158,12 +167,16 @@ std::string suggestCorrections(const Settings& settings, const Watched& watched)
          "with a pixel on that part";
 }
 
+std::string introduce(const std::string& name) { return name.empty() ? "" : quote(name) + ", "; }
+
 std::vector<std::string> formatLines(const Settings& settings, const Watched& watched,
-                                     const SourceInfo& info, const Workspace& workspace) {
+                                     const SourceInfo& info, const Vision& vision) {
   const PreviewFrame& first = watched.kept.front();
   std::vector<std::string> lines;
   for (const std::uint32_t id : listIds(first.haptic))
-    lines.push_back(toText(objectStats(first, id, workspace), info.depth_kind));
+    lines.push_back(
+        introduce(vision.name(id)) +
+        toText(objectStats(first, id, vision.description().workspace), info.depth_kind));
   lines.push_back(fmt::format("no object found in {} of {} frames ({:.1f} %)", watched.lost,
                               watched.frames,
                               100.0 * double(watched.lost) / double(watched.frames)));
@@ -176,7 +189,8 @@ std::vector<std::string> formatLines(const Settings& settings, const Watched& wa
 void writePreview(const Settings& settings, const Clock& clock) {
   const fs::path place = settings.preview;
   const std::unique_ptr<RgbdSource> source =
-      openSource(settings.source, settings.fps, settings.to_and_fro, settings.layout);
+      addKeyMasks(openSource(settings.source, settings.fps, settings.to_and_fro, settings.layout),
+                  settings.key_masks);
   checkPlace(place);
   Vision vision(source->info(), dropInvalidPoints(settings.vision, source->info()));
   warnOfUnlikelyInput(*source, settings.vision);
@@ -186,7 +200,7 @@ void writePreview(const Settings& settings, const Clock& clock) {
   const Watched watched = watch(*source, vision, settings.frames);
   if (watched.kept.empty()) throw SourceError(settings.source + ": has no frame");
   const Workspace& workspace = vision.description().workspace;
-  const std::vector<std::string> lines = formatLines(settings, watched, source->info(), workspace);
+  const std::vector<std::string> lines = formatLines(settings, watched, source->info(), vision);
   const cv::Mat first = drawFirst(watched.kept.front(), workspace, settings.vision, lines);
   for (const std::string& line : lines) fmt::print("{}\n", line);
   if (isPicture(place)) {
@@ -194,6 +208,8 @@ void writePreview(const Settings& settings, const Clock& clock) {
   } else {
     write(place / "first.png", first);
     write(place / "clip.png", drawContactSheet(watched.kept, settings.vision));
+    writeText(place / "scene.json",
+              formatScene(completeScene(settings, watched.kept.front(), source->info())));
   }
 }
 

@@ -22,6 +22,7 @@ struct DepthRange {
 /// and cy are half a pixel larger than in OpenCV's convention.
 struct CameraModel {
   double fx_px = 0.0, fy_px = 0.0, cx_px = 0.0, cy_px = 0.0;
+  bool operator==(const CameraModel&) const = default;
 
   /// Returns a camera with square pixels, whose axis meets the picture's middle. `fov_deg`:
   /// horizontal field of view, degrees.

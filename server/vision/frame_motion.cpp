@@ -196,7 +196,8 @@ void FrameMotion::addResidual(HapticObject& object, const HapticFrame& frame,
   for (const Eigen::Vector3f& a : grid->acceleration_mm_s2) square += double(a.squaredNorm());
   square /= double(std::max<std::size_t>(1, grid->acceleration_mm_s2.size()));
   const double force_change_N =
-      settings_.mass_kg.value_or(kUsualMass_kg) * 1e-3 * std::sqrt(square);
+      object.material.mass_kg.value_or(settings_.mass_kg.value_or(kUsualMass_kg)) * 1e-3 *
+      std::sqrt(square);
   constexpr auto kGrid = static_cast<std::size_t>(Stage::kGrid);
   std::optional<double>& cost_N = report->second.costs_N[kGrid];
   cost_N = std::max(force_change_N, kFade * cost_N.value_or(0.0));

@@ -60,6 +60,7 @@ Track::Track(const TrackSettings& settings, const Segment& segment, const FrameP
       motion_(settings.pose, frames.now.gray, now_.surface = denoisedSurface(segment, frames)),
       full_area_px_(double(cv::countNonZero(segment.mask))) {
   now_.id = segment.id;
+  now_.number = segment.number;
   now_.quality = segment.quality;
   now_.pose = motion_.pose();
   hold(frames, false);

@@ -25,6 +25,7 @@ namespace hapticast::server {
 /// What the tracker found out about one object in one frame.
 struct TrackedObject {
   std::uint32_t id = 0;
+  int number = 0;    ///< see Segment
   bool seen = true;  ///< false: the object is lost and remains at its last position
   Surface surface;
   ObjectPose pose;

@@ -12,6 +12,7 @@ namespace {
 constexpr double kUsualFieldOfView_deg = 56.0;
 
 CameraModel selectCamera(const SourceInfo& info, const VisionSettings& settings) {
+  if (settings.camera) return *settings.camera;
   if (info.camera && !settings.fov_deg) return *info.camera;
   return CameraModel::ofFieldOfView(settings.fov_deg.value_or(kUsualFieldOfView_deg), info.width_px,
                                     info.height_px);

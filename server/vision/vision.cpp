@@ -6,6 +6,7 @@
 #include <map>
 #include <sstream>
 
+#include "common/text.hpp"
 #include "server/vision/describe.hpp"
 #include "server/vision/frame_motion.hpp"
 #include "server/vision/tracker.hpp"
@@ -20,13 +21,26 @@ constexpr std::uint64_t kLongestScan = 600;
 constexpr double kClipMargin = 0.05;
 constexpr double kLiveMargin = 0.5;  // chosen: later frames reach farther than the first
 
-void checkPoints(const SourceInfo& info, const std::vector<AuthorPoint>& points, const char* flag) {
-  for (const auto& [point, time_s] : points) {
+/// Returns the name of the scene's object with this number; empty if there is none.
+std::string findName(const VisionSettings& settings, int number) {
+  const bool named = number >= 1 && std::size_t(number) <= settings.objects.size();
+  return named ? settings.objects[std::size_t(number) - 1].name : "";
+}
+
+void checkPoints(const SourceInfo& info, const VisionSettings& settings,
+                 const std::vector<AuthorPoint>& points, const char* flag) {
+  for (const auto& [point, time_s, number] : points) {
     const bool inside =
         point.x() >= 0 && point.y() >= 0 && point.x() < info.width_px && point.y() < info.height_px;
     if (inside) continue;
     std::ostringstream what;
-    what << flag << ' ' << point.x() << ',' << point.y();
+    const std::string name = findName(settings, number);
+    if (!name.empty()) {
+      what << "--scene " << settings.scene_file << ": object " << quote(name) << ", point ";
+    } else {
+      what << flag << ' ';
+    }
+    what << point.x() << ',' << point.y();
     if (time_s > 0.0) what << '@' << time_s;
     what << ": outside the picture, which is " << info.width_px << 'x' << info.height_px
          << "; use u,v in pixels from its top-left corner";
@@ -68,8 +82,8 @@ class Vision::Impl {
         clock_(clock),
         lookahead_(settings_.low_latency ? 1 : lookaheadFrames(info.fps)),
         motion_(info_, settings_, lookahead_) {
-    checkPoints(info_, settings_.object_points, "--object");
-    checkPoints(info_, settings_.not_points, "--not");
+    checkPoints(info_, settings_, settings_.object_points, "--object");
+    checkPoints(info_, settings_, settings_.not_points, "--not");
     description_.name = info_.name;
     description_.fps = info_.fps;
     description_.workspace.width_px = info_.width_px;
@@ -130,6 +144,11 @@ class Vision::Impl {
     return tracker_ ? tracker_->plans() : std::map<std::uint32_t, std::vector<PlanLine>>();
   }
 
+  [[nodiscard]] std::string name(std::uint32_t id) const {
+    const auto number = numbers_.find(id);
+    return number == numbers_.end() ? "" : findName(settings_, number->second);
+  }
+
  private:
   [[nodiscard]] double lastWord_s() const {
     return std::max(lastTime_s(settings_.object_points), lastTime_s(settings_.not_points));
@@ -176,6 +195,7 @@ class Vision::Impl {
   // Adds the reliefs of the objects to the frame, as many as a client accepts.
   void fillObjects(const std::vector<TrackedObject>& objects, HapticFrame& frame) {
     for (const TrackedObject& object : objects) {
+      numbers_[object.id] = object.number;
       Described described = describeLayers(object, frame.id, last_objects_, tracker_->noise(),
                                            nominal(), settings_, clock_, cutters_[object.id]);
       tracker_->report(object.id, described.report);
@@ -273,6 +293,7 @@ class Vision::Impl {
   std::vector<TrackedObject> began_;    // objects of the tracker's first frame
   FrameMotion motion_;
   std::map<std::uint32_t, LayerCutter> cutters_;  // by object id
+  std::map<std::uint32_t, int> numbers_;          // by object id
   std::vector<HapticObject> last_objects_;
   std::deque<Pending> pending_;
   std::deque<VisionResult> ready_;
@@ -289,6 +310,7 @@ std::optional<VisionResult> Vision::push(const RgbdFrame& frame, MediaTime media
 }
 std::vector<VisionResult> Vision::flush() { return impl_->flush(); }
 std::map<std::uint32_t, std::vector<PlanLine>> Vision::plan() const { return impl_->plan(); }
+std::string Vision::name(std::uint32_t id) const { return impl_->name(id); }
 const std::optional<MappedRange>& Vision::mapped() const { return impl_->mapped(); }
 const StreamDescription& Vision::description() const { return impl_->description(); }
 

@@ -57,6 +57,9 @@ class Vision {
   /// Returns the scene plan of each object of the last added frame, by object id.
   [[nodiscard]] std::map<std::uint32_t, std::vector<PlanLine>> plan() const;
 
+  /// Returns the name that the author's scene gives to object `id`; empty if it gives none.
+  [[nodiscard]] std::string name(std::uint32_t id) const;
+
   /// Returns the mapped range: the depths that become heights 30 and 0. Returns nullopt before it
   /// is known. It is the range that the author stated (--map-range), if any. Otherwise scan() finds
   /// it for a recorded clip. For a live source it is found in the first frame with an object.

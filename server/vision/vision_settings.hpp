@@ -3,10 +3,12 @@
 // command line does not need it. Thread: any.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -48,18 +50,16 @@ struct PlanSettings {
 struct AuthorPoint {
   Vec2 at_px = Vec2::Zero();
   double time_s = 0.0;  ///< time in the clip, s, 0 or more; 0: its first frame
+  int number = 0;       ///< number of its object, from 1; 0: vision finds out which object it is
   bool operator==(const AuthorPoint&) const = default;
 };
 
-/// Returns the positions of those points that belong to the clip's first frame, px.
-inline std::vector<Vec2> pointsAtStart_px(const std::vector<AuthorPoint>& points) {
-  std::vector<Vec2> out;
-  out.reserve(points.size());
-  for (const AuthorPoint& point : points) {
-    if (point.time_s == 0.0) out.push_back(point.at_px);
-  }
-  return out;
-}
+/// Object that the author described. Its number is its position in VisionSettings::objects, from 1.
+struct AuthorObject {
+  std::string name;
+  Material material;  ///< its own values, or those of all objects
+  bool operator==(const AuthorObject&) const = default;
+};
 
 /// Stiffness that the haptic device Omni renders, N/mm. It is the viewers' default.
 inline constexpr double kUsualStiffness_N_mm = 0.5;
@@ -77,20 +77,44 @@ struct VisionSettings {
   std::optional<DepthRange> map_range;
   /// --fov: horizontal field of view, 10..170; overrides the source's camera.
   std::optional<double> fov_deg;
-  bool stretch = false;           ///< --stretch: each axis has its own scale
-  Material material;              ///< --stiffness, --friction: material of all objects
-  std::optional<double> mass_kg;  ///< --mass: mass of an object
-  PlanSettings plan;              ///< --plan, --error-budget: settings of the scene plan
+  std::string scene_file;             ///< --scene; empty: none
+  std::vector<AuthorObject> objects;  ///< --scene: objects that the author described
+  std::optional<CameraModel> camera;  ///< --scene: overrides the source's camera
+  bool stretch = false;               ///< --stretch: each axis has its own scale
+  Material material;                  ///< --stiffness, --friction: material of all objects
+  std::optional<double> mass_kg;      ///< --mass: mass of an object
+  PlanSettings plan;                  ///< --plan, --error-budget: settings of the scene plan
   /// --low-latency: one frame of lookahead. Impacts are then found only in a clip that was scanned.
   bool low_latency = false;
   /// --compensate-pan: accelerations and impacts are relative to the background, not to the
   /// picture.
   bool compensate_pan = false;
 
-  /// Returns the stiffness for estimates of force, N/mm: the author's value, or
-  /// kUsualStiffness_N_mm.
+  /// Returns the material of the object with this number.
+  [[nodiscard]] const Material& materialOf(int number) const {
+    const bool known = number >= 1 && static_cast<std::size_t>(number) <= objects.size();
+    return known ? objects[static_cast<std::size_t>(number) - 1].material : material;
+  }
+  /// Returns the stiffness for estimates of force, N/mm: the largest one that the author gave to an
+  /// object. Returns kUsualStiffness_N_mm if the author gave none.
   [[nodiscard]] double stiffness_N_mm() const {
-    return material.stiffness_N_mm.value_or(kUsualStiffness_N_mm);
+    double largest = material.stiffness_N_mm.value_or(objects.empty() ? kUsualStiffness_N_mm : 0.0);
+    for (const AuthorObject& object : objects) {
+      largest = std::max(largest, object.material.stiffness_N_mm.value_or(kUsualStiffness_N_mm));
+    }
+    return largest;
+  }
+  /// Returns the --object points of the clip's first frame. Each one has a number: that of its
+  /// object, or a free one.
+  [[nodiscard]] std::vector<AuthorPoint> pointsAtStart() const {
+    std::vector<AuthorPoint> out;
+    int free = static_cast<int>(objects.size());
+    for (AuthorPoint point : object_points) {
+      if (point.time_s != 0.0) continue;
+      if (point.number == 0) point.number = ++free;
+      out.push_back(point);
+    }
+    return out;
   }
   /// Returns whether motion is measured at all. --motion and --plan can switch the measurement off.
   [[nodiscard]] bool moves() const {

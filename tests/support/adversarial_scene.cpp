@@ -297,7 +297,7 @@ Lies material() {
       {"material_chaos", kPress, kLimited,
        [](Telling& t) {
          t.material() = {t.between(0.0, 1000.0), t.between(0.0, 1000.0), t.between(0.0, 1.5),
-                         t.between(0.0, 1.5), t.between(0.0, 1000.0)};
+                         t.between(0.0, 1.5),    t.between(0.0, 1000.0), {}};
        }},
       {"mass_flips", kHold, kHarmless,
        [](Telling& t) {
@@ -332,8 +332,8 @@ Lies material() {
                        t.between(0.0, 1.0)};
          t.object().impacts = {{t.frame.media_time, any(1e4)}};
          t.object().grid = gridOf(kPlateau_px, any(1e3).cast<float>(), any(1e5).cast<float>());
-         t.material() = {t.between(0.0, 5.0), t.between(0.0, 50.0), t.between(0.0, 1.5),
-                         t.between(0.0, 1.5), t.between(0.0, 100.0)};
+         t.material() = {t.between(0.0, 5.0), t.between(0.0, 50.0),  t.between(0.0, 1.5),
+                         t.between(0.0, 1.5), t.between(0.0, 100.0), {}};
        }},
   };
 }

@@ -62,7 +62,7 @@ HapticFrame goldenFrame() {
                  0.5};
   ball.grid = grid();
   ball.impacts = {{mediaTime(40.0), {0.0, 200.0, -1.0}}, {mediaTime(40.08), {0.0, 150.0, 0.0}}};
-  ball.material = {0.5, 1.0, 0.25, 0.0, {}};  // no sliding friction, and of K nothing is said
+  ball.material = {0.5, 1.0, 0.25, 0.0, {}, {}};  // no sliding friction, and of K nothing is said
   frame.objects.push_back(ball);
   HapticObject still;
   still.id = 8;
@@ -70,6 +70,12 @@ HapticFrame goldenFrame() {
   still.motion.reference_point = ReferencePoint::kVisibleCentroid;
   frame.objects.push_back(still);
   return frame;
+}
+
+DatagramKey goldenKey() {
+  DatagramKey key{7, {}, std::chrono::seconds(10)};
+  for (std::size_t i = 0; i < key.bytes.size(); ++i) key.bytes[i] = static_cast<std::uint8_t>(i);
+  return key;
 }
 
 Welcome goldenWelcome() {
@@ -82,9 +88,12 @@ Welcome goldenWelcome() {
 }
 
 std::vector<std::pair<std::string, Message>> goldenMessages() {
+  Welcome sealed = goldenWelcome();
+  sealed.datagram_key = goldenKey();
   return {
       {"hello", Hello{kProtocolVersion, "viewer-1", true, true}},
       {"welcome", goldenWelcome()},
+      {"welcome_with_key", sealed},
       {"ping", Ping{localTime(1.25)}},
       {"pong", Pong{localTime(1.25), mediaTime(2.5), mediaTime(2.500001)}},
       {"pong_of_an_edge",
@@ -95,6 +104,9 @@ std::vector<std::pair<std::string, Message>> goldenMessages() {
       {"report", ReceiverReport{1000, 3, 2, 52.5, 125.0, true}},
       {"preparing", Preparing{0.5}},
       {"delivery", Delivery{false, true, 2}},
+      {"hello_with_token", Hello{kProtocolVersion, "viewer-1", false, false, "s3cret"}},
+      {"datagram_key", goldenKey()},
+      {"control", Control{true, 12.5, {0.5, {}, {}, {}, {}, 0.25}}},
       {"error", WireError{ErrorCode::kServerFull, "all 64 places are taken"}},
   };
 }

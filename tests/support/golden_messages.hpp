@@ -19,5 +19,6 @@ HapticFrame goldenFrame();
 StreamDescription goldenDescription();
 /// One that offers datagrams and a group.
 Welcome goldenWelcome();
+DatagramKey goldenKey();
 
 }  // namespace hapticast::testing

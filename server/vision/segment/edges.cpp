@@ -42,7 +42,7 @@ cv::Mat labelRegions(const FrameImages& images) {
 class EdgeSegmenter final : public Segmenter {
  public:
   EdgeSegmenter(const VisionSettings& settings, std::uint32_t& next_id)
-      : points_(pointsAtStart_px(settings.object_points)), next_id_(next_id) {}
+      : points_(settings.pointsAtStart()), next_id_(next_id) {}
 
   std::vector<Segment> next(const FramePair& frames, const Flows& flows) override {
     const FrameImages& images = frames.now;
@@ -72,16 +72,16 @@ class EdgeSegmenter final : public Segmenter {
 
   void start(const FrameImages& images) {
     std::set<int> started;
-    for (const Vec2& point : points_) {
+    for (const auto& [point, time_s, number] : points_) {
       const int label = nearestLabel({static_cast<int>(point.x()), static_cast<int>(point.y())});
       if (label == 0) throwNoObject(point, "only edges there");
       if (!started.insert(label).second) continue;  // two points on one body mark one object
-      objects_.push_back({next_id_++, selectRegion(label), 1.0});
+      objects_.push_back({next_id_++, selectRegion(label), 1.0, number});
     }
     if (points_.empty()) {
       const cv::Mat compact = nearestCompact(images, labels_);
       if (!compact.empty())
-        objects_.push_back({next_id_++, selectRegion(labelUnder(compact)), 1.0});
+        objects_.push_back({next_id_++, selectRegion(labelUnder(compact)), 1.0, 1});
     }
     shareOut();
     started_ = !objects_.empty();
@@ -145,7 +145,7 @@ class EdgeSegmenter final : public Segmenter {
     if (cv::countNonZero(segment.mask) < kSmallestObject_px) segment.quality = 0.0;
   }
 
-  std::vector<Vec2> points_;
+  std::vector<AuthorPoint> points_;
   std::uint32_t& next_id_;
   std::vector<Segment> objects_;
   cv::Mat labels_;

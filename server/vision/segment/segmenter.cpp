@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <set>
+#include <utility>
 
 #include "server/vision/segment/follow/narrow_band_tracker.hpp"
 
@@ -29,8 +29,8 @@ std::array<int, 256> countLabelPixels(const cv::Mat& mask) {
 // first frame.
 class SourceSegmenter final : public Segmenter {
  public:
-  SourceSegmenter(const std::vector<Vec2>& points, std::uint32_t& next_id)
-      : points_(points), next_id_(next_id) {}
+  SourceSegmenter(std::vector<AuthorPoint> points, std::uint32_t& next_id)
+      : points_(std::move(points)), next_id_(next_id) {}
 
   std::vector<Segment> next(const FramePair& frames, const Flows& /*flows*/) override {
     const FrameImages& images = frames.now;
@@ -46,7 +46,8 @@ class SourceSegmenter final : public Segmenter {
       } else if (segments.size() < kMaxObjects && (chosen_.empty() || chosen_.contains(n))) {
         const auto [known, is_new] = ids_.try_emplace(n, next_id_);
         if (is_new) ++next_id_;
-        segments.push_back({known->second, images.mask == static_cast<double>(n), 1.0});
+        const auto number = chosen_.empty() ? static_cast<int>(n) : chosen_.at(n);
+        segments.push_back({known->second, images.mask == static_cast<double>(n), 1.0, number});
       }
     }
     return segments;
@@ -54,19 +55,19 @@ class SourceSegmenter final : public Segmenter {
 
  private:
   void choose(const FrameImages& images) {
-    for (const Vec2& point : points_) {
-      const cv::Point at(static_cast<int>(point.x()), static_cast<int>(point.y()));
+    for (const AuthorPoint& point : points_) {
+      const cv::Point at(static_cast<int>(point.at_px.x()), static_cast<int>(point.at_px.y()));
       const auto value = images.mask.at<unsigned char>(at);
-      if (value == 0) throwNoObject(point, "the source's mask has no object there");
+      if (value == 0) throwNoObject(point.at_px, "the source's mask has no object there");
       if (cv::countNonZero((images.mask == double(value)) & (images.depth > 0)) == 0)
-        throwNoObject(point, "no depth was measured on that object");
-      chosen_.insert(value);
+        throwNoObject(point.at_px, "no depth was measured on that object");
+      chosen_.try_emplace(value, point.number);
     }
     points_.clear();
   }
 
-  std::vector<Vec2> points_;      // cleared in the first frame
-  std::set<std::size_t> chosen_;  // values of the mask; empty: all
+  std::vector<AuthorPoint> points_;    // cleared in the first frame
+  std::map<std::size_t, int> chosen_;  // numbers of the objects, by value of the mask; empty: all
   std::uint32_t& next_id_;
   std::map<std::size_t, std::uint32_t> ids_;  // of the present objects
 };
@@ -79,7 +80,7 @@ std::unique_ptr<Segmenter> makeSegmenter(const VisionSettings& settings, bool ha
   if (mode == SegmentMode::kAuto && has_mask) mode = SegmentMode::kSource;
   if (mode == SegmentMode::kAuto && settings.method == Method::kThesis) mode = SegmentMode::kEdges;
   if (mode == SegmentMode::kSource)
-    return std::make_unique<SourceSegmenter>(pointsAtStart_px(settings.object_points), next_id);
+    return std::make_unique<SourceSegmenter>(settings.pointsAtStart(), next_id);
   if (mode == SegmentMode::kEdges) return makeEdgeSegmenter(settings, next_id);
   return std::make_unique<NarrowBandTracker>(settings, next_id, annotations);
 }

@@ -25,6 +25,9 @@ struct Segment {
   cv::Mat mask;  ///< CV_8UC1, 0/255, image size; read-only
   /// 1: decided by this frame's pixels; less: only moved from the last frame.
   double quality = 1.0;
+  /// Number of the object for the author, from 1: see AuthorPoint. The object keeps it when it is
+  /// found again.
+  int number = 0;
 };
 
 /// Segments the frames of one clip.

@@ -41,7 +41,7 @@ std::vector<DynamicTick> dynamicForce(const TouchScene& scene, const Stream& str
        [&](const client::Scene& now, const client::StreamTiming& stream, const client::Contact&,
            const Tick& tick) {
          if (now.object_count == 0) return;
-         mass_kg = dynamic.objectMass_kg(stream, 1.0);
+         mass_kg = dynamic.objectMass_kg({}, stream, 1.0);
          const client::InterpolatedObject& object = now.objects[0];
          const double kg_m = 1e-3 * mass_kg;
          out.push_back({tick.time_s,

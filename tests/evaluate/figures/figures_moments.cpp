@@ -50,9 +50,9 @@ std::vector<Moment> forcesOf(const Stream& stream, const Variant& variant, const
                                 scene.play_time, stream, 1.0, &tick.hand.hip_mm);
          }
          if (tick.trulyTouches() && body) {
-           now.true_total_N +=
-               1e-3 * dynamic.objectMass_kg(stream, 1.0) * body(tick.time_s).acceleration_mm_s2 -
-               client::kCursorMass_kg * hand_m_s2(tick.time_s);
+           now.true_total_N += 1e-3 * dynamic.objectMass_kg({}, stream, 1.0) *
+                                   body(tick.time_s).acceleration_mm_s2 -
+                               client::kCursorMass_kg * hand_m_s2(tick.time_s);
          }
          out.push_back(now);
        });

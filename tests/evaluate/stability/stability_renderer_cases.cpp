@@ -171,7 +171,7 @@ std::vector<RoomCase> motions() {
            constexpr double kValues[] = {5e-324, 1e300, -1.0, 0.5, 1e-9, 1e9};
            if (t < 0.0) return;
            const double value = kValues[++n / 5 % 6];
-           object.material = {value, value, value, value, value};
+           object.material = {value, value, value, value, value, value};
          });
        }},
       {"friction 0, then 10",

@@ -44,6 +44,7 @@ TEST(WireRefuses, NumbersThatAreNotOrAreAbsurd) {
       {[](auto& f, double x) { f.objects[0].material.static_friction = x; }, limits::kFriction},
       {[](auto& f, double x) { f.objects[0].material.dynamic_friction = x; }, limits::kFriction},
       {[](auto& f, double x) { f.objects[0].material.texture_K_mm = x; }, limits::kWorkspace_mm},
+      {[](auto& f, double x) { f.objects[0].material.mass_kg = x; }, limits::kMass_kg},
       {[](auto& f, double x) {
          auto grid = std::make_shared<MotionGrid>(*f.objects[0].grid);
          grid->velocity_mm_s[0].x() = static_cast<float>(x);
@@ -72,7 +73,7 @@ TEST(WireRefuses, NumbersThatAreNotOrAreAbsurd) {
 TEST(WireRefuses, MaterialsThatAreNegative) {
   for (const auto field :
        {&Material::stiffness_N_mm, &Material::damping_Ns_m, &Material::static_friction,
-        &Material::dynamic_friction, &Material::texture_K_mm}) {
+        &Material::dynamic_friction, &Material::texture_K_mm, &Material::mass_kg}) {
     HapticFrame frame = goldenFrame();
     frame.objects[0].material.*field = -0.001;
     EXPECT_EQ(refusal(frame), ErrorCode::kMalformed);
@@ -108,6 +109,24 @@ TEST(WireRefuses, OffersOfDatagramsThatCannotBeTaken) {
   EXPECT_EQ(refusal(welcome), ErrorCode::kTooLarge);
   for (const std::uint32_t copies : {0U, 5U})
     EXPECT_EQ(refusal(Delivery{true, true, copies}), ErrorCode::kMalformed);
+}
+
+TEST(WireRefuses, KeysTokensAndRequestsOfOperatorsThatAreOutOfRange) {
+  Hello hello{kProtocolVersion, "x", false, true, std::string(256, 't')};
+  EXPECT_NO_THROW(roundTrip(hello));
+  hello.access_token += 't';
+  EXPECT_EQ(refusal(hello), ErrorCode::kTooLarge);
+  DatagramKey key = testing::goldenKey();
+  key.id = 0;
+  EXPECT_EQ(refusal(key), ErrorCode::kMalformed);
+  key.id = 255;
+  key.grace = std::chrono::milliseconds(60'001);
+  EXPECT_EQ(refusal(key), ErrorCode::kMalformed);
+  const std::vector<std::uint8_t> short_key{0x6a, 0x05, 0x08, 0x07, 0x12, 0x01, 0x00};
+  EXPECT_FALSE(decode(short_key).ok());
+  EXPECT_EQ(refusal(Control{{}, -0.5, {}}), ErrorCode::kMalformed);
+  EXPECT_EQ(refusal(Control{{}, kNan, {}}), ErrorCode::kMalformed);
+  EXPECT_EQ(refusal(Control{{}, {}, {1e9, {}, {}, {}, {}, {}}}), ErrorCode::kMalformed);
 }
 
 TEST(WireRefuses, CountsBeforeItAllocates) {
@@ -242,7 +261,7 @@ TEST(WireRefuses, BadVideoReportsAndErrors) {
   EXPECT_EQ(refusal(ReceiverReport{0, 0, 0, kNan, 0, false}), ErrorCode::kMalformed);
   EXPECT_EQ(refusal(ReceiverReport{0, 0, 0, 0, -1.0, false}), ErrorCode::kMalformed);
   EXPECT_EQ(refusal(WireError{static_cast<ErrorCode>(0), "x"}), ErrorCode::kMalformed);
-  EXPECT_EQ(refusal(WireError{static_cast<ErrorCode>(8), "x"}), ErrorCode::kMalformed);
+  EXPECT_EQ(refusal(WireError{static_cast<ErrorCode>(10), "x"}), ErrorCode::kMalformed);
   for (const double share : {-0.01, 1.01, kNan, kInfinity})
     EXPECT_EQ(refusal(Preparing{share}), ErrorCode::kMalformed) << share;
 }

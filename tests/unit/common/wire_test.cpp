@@ -98,6 +98,14 @@ TEST(Wire, CarriesHelloWelcomePingPong) {
   EXPECT_EQ(welcome.stream, sent.stream);
   EXPECT_EQ(welcome.verifying_key, sent.verifying_key);
   EXPECT_EQ(welcome.group, sent.group);
+  Welcome sealed = sent;
+  sealed.datagram_key = testing::goldenKey();
+  EXPECT_EQ(roundTrip(sealed).datagram_key, sealed.datagram_key);
+  EXPECT_EQ(roundTrip(testing::goldenKey()), testing::goldenKey());
+  EXPECT_EQ(roundTrip(Hello{kProtocolVersion, "x", false, true, "s3\xFF"}).access_token, "s3\xFF");
+  for (const Control& control : {Control{}, Control{false, {}, {}}, Control{{}, 0.0, {}},
+                                 Control{true, 2.5, {0.5, 1.0, 0.25, 0.25, 30.0, 2.0}}})
+    EXPECT_EQ(roundTrip(control), control);
   const auto delivery = roundTrip(Delivery{false, true, 4});
   EXPECT_FALSE(delivery.on_tcp);
   EXPECT_TRUE(delivery.datagrams);
@@ -174,8 +182,8 @@ TEST(Wire, CarriesEveryFieldOfAFrame) {
 
 TEST(Wire, CarriesEachFieldOfAMaterialAloneAndItsZero) {
   const std::vector<std::optional<double> Material::*> fields = {
-      &Material::stiffness_N_mm, &Material::damping_Ns_m, &Material::static_friction,
-      &Material::dynamic_friction, &Material::texture_K_mm};
+      &Material::stiffness_N_mm,   &Material::damping_Ns_m, &Material::static_friction,
+      &Material::dynamic_friction, &Material::texture_K_mm, &Material::mass_kg};
   for (const auto field : fields) {
     for (const double value : {0.0, 0.5}) {
       HapticFrame frame = goldenFrame();

@@ -26,6 +26,10 @@ class DynamicForceTest : public ::testing::Test {
                             contact_mm);
   }
 
+  [[nodiscard]] double mass_kg(double scale = 1.0) const {
+    return dynamic.objectMass_kg(before.material, stream, scale);
+  }
+
   DeviceProfile profile;
   DynamicForce dynamic{profile};
   StreamTiming stream;
@@ -78,27 +82,40 @@ TEST_F(DynamicForceTest, ZeroWithoutContactOrNotFinite) {
 
 TEST_F(DynamicForceTest, MassIsTheAuthorsOrAHandfulWithinTheDevicesShare) {
   stream.largest_acceleration_mm_s2 = 1000;  // 1 m/s²: 0.88 N would allow 0.88 kg
-  EXPECT_NEAR(dynamic.objectMass_kg(stream, 1.0), 0.5, 1e-12);
+  EXPECT_NEAR(mass_kg(), 0.5, 1e-12);
   stream.author_mass_kg = 2.0;
-  EXPECT_NEAR(dynamic.objectMass_kg(stream, 1.0), 0.88, 1e-12);
-  EXPECT_NEAR(dynamic.objectMass_kg(stream, 0.5), 1.76, 1e-12);
+  EXPECT_NEAR(mass_kg(), 0.88, 1e-12);
+  EXPECT_NEAR(mass_kg(0.5), 1.76, 1e-12);
   stream.author_mass_kg = 0.6;
-  EXPECT_NEAR(dynamic.objectMass_kg(stream, 1.0), 0.6, 1e-12);
+  EXPECT_NEAR(mass_kg(), 0.6, 1e-12);
   stream.author_mass_kg = 0.05;  // never below 10 m_cursor
-  EXPECT_NEAR(dynamic.objectMass_kg(stream, 1.0), 0.45, 1e-12);
+  EXPECT_NEAR(mass_kg(), 0.45, 1e-12);
   stream.author_mass_kg = 1000.0;
-  EXPECT_NEAR(dynamic.objectMass_kg(stream, 1.0), 0.88, 1e-12);
+  EXPECT_NEAR(mass_kg(), 0.88, 1e-12);
   stream.largest_acceleration_mm_s2 = 1.0;
-  EXPECT_NEAR(dynamic.objectMass_kg(stream, 1.0), 5.0, 1e-12);
+  EXPECT_NEAR(mass_kg(), 5.0, 1e-12);
   stream.largest_acceleration_mm_s2 = 20000;  // unless the device forces it
-  EXPECT_NEAR(dynamic.objectMass_kg(stream, 1.0), 0.88 / 20, 1e-12);
+  EXPECT_NEAR(mass_kg(), 0.88 / 20, 1e-12);
   stream = StreamTiming{};
-  EXPECT_NEAR(dynamic.objectMass_kg(stream, 1.0), 0.5, 1e-12);
+  EXPECT_NEAR(mass_kg(), 0.5, 1e-12);
   for (const double bad :
        {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN(), -1.0}) {
     stream.largest_acceleration_mm_s2 = stream.author_mass_kg = bad;
-    EXPECT_NEAR(dynamic.objectMass_kg(stream, 1.0), 0.5, 1e-12);
+    EXPECT_NEAR(mass_kg(), 0.5, 1e-12);
   }
+}
+
+TEST_F(DynamicForceTest, MassOfAnObjectReplacesThatOfTheStream) {
+  stream.author_mass_kg = 0.6;
+  before.material.mass_kg = 1.5;
+  EXPECT_NEAR(mass_kg(), 1.5, 1e-12);
+  before.material.mass_kg = 1000.0;
+  EXPECT_NEAR(mass_kg(), 5.0, 1e-12);
+  before.material.mass_kg = 0.0;  // a mass of 0 is no mass: as if the author had stated none
+  EXPECT_NEAR(mass_kg(), 0.5, 1e-12);
+  now.acceleration_mm_s2 = {0, 0, 1000};
+  before.material.mass_kg = 1.0;
+  EXPECT_NEAR(force().z(), 1.0, 1e-12);
 }
 
 TEST_F(DynamicForceTest, NoiseOfARealStreamStaysGentle) {
@@ -248,7 +265,7 @@ TEST_F(DynamicForceTest, AlwaysFiniteAndWithinThePeak) {
     stream.author_mass_kg = draw();
     stream.largest_acceleration_mm_s2 = draw();
     const Vec3 contact(draw(), draw(), draw());
-    const double mass = dynamic.objectMass_kg(stream, draw());
+    const double mass = dynamic.objectMass_kg(before.material, stream, draw());
     ASSERT_TRUE(std::isfinite(mass) && mass >= 0.0);
     const Vec3 f = force(i + 0.007, draw(), {draw(), draw(), draw()}, draw(), &contact);
     ASSERT_TRUE(f.allFinite());

@@ -32,7 +32,7 @@ TEST(AnnotationTrack, APointSpeaksOfTheFrameNextToItAndOfNoOther) {
   settings.object_points = {{{5, 6}, 0.0}, {{7, 8}, 0.41}};
   settings.not_points = {{{9, 10}, 0.0}, {{11, 12}, 0.79}};
   const AnnotationTrack script(settings);
-  EXPECT_EQ(script.atStart().on, std::vector<cv::Point>{cv::Point(5, 6)});
+  EXPECT_EQ(script.atStart().on, (std::vector<ObjectPoint>{{{5, 6}, 1}}));
   EXPECT_EQ(script.atStart().off, std::vector<cv::Point>{cv::Point(9, 10)});
   EXPECT_TRUE(script.pointsLater());
   int spoken = 0;
@@ -101,7 +101,7 @@ TEST(AnnotationsTest, WhatAPointSaysIsItJoinsTheMaskAndNothingElse) {
   const SceneContext scene{measureNoise(drawn.depth), {}, {}, {}};
   cv::Mat half = drawn.square.clone();
   half(cv::Rect(0, 0, 300, 85)).setTo(0);
-  const cv::Mat whole = refineWithClicks(scene.view(images), half, {{{110, 75}}, {}, {}});
+  const cv::Mat whole = refineWithClicks(scene.view(images), half, {{{{110, 75}, 0}}, {}, {}});
   EXPECT_GT(test::overlap(whole, drawn.square), 0.93);
 }
 

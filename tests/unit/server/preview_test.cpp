@@ -6,6 +6,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <iterator>
 #include <opencv2/imgproc.hpp>
 
 #include "server/pipeline/clip_scan.hpp"
@@ -191,6 +193,27 @@ TEST_F(Preview, DrawsTheAuthorsPoints) {
   EXPECT_EQ(colorAt(320, 246), cv::Vec3b(90, 255, 90)) << "an upright cross";
   EXPECT_EQ(colorAt(50, 60), cv::Vec3b(80, 80, 255));
   EXPECT_EQ(colorAt(55, 65), cv::Vec3b(80, 80, 255)) << "a tilted cross";
+}
+
+TEST_F(Preview, WritesASceneThatBeginsWithTheSameObject) {
+  Settings settings = settingsFor("sheet");
+  settings.vision.segment = SegmentMode::kBand;
+  const std::string said = run(settings);
+  EXPECT_THAT(said, HasSubstr("/sheet/scene.json"));
+  std::ifstream file(folder / "sheet/scene.json");
+  const Scene scene = parseScene(std::string(std::istreambuf_iterator<char>(file), {}));
+  ASSERT_EQ(scene.objects.size(), 1U);
+  ASSERT_EQ(scene.objects[0].points.size(), 1U);
+  settings.scene = scene;
+  settings.vision.object_points = scene.objects[0].points;
+  settings.vision.objects = {{"ball", {}}};
+  const std::string again = run(settings);
+  EXPECT_THAT(again, HasSubstr("'ball', object 1: "));
+  const auto facts = [](const std::string& text) {
+    const std::size_t begin = text.find("object 1: ");
+    return text.substr(begin, text.find('\n') - begin);
+  };
+  EXPECT_EQ(facts(again), facts(said)) << "the same mask";
 }
 
 TEST(AuthorPoints, AfterTheEndOfTheClipAreToldAndLeftOut) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <opencv2/imgproc.hpp>
 
 #include "server/vision/base/masks.hpp"
@@ -27,13 +28,14 @@ double endTime(double clip_time_s, const FramePair& frames) {
   return clip_time_s < 0.0 ? -1.0 : clip_time_s + 0.5 * frames.frame_s;
 }
 
-void addDue(const std::vector<AuthorPoint>& points, const FramePair& frames,
-            std::vector<cv::Point>& out) {
+std::vector<AuthorPoint> selectDue(const std::vector<AuthorPoint>& points,
+                                   const FramePair& frames) {
   const double begin_s = endTime(frames.last_clip_time_s, frames);
   const double end_s = endTime(frames.clip_time_s, frames);
-  for (const AuthorPoint& point : points) {
-    if (point.time_s > begin_s && point.time_s <= end_s) out.push_back(toPixel(point));
-  }
+  std::vector<AuthorPoint> due;
+  std::copy_if(points.begin(), points.end(), std::back_inserter(due),
+               [&](const auto& point) { return point.time_s > begin_s && point.time_s <= end_s; });
+  return due;
 }
 
 }  // namespace
@@ -48,24 +50,25 @@ cv::Mat connectedTo(const GraphRoi& view, const cv::Point& at, int radius_px) {
 }
 
 AnnotationTrack::AnnotationTrack(const VisionSettings& settings) {
-  const auto sort = [](const std::vector<AuthorPoint>& points, std::vector<cv::Point>& start,
-                       std::vector<AuthorPoint>& later) {
-    for (const AuthorPoint& point : points) {
-      if (point.time_s == 0.0) {
-        start.push_back(toPixel(point));
-      } else {
-        later.push_back(point);
-      }
+  for (const AuthorPoint& point : settings.pointsAtStart())
+    start_.on.push_back({toPixel(point), point.number});
+  const auto is_later = [](const AuthorPoint& point) { return point.time_s != 0.0; };
+  std::copy_if(settings.object_points.begin(), settings.object_points.end(),
+               std::back_inserter(on_), is_later);
+  for (const AuthorPoint& point : settings.not_points) {
+    if (is_later(point)) {
+      off_.push_back(point);
+    } else {
+      start_.off.push_back(toPixel(point));
     }
-  };
-  sort(settings.object_points, start_.on, on_);
-  sort(settings.not_points, start_.off, off_);
+  }
 }
 
 Annotation AnnotationTrack::annotationAt(const FramePair& frames) const {
   Annotation out;
-  addDue(on_, frames, out.on);
-  addDue(off_, frames, out.off);
+  for (const AuthorPoint& point : selectDue(on_, frames))
+    out.on.push_back({toPixel(point), point.number});
+  for (const AuthorPoint& point : selectDue(off_, frames)) out.off.push_back(toPixel(point));
   out.masks = frames.now.key_mask;
   return out;
 }

@@ -16,9 +16,16 @@ namespace hapticast::server {
 /// A point of the author marks all pixels at most this far from it, px. The value is a choice.
 inline constexpr int kPoint_px = 5;
 
+/// Point on an object (--object).
+struct ObjectPoint {
+  cv::Point at_px;
+  int number = 0;  ///< see AuthorPoint
+  bool operator==(const ObjectPoint&) const = default;
+};
+
 /// The author's annotation of one frame.
 struct Annotation {
-  std::vector<cv::Point> on;   ///< points on an object (--object), px
+  std::vector<ObjectPoint> on;
   std::vector<cv::Point> off;  ///< points that are not on the object (--not), px
   cv::Mat masks;               ///< key mask: empty, or CV_8UC1 with n for object n
 

@@ -33,6 +33,13 @@ int discRadius(const GraphRoi& view) {
   return std::max(1, int(std::lround(kPoint_px * view.shrink)));
 }
 
+std::vector<cv::Point> positions(const std::vector<ObjectPoint>& points) {
+  std::vector<cv::Point> out;
+  out.reserve(points.size());
+  for (const ObjectPoint& point : points) out.push_back(point.at_px);
+  return out;
+}
+
 cv::Mat drawDiscs(const GraphRoi& view, const std::vector<cv::Point>& points) {
   cv::Mat out = cv::Mat::zeros(view.size(), CV_8UC1);
   for (const cv::Point& point : points) {
@@ -68,14 +75,15 @@ Correction prepareCorrection(const FrameContext& scene, const cv::Mat& mask,
                              const Annotation& annotation) {
   const cv::Size picture = mask.size();
   cv::Rect box = boxAround(mask, kWordMargin_px);
-  for (const cv::Point& point : annotation.on) {
+  const std::vector<cv::Point> on = positions(annotation.on);
+  for (const cv::Point& point : on) {
     box |= cv::Rect(point.x - kWordMargin_px, point.y - kWordMargin_px, 2 * kWordMargin_px,
                     2 * kWordMargin_px);
   }
   Correction out;
   out.view = GraphRoi::around(scene, box & cv::Rect({0, 0}, picture), kCutOfCorrection.most_px);
   out.old = out.view.shrunk(mask);
-  out.clicked_positive = drawDiscs(out.view, annotation.on);
+  out.clicked_positive = drawDiscs(out.view, on);
   out.clicked_negative = drawDiscs(out.view, annotation.off);
   out.connected_negative = out.clicked_negative.clone();
   for (const cv::Point& point : annotation.off) {
@@ -86,7 +94,7 @@ Correction prepareCorrection(const FrameContext& scene, const cv::Mat& mask,
   const double px_per_mm = pixelsPerMm(depth_mm, picture) * out.view.shrink;
   const double reach_px = kSays_mm * px_per_mm;
   out.connected_positive = out.clicked_positive.clone();
-  for (const cv::Point& point : annotation.on) {
+  for (const cv::Point& point : on) {
     if (out.view.box.contains(point))
       out.connected_positive |= drawClickDisc(out.view, out.view.toRoi(point), px_per_mm);
   }

@@ -35,14 +35,6 @@ std::size_t countBytes(const FrameImages& images) {
          images.depth.total() * images.depth.elemSize();
 }
 
-// Returns the object with the author's `number`, or null.
-template <class Objects>
-auto* numbered(Objects& objects, int number) {
-  const auto found = std::find_if(objects.begin(), objects.end(),
-                                  [number](const TrackedMask& o) { return o.number() == number; });
-  return found != objects.end() ? &*found : nullptr;
-}
-
 bool contains(const cv::Mat& mask, const cv::Point& point) {
   return mask.at<unsigned char>(point) != 0;
 }
@@ -65,7 +57,7 @@ bool NarrowBandTracker::hasAnnotation(const FramePair& frames) const {
   const auto* masks = propagatedMasks(frames);
   if (masks == nullptr) return !annotation_track_.annotationAt(frames).empty();
   return std::any_of(masks->begin(), masks->end(), [&](const PropagatedMask& mask) {
-    const TrackedMask* object = numbered(objects_, mask.number);
+    const TrackedMask* object = findNumbered(objects_, mask.number);
     if (object == nullptr || !object->present()) return !mask.box.empty();
     return mask.given || mask.box.empty() ||
            computeOverlap(object->mask(), inPicture(mask, frames.now.color.size())) < kAsTaught;
@@ -83,12 +75,12 @@ void NarrowBandTracker::adoptTaught(const FrameImages& images,
                                     const std::vector<PropagatedMask>& masks) {
   for (const PropagatedMask& propagated : masks) {
     if (propagated.box.empty()) {
-      TrackedMask* hidden = numbered(objects_, propagated.number);
+      TrackedMask* hidden = findNumbered(objects_, propagated.number);
       if (hidden != nullptr && hidden->present()) hidden->lose();
       continue;
     }
     const cv::Mat mask = inPicture(propagated, images.color.size());
-    const TrackedMask* object = numbered(objects_, propagated.number);
+    const TrackedMask* object = findNumbered(objects_, propagated.number);
     const bool as_propagated = object != nullptr && object->present() && !propagated.given &&
                                computeOverlap(object->mask(), mask) >= kAsTaught;
     if (!as_propagated) place(propagated.number, mask, images, propagated.given);
@@ -98,7 +90,7 @@ void NarrowBandTracker::adoptTaught(const FrameImages& images,
 // Sets the mask of the object with this number; the object may be lost or not exist yet.
 void NarrowBandTracker::place(int number, const cv::Mat& mask, const FrameImages& images,
                               bool given) {
-  TrackedMask* object = numbered(objects_, number);
+  TrackedMask* object = findNumbered(objects_, number);
   if (object == nullptr) {
     object = &objects_.emplace_back(next_id_++, mask, images, scene_, 0);
     object->setNumber(number);
@@ -115,26 +107,27 @@ void NarrowBandTracker::applyAnnotation(const Annotation& annotation, const Fram
   if (annotations_ != nullptr && annotations_->open) annotations_->avoided = scene_.avoided;
   for (TrackedMask& object : objects_) {
     const auto in_it = [&](const cv::Point& p) { return contains(object.mask(), p); };
+    const auto is_on = [&](const ObjectPoint& p) { return in_it(p.at_px); };
     if (!object.present() || std::none_of(annotation.off.begin(), annotation.off.end(), in_it))
       continue;
     Annotation of_it{{}, annotation.off, {}};
-    std::copy_if(annotation.on.begin(), annotation.on.end(), std::back_inserter(of_it.on), in_it);
+    std::copy_if(annotation.on.begin(), annotation.on.end(), std::back_inserter(of_it.on), is_on);
     object.correct(images, scene_, of_it);
     propagate(object, frames, false);
   }
-  for (const cv::Point& point : annotation.on) applyPoint(point, annotation, frames);
+  for (const ObjectPoint& point : annotation.on) applyPoint(point, annotation, frames);
   if (annotation.masks.empty()) return;
   double numbers = 0.0;
   cv::minMaxLoc(annotation.masks, nullptr, &numbers);
   for (int number = 1; number <= int(numbers); ++number) {
     const cv::Mat mask = annotation.masks == double(number);
     if (cv::countNonZero(mask) < kSmallestObject_px) continue;
-    const TrackedMask* known = numbered(objects_, number);
+    const TrackedMask* known = findNumbered(objects_, number);
     if (known != nullptr && known->present() && computeOverlap(known->mask(), mask) < kAnother)
       spdlog::warn("the mask drawn for frame {} does not match object {}; the server uses the mask",
                    frames.index, number);
     place(number, mask, images, true);
-    propagate(*numbered(objects_, number), frames, true);
+    propagate(*findNumbered(objects_, number), frames, true);
   }
 }
 
@@ -148,27 +141,31 @@ TrackedMask* NarrowBandTracker::findObjectAt(const cv::Point& point) {
   return lost;
 }
 
-void NarrowBandTracker::applyPoint(const cv::Point& point, const Annotation& annotation,
+void NarrowBandTracker::applyPoint(const ObjectPoint& point, const Annotation& annotation,
                                    const FramePair& frames) {
-  const auto holds = [&](const TrackedMask& o) { return o.present() && contains(o.mask(), point); };
+  const auto holds = [&](const TrackedMask& o) {
+    return o.present() && contains(o.mask(), point.at_px);
+  };
   if (std::any_of(objects_.begin(), objects_.end(), holds)) return;
   const FrameImages& images = frames.now;
-  TrackedMask* object = findObjectAt(point);
+  TrackedMask* object =
+      point.number != 0 ? findNumbered(objects_, point.number) : findObjectAt(point.at_px);
   if (object != nullptr && object->present()) {
     object->correct(images, scene_, {{point}, annotation.off, {}});
     propagate(*object, frames, false);
     return;
   }
-  ChosenStart start = selectInitialMask(images, scene_, point, annotation.off);
+  ChosenStart start = selectInitialMask(images, scene_, point.at_px, annotation.off);
   if (!start.object) {
-    spdlog::warn("--object {},{}@{:.2f}: {}; it is left out", point.x, point.y, frames.clip_time_s,
-                 start.why_not);
+    spdlog::warn("--object {},{}@{:.2f}: {}; it is left out", point.at_px.x, point.at_px.y,
+                 frames.clip_time_s, start.why_not);
     return;
   }
-  int number = object != nullptr ? object->number() : 1;
-  while (object == nullptr && numbered(objects_, number) != nullptr) ++number;
+  int number = point.number;
+  if (object != nullptr) number = object->number();
+  while (number == 0 || (object == nullptr && findNumbered(objects_, number) != nullptr)) ++number;
   place(number, start.object->mask(), images, false);
-  propagate(*numbered(objects_, number), frames, false);
+  propagate(*findNumbered(objects_, number), frames, false);
 }
 
 // Stores earlier frames while later annotations may still change them.

@@ -43,7 +43,8 @@ std::vector<Segment> NarrowBandTracker::next(const FramePair& frames, const Flow
   ++frame_;
   std::vector<Segment> out;
   for (const TrackedMask& object : objects_) {
-    if (object.present()) out.push_back({object.id(), object.mask(), object.quality()});
+    if (object.present())
+      out.push_back({object.id(), object.mask(), object.quality(), object.number()});
   }
   return out;
 }
@@ -127,13 +128,17 @@ void NarrowBandTracker::startAtPoints(const FrameImages& images) {
   const Annotation& annotation = annotation_track_.atStart();
   for (const cv::Point& point : annotation.off)
     addNegativeSample(scene_.view(images), point, scene_.avoided);
-  int number = 0;
-  for (const cv::Point& point : annotation.on) {
-    ChosenStart start = selectInitialMask(images, scene_, point, annotation.off);
-    if (!start.object) throwNoObject({double(point.x), double(point.y)}, start.why_not);
+  for (const ObjectPoint& point : annotation.on) {
+    if (TrackedMask* known = findNumbered(objects_, point.number)) {
+      if (known->mask().at<unsigned char>(point.at_px) == 0)
+        known->correct(images, scene_, {{point}, annotation.off, {}});
+      continue;
+    }
+    ChosenStart start = selectInitialMask(images, scene_, point.at_px, annotation.off);
+    if (!start.object) throwNoObject({double(point.at_px.x), double(point.at_px.y)}, start.why_not);
     scene_.planes = std::move(start.planes);
     start.object->rememberAppearance(images, scene_);
-    add(std::move(*start.object), ++number);
+    add(std::move(*start.object), point.number);
   }
 }
 

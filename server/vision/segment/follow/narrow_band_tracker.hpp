@@ -54,7 +54,7 @@ class NarrowBandTracker final : public Segmenter {
   [[nodiscard]] const std::vector<PropagatedMask>* propagatedMasks(const FramePair& frames) const;
   void adoptTaught(const FrameImages& images, const std::vector<PropagatedMask>& masks);
   void applyAnnotation(const Annotation& annotation, const FramePair& frames);
-  void applyPoint(const cv::Point& point, const Annotation& annotation, const FramePair& frames);
+  void applyPoint(const ObjectPoint& point, const Annotation& annotation, const FramePair& frames);
   void place(int number, const cv::Mat& mask, const FrameImages& images, bool given);
   TrackedMask* findObjectAt(const cv::Point& point);
   void keepHistory(const FramePair& frames);

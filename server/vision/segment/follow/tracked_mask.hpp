@@ -3,6 +3,7 @@
 // hide, and its appearance model. Thread: the one that runs Vision.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <opencv2/core.hpp>
 #include <optional>
@@ -116,5 +117,13 @@ class TrackedMask {
   ColorHistogram own_;
   bool like_skin_ = false;  // its colours resemble skin
 };
+
+/// Returns the object of `objects` with this number, present or lost; null if there is none.
+template <class Objects>
+auto* findNumbered(Objects& objects, int number) {
+  const auto found = std::find_if(objects.begin(), objects.end(),
+                                  [number](const TrackedMask& o) { return o.number() == number; });
+  return found != objects.end() ? &*found : nullptr;
+}
 
 }  // namespace hapticast::server

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+#include "server/preview/preview_scene.hpp"
+
+#include <filesystem>
+#include <opencv2/imgproc.hpp>
+
+namespace hapticast::server {
+
+namespace {
+
+/// Returns the pixel of `mask` that is farthest from all pixels outside it.
+cv::Point findInnermost(const cv::Mat& mask) {
+  cv::Mat framed;
+  cv::copyMakeBorder(mask, framed, 1, 1, 1, 1, cv::BORDER_CONSTANT, cv::Scalar(0));
+  cv::Mat depth_px;
+  cv::distanceTransform(framed, depth_px, cv::DIST_L2, 5);
+  cv::Point innermost;
+  cv::minMaxLoc(depth_px, nullptr, nullptr, nullptr, &innermost);
+  return innermost - cv::Point(1, 1);
+}
+
+void addObject(Scene& scene, AuthorPoint point) {
+  point.number = static_cast<int>(scene.objects.size()) + 1;
+  scene.objects.push_back({"object " + std::to_string(point.number), {point}, {}, {}});
+}
+
+}  // namespace
+
+Scene completeScene(const Settings& settings, const PreviewFrame& first, const SourceInfo& info) {
+  Scene scene = settings.scene;
+  for (SceneObject& object : scene.objects) {
+    for (KeyMaskFile& mask : object.masks) {
+      const auto folder = std::filesystem::path(settings.vision.scene_file).parent_path();
+      mask.file = std::filesystem::proximate(folder / mask.file, settings.preview).string();
+    }
+  }
+  const bool named = !scene.objects.empty();
+  if (!named && !info.key_masks) {
+    std::erase_if(scene.object_points, [&scene](const AuthorPoint& point) {
+      const bool at_start = point.time_s == 0.0 && scene.objects.size() < kMaxObjects;
+      if (at_start) addObject(scene, point);
+      return at_start;
+    });
+  }
+  if (!scene.objects.empty() || !scene.object_points.empty() || info.key_masks) return scene;
+  for (const std::uint32_t id : listIds(first.haptic)) {
+    const cv::Point at = findInnermost(renderMask(first.haptic, id, first.color.size()));
+    addObject(scene, {{double(at.x), double(at.y)}, 0.0});
+  }
+  return scene;
+}
+
+}  // namespace hapticast::server
