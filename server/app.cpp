@@ -18,6 +18,7 @@
 #include "server/pipeline/plan_log.hpp"
 #include "server/relay/relay_publisher.hpp"
 #include "server/source/pacer.hpp"
+#include "server/source/stream_url.hpp"
 #include "server/stream/signing_key_file.hpp"
 #include "server/stream_service.hpp"
 #include "server/vision/vision.hpp"
@@ -37,6 +38,12 @@ SourceInfo describeSource(const RgbdSource& source, const std::string& name) {
   SourceInfo info = source.info();
   if (!name.empty()) info.name = name;
   return info;
+}
+
+std::unique_ptr<RgbdSource> openFor(const Settings& settings) {
+  if (settings.loop && isStreamUrl(settings.source))
+    throw SourceError("--loop: a live stream has no end; leave the flag out");
+  return openSource(settings.source, settings.fps, settings.to_and_fro, settings.layout);
 }
 
 /// Returns the keys of origins that this one makes room for: all, unless the user named keys or has
@@ -63,6 +70,7 @@ class App::Impl {
   void waitForViewer();
   void play(EncoderThread& encoder);
   [[nodiscard]] std::optional<RgbdFrame> nextFrame(Pacer& pacer);
+  MediaTime findMediaTime(const RgbdFrame& frame, Pacer& pacer);
   void publish(VisionResult result, EncoderThread& encoder);
   void logSkippedFrames(const Pacer& pacer);
   void waitUntil(MediaTime due) const;
@@ -79,6 +87,7 @@ class App::Impl {
   std::atomic<bool> stop_{false};
   bool streaming_ = false;
   MediaTime last_published_{};
+  MediaTime last_captured_{};  // of a live source
   std::uint64_t logged_skipped_ = 0;
   MediaTime last_logged_{};
 };
@@ -86,7 +95,7 @@ class App::Impl {
 App::Impl::Impl(Settings settings, const Clock& clock)
     : settings_(std::move(settings)),
       media_clock_(clock),
-      source_(openSource(settings_.source, settings_.fps, settings_.to_and_fro, settings_.layout)),
+      source_(openFor(settings_)),
       vision_(describeSource(*source_, settings_.name),
               dropInvalidPoints(settings_.vision, source_->info()), &clock),
       signer_(settings_.signing_key_file.empty() ? SigningKey()
@@ -148,16 +157,16 @@ void App::Impl::play(EncoderThread& encoder) {
   const SourceInfo& info = source_->info();
   service_.open(vision_.description().name);
   if (settings_.wait_for_viewer) waitForViewer();
-  spdlog::info("streaming {} ({} x {}, {:g} frames/s)", settings_.source, info.width_px,
-               info.height_px, info.fps);
+  spdlog::info("streaming {} ({} x {}, {:g} frames/s)", hideCredentials(settings_.source),
+               info.width_px, info.height_px, info.fps);
   streaming_ = true;
   Pacer pacer(info.fps, media_clock_.now());
   std::uint64_t frames = 0;
   while (!stop_ && (settings_.frames == 0 || frames < settings_.frames)) {
     const auto frame = nextFrame(pacer);
+    if (!frame && info.live) continue;
     if (!frame) break;
-    const MediaTime media_time =
-        info.live ? media_clock_.now() : pacer.frameRead(frame->epoch, frame->index);
+    const MediaTime media_time = findMediaTime(*frame, pacer);
     ++frames;
     if (auto result = vision_.push(*frame, media_time)) publish(std::move(*result), encoder);
     range_teller_.log(vision_.mapped());
@@ -174,6 +183,13 @@ std::optional<RgbdFrame> App::Impl::nextFrame(Pacer& pacer) {
   const Pacer::Plan plan = pacer.plan(media_clock_.now());
   waitUntil(plan.due);
   return readSkipping(*source_, plan.skip, settings_.loop && !stop_);
+}
+
+MediaTime App::Impl::findMediaTime(const RgbdFrame& frame, Pacer& pacer) {
+  if (!source_->info().live) return pacer.frameRead(frame.epoch, frame.index);
+  // Ages are measured before now(), so two frames could change their order.
+  last_captured_ = std::max(media_clock_.now() - frame.age, last_captured_ + kTickPeriod);
+  return last_captured_;
 }
 
 void App::Impl::publish(VisionResult result, EncoderThread& encoder) {

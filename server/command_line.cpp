@@ -124,8 +124,9 @@ void addSourceOptions(CLI::App& app, Settings& settings) {
          "The video to stream: synthetic:bounce|approach|tumble|still, a folder of RGB-D "
          "images (rgb/ and depth/, or TUM's rgb.txt and depth.txt), COLOR,DEPTH (two video "
          "files), FILE (one video file with colour and depth), camera:N,M (colour camera, depth "
-         "camera), or "
-         "nats://HOST[:PORT][,HOST2]/CHANNEL (an edge: it forwards the stream that an origin "
+         "camera), URL (a live stream with colour and depth: rtsp, rtsps, srt, http, https, udp, "
+         "tcp or rtp), or nats://HOST[:PORT][,HOST2]/CHANNEL (an edge: it forwards the stream that "
+         "an origin "
          "publishes)")
       ->required();
   addNumber(app, "--fps", settings.fps, 1.0, 240.0, "1..240",
