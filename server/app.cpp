@@ -31,6 +31,8 @@ namespace {
 constexpr Duration kPlayout = std::chrono::milliseconds(500);
 // The protocol (proto/README.md) promises viewers a message about once a second.
 constexpr Duration kPrepareEvery = std::chrono::seconds(1);
+// Silence of a live source, beyond the lookahead, that ends the wait for its next frame; chosen.
+constexpr Duration kHoldBack = std::chrono::milliseconds(200);
 // Interval in which waiting code checks stop(); chosen.
 constexpr Duration kSlice = std::chrono::milliseconds(20);
 
@@ -71,6 +73,9 @@ class App::Impl {
   void play(EncoderThread& encoder);
   [[nodiscard]] std::optional<RgbdFrame> nextFrame(Pacer& pacer);
   MediaTime findMediaTime(const RgbdFrame& frame, Pacer& pacer);
+  /// Publishes what vision holds back for its window if the live source is silent. After the
+  /// silence these frames would be so late that viewers would raise their playout delay for them.
+  void publishHeldBack(EncoderThread& encoder);
   void publish(VisionResult result, EncoderThread& encoder);
   void logSkippedFrames(const Pacer& pacer);
   void waitUntil(MediaTime due) const;
@@ -164,7 +169,10 @@ void App::Impl::play(EncoderThread& encoder) {
   std::uint64_t frames = 0;
   while (!stop_ && (settings_.frames == 0 || frames < settings_.frames)) {
     const auto frame = nextFrame(pacer);
-    if (!frame && info.live) continue;
+    if (!frame && info.live) {
+      publishHeldBack(encoder);
+      continue;
+    }
     if (!frame) break;
     const MediaTime media_time = findMediaTime(*frame, pacer);
     ++frames;
@@ -190,6 +198,12 @@ MediaTime App::Impl::findMediaTime(const RgbdFrame& frame, Pacer& pacer) {
   // Ages are measured before now(), so two frames could change their order.
   last_captured_ = std::max(media_clock_.now() - frame.age, last_captured_ + kTickPeriod);
   return last_captured_;
+}
+
+void App::Impl::publishHeldBack(EncoderThread& encoder) {
+  const Duration silence = media_clock_.now() - last_captured_;
+  if (silence < vision_.description().pipeline_latency + kHoldBack) return;
+  for (VisionResult& result : vision_.flush()) publish(std::move(result), encoder);
 }
 
 void App::Impl::publish(VisionResult result, EncoderThread& encoder) {

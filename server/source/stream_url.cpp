@@ -42,13 +42,12 @@ std::string hideCredentials(std::string_view spec) {
   if (!isAddress(spec)) return std::string(spec);
   const std::string scheme = schemeOf(spec) + std::string(kAfterScheme);
   std::string_view rest = spec.substr(scheme.size());
-  const std::size_t host_end = rest.find_first_of("/?#");
+  // A password with a raw '/', '?' or '#' ends behind the place where the host should end.
+  const std::size_t host_end = std::min(rest.find_first_of("/?#"), rest.size());
+  if (rest.find('@', host_end) != std::string_view::npos) return scheme + "...";
   const std::size_t at = rest.substr(0, host_end).rfind('@');
   if (at != std::string_view::npos) rest.remove_prefix(at + 1);
-  rest = rest.substr(0, rest.find_first_of("?#"));
-  // A password with a raw '/' or '?' ends behind the place where a host should end.
-  const bool unclear = at == std::string_view::npos && spec.find('@') != std::string_view::npos;
-  return scheme + (unclear ? "..." : std::string(rest));
+  return scheme + std::string(rest.substr(0, rest.find_first_of("?#")));
 }
 
 std::string streamName(std::string_view url) {

@@ -91,7 +91,10 @@ void setStreamOptions(LibavOptions& options, std::string_view scheme) {
   }
   std::array<char, AV_ERROR_MAX_STRING_SIZE> text{};
   av_strerror(error, text.data(), text.size());
-  const std::string what = error == AVERROR_EXIT ? "no answer in time" : text.data();
+  // SRT reports nothing else, and HTTP reports it for a page without a length.
+  const std::string what = error == AVERROR_EXIT   ? "no answer in time"
+                           : error == AVERROR(EIO) ? "no answer, or no video"
+                                                   : text.data();
   throw SourceError(name + ": cannot be opened (" + what +
                     "); start the sender first, and check address, password and firewall");
 }
