@@ -94,11 +94,11 @@ void LiveVideo::play() {
 void LiveVideo::deliver(RgbdFrame frame, LocalTime captured) {
   const LocalTime now = clock_.now();
   const Duration gap = now - std::exchange(last_frame_, now);
+  const bool begins = next_ == 0 || in_gap_ || gap > kSilence;
   if (std::exchange(in_gap_, false))
     spdlog::info("frames from {} are back after {:.1f} s", shown_, toSeconds(gap));
-  const bool begins = gap > kSilence && next_ > 0;
-  if (begins) ++epoch_;
-  if (begins || next_ == 0) epoch_begin_ = captured;
+  if (begins) epoch_begin_ = captured;
+  if (begins && next_ > 0) ++epoch_;
   frame.index = next_++;
   frame.epoch = epoch_;
   frame.clip_time_s = toSeconds(captured - epoch_begin_);
