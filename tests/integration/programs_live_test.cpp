@@ -87,8 +87,9 @@ class ProgramsLiveTest : public ProgramsTest {
 #ifdef HAPTICAST_RTSP_SENDER
     if (*way.sent_to == 0) return {HAPTICAST_RTSP_SENDER, path("video.mp4"), std::to_string(port)};
 #endif
-    std::vector<std::string> command{"ffmpeg",          "-loglevel", "error", "-re", "-i",
-                                     path("video.mp4"), "-c",        "copy",  "-f",  "mpegts"};
+    std::vector<std::string> command{"/usr/bin/env", "ffmpeg", "-loglevel",       "error",
+                                     "-re",          "-i",     path("video.mp4"), "-c",
+                                     "copy",         "-f",     "mpegts"};
     if (std::string(way.sent_to).starts_with("http"))
       command.insert(command.end(), {"-listen", "1"});
     command.push_back(withPort(way.sent_to, port));
@@ -104,13 +105,13 @@ class ProgramsLiveTest : public ProgramsTest {
       return force ? now_N > kTouched_N : now_N == 0.0;
     });
   }
-  /// Touches the stream while `interrupt` disturbs its sender and `resume` mends it.
+  /// Touches the stream while `disturb` stops its sender and `mend` mends it.
   void touchThrough(const Way& way, const std::function<void(std::unique_ptr<Process>&)>& disturb,
                     const std::function<void(std::unique_ptr<Process>&, std::uint16_t)>& mend) {
     const std::uint16_t port = freePort();
     auto sender = send(way, port);
     const auto server =
-        startServer({"--source", withPort(way.read_from, port), "--layout", "side-by-side"});
+        startServer({"--source", withPort(way.read_from, port), "--layout", "side-by-side", "--object", "64,48"});
     const std::string address = addressOf(*server);
     ASSERT_FALSE(address.empty()) << server->output() << sender->output();
     const auto client = startClient(
