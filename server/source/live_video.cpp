@@ -81,7 +81,7 @@ void LiveVideo::play() {
   playing_ = true;
   deadline_ = clock_.now() + kLongestSilence;
   while (!stop_) {
-    std::optional<RgbdFrame> frame = video_->read();
+    std::optional<RgbdFrame> frame = readFrame();
     if (!frame) break;
     const LocalTime now = clock_.now();
     deadline_ = now + kLongestSilence;
@@ -89,6 +89,14 @@ void LiveVideo::play() {
       deliver(std::move(*frame), *captured);
   }
   playing_ = false;
+}
+
+std::optional<RgbdFrame> LiveVideo::readFrame() {
+  try {
+    return video_->read();
+  } catch (const SourceError&) {
+    return std::nullopt;  // as at the end: the next connection may be better
+  }
 }
 
 void LiveVideo::deliver(RgbdFrame frame, LocalTime captured) {

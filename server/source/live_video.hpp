@@ -56,6 +56,8 @@ class LiveVideo final : public RgbdSource {
   void run();
   /// Delivers the frames of `video_` until it ends.
   void play();
+  /// Returns the next frame of `video_`; nullopt at its end, and if it can deliver no frame.
+  std::optional<RgbdFrame> readFrame();
   /// Hands a frame over to read().
   void deliver(RgbdFrame frame, LocalTime captured);
   /// Connects again with pauses, until that succeeds or the thread must end. Returns false if it

@@ -110,8 +110,8 @@ class ProgramsLiveTest : public ProgramsTest {
                     const std::function<void(std::unique_ptr<Process>&, std::uint16_t)>& mend) {
     const std::uint16_t port = freePort();
     auto sender = send(way, port);
-    const auto server =
-        startServer({"--source", withPort(way.read_from, port), "--layout", "side-by-side", "--object", "64,48"});
+    const auto server = startServer({"--source", withPort(way.read_from, port), "--layout",
+                                     "side-by-side", "--object", "64,48"});
     const std::string address = addressOf(*server);
     ASSERT_FALSE(address.empty()) << server->output() << sender->output();
     const auto client = startClient(

@@ -163,10 +163,12 @@ class LiveVideoStreams : public testing::Test {
     if (std::system("ffmpeg -version >/dev/null 2>&1") != 0) GTEST_SKIP() << "needs ffmpeg";
   }
   /// Returns a moving picture of 25 frames/s in MPEG-TS. Its frames have about the same size.
-  [[nodiscard]] std::string video(const std::string& size, int duration_s) const {
+  /// `more`: further arguments of ffmpeg.
+  [[nodiscard]] std::string video(const std::string& size, int duration_s,
+                                  const std::string& more = "") const {
     const std::string file = (folder / "video.ts").string();
     const std::string command = "ffmpeg -loglevel quiet -y -f lavfi -i testsrc=size=" + size +
-                                ":rate=25:duration=" + std::to_string(duration_s) +
+                                ":rate=25:duration=" + std::to_string(duration_s) + " " + more +
                                 " -vf format=gray,format=yuv420p -c:v libx264 -preset ultrafast "
                                 "-tune zerolatency -g 1 -pix_fmt yuv420p -f mpegts '" +
                                 file + "' </dev/null";
@@ -204,7 +206,12 @@ TEST_F(LiveVideoStreams, OneTrackNeedsALayout) {
 
 TEST_F(LiveVideoStreams, FramesComeBackAfterTheEndOfTheStream) {
   const std::string bytes = video("256x96", 4);
-  HttpSender sender([&](HttpSender& to, int) {
+  const std::string one_frame = video("256x96", 1, "-frames:v 1");
+  HttpSender sender([&](HttpSender& to, int number) {
+    if (number == 1) {
+      to.send(kHttpStart + one_frame);
+      return;
+    }
     // The first packets at once, as from a sender that keeps the last key frame.
     if (to.send(kHttpStart + bytes.substr(0, bytes.size() / 2)))
       to.sendSlowly(bytes.substr(bytes.size() / 2), std::chrono::milliseconds(2000));
