@@ -19,6 +19,7 @@
 #include "server/relay/relay_publisher.hpp"
 #include "server/source/key_mask_source.hpp"
 #include "server/source/pacer.hpp"
+#include "server/source/stream_url.hpp"
 #include "server/stream/signing_key_file.hpp"
 #include "server/stream_service.hpp"
 #include "server/vision/vision.hpp"
@@ -31,6 +32,8 @@ namespace {
 constexpr Duration kPlayout = std::chrono::milliseconds(500);
 // The protocol (proto/README.md) promises viewers a message about once a second.
 constexpr Duration kPrepareEvery = std::chrono::seconds(1);
+// Silence of a live source, beyond the lookahead, that ends the wait for its next frame; chosen.
+constexpr Duration kHoldBack = std::chrono::milliseconds(200);
 // Interval in which waiting code checks stop(); chosen.
 constexpr Duration kSlice = std::chrono::milliseconds(20);
 
@@ -38,6 +41,14 @@ SourceInfo describeSource(const RgbdSource& source, const std::string& name) {
   SourceInfo info = source.info();
   if (!name.empty()) info.name = name;
   return info;
+}
+
+std::unique_ptr<RgbdSource> openFor(const Settings& settings) {
+  if (settings.loop && isStreamUrl(settings.source))
+    throw SourceError("--loop: a live stream has no end; leave the flag out");
+  return addKeyMasks(
+      openSource(settings.source, settings.fps, settings.to_and_fro, settings.layout),
+      settings.key_masks);
 }
 
 /// Returns the keys of origins that this one makes room for: all, unless the user named keys or has
@@ -56,10 +67,7 @@ class App::Impl {
   Impl(Settings settings, const Clock& clock);
 
   void run();
-  void stop() noexcept {
-    stop_ = true;
-    source_->stop();
-  }
+  void stop() noexcept { stop_ = true; }
   [[nodiscard]] bool streaming() const { return streaming_; }
 
  private:
@@ -67,6 +75,10 @@ class App::Impl {
   void waitForViewer();
   void play(EncoderThread& encoder);
   [[nodiscard]] std::optional<RgbdFrame> nextFrame(Pacer& pacer);
+  MediaTime findMediaTime(const RgbdFrame& frame, Pacer& pacer);
+  /// Publishes what vision holds back for its window if the live source is silent. After the
+  /// silence these frames would be so late that viewers would raise their playout delay for them.
+  void publishHeldBack(EncoderThread& encoder);
   void publish(VisionResult result, EncoderThread& encoder);
   void logSkippedFrames(const Pacer& pacer);
   void waitUntil(MediaTime due) const;
@@ -83,6 +95,7 @@ class App::Impl {
   std::atomic<bool> stop_{false};
   bool streaming_ = false;
   MediaTime last_published_{};
+  MediaTime last_captured_{};  // of a live source
   std::uint64_t logged_skipped_ = 0;
   MediaTime last_logged_{};
 };
@@ -90,9 +103,7 @@ class App::Impl {
 App::Impl::Impl(Settings settings, const Clock& clock)
     : settings_(std::move(settings)),
       media_clock_(clock),
-      source_(addKeyMasks(
-          openSource(settings_.source, settings_.fps, settings_.to_and_fro, settings_.layout),
-          settings_.key_masks)),
+      source_(openFor(settings_)),
       vision_(describeSource(*source_, settings_.name),
               dropInvalidPoints(settings_.vision, source_->info()), &clock),
       signer_(settings_.signing_key_file.empty() ? SigningKey()
@@ -154,16 +165,19 @@ void App::Impl::play(EncoderThread& encoder) {
   const SourceInfo& info = source_->info();
   service_.open(vision_.description().name);
   if (settings_.wait_for_viewer) waitForViewer();
-  spdlog::info("streaming {} ({} x {}, {:g} frames/s)", settings_.source, info.width_px,
-               info.height_px, info.fps);
+  spdlog::info("streaming {} ({} x {}, {:g} frames/s)", hideCredentials(settings_.source),
+               info.width_px, info.height_px, info.fps);
   streaming_ = true;
   Pacer pacer(info.fps, media_clock_.now());
   std::uint64_t frames = 0;
   while (!stop_ && (settings_.frames == 0 || frames < settings_.frames)) {
     const auto frame = nextFrame(pacer);
+    if (!frame && info.live) {
+      publishHeldBack(encoder);
+      continue;
+    }
     if (!frame) break;
-    const MediaTime media_time =
-        info.live ? media_clock_.now() : pacer.frameRead(frame->epoch, frame->index);
+    const MediaTime media_time = findMediaTime(*frame, pacer);
     ++frames;
     if (auto result = vision_.push(*frame, media_time)) publish(std::move(*result), encoder);
     range_teller_.log(vision_.mapped());
@@ -180,6 +194,19 @@ std::optional<RgbdFrame> App::Impl::nextFrame(Pacer& pacer) {
   const Pacer::Plan plan = pacer.plan(media_clock_.now());
   waitUntil(plan.due);
   return readSkipping(*source_, plan.skip, settings_.loop && !stop_);
+}
+
+MediaTime App::Impl::findMediaTime(const RgbdFrame& frame, Pacer& pacer) {
+  if (!source_->info().live) return pacer.frameRead(frame.epoch, frame.index);
+  // Ages are measured before now(), so two frames could change their order.
+  last_captured_ = std::max(media_clock_.now() - frame.age, last_captured_ + kTickPeriod);
+  return last_captured_;
+}
+
+void App::Impl::publishHeldBack(EncoderThread& encoder) {
+  const Duration silence = media_clock_.now() - last_captured_;
+  if (silence < vision_.description().pipeline_latency + kHoldBack) return;
+  for (VisionResult& result : vision_.flush()) publish(std::move(result), encoder);
 }
 
 void App::Impl::publish(VisionResult result, EncoderThread& encoder) {

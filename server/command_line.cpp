@@ -33,8 +33,10 @@ void addSourceOptions(CLI::App& app, Settings& settings) {
          "images (rgb/ and depth/, or TUM's rgb.txt and depth.txt), COLOR,DEPTH (two video "
          "files), FILE (one video file with colour and depth), camera:N,M (colour camera, depth "
          "camera), openni:[DEVICE] (a camera of OpenNI2), v4l2:COLOR,DEPTH (two nodes of "
-         "a camera, 16-bit depth), or "
-         "nats://HOST[:PORT][,HOST2]/CHANNEL (an edge: it forwards the stream that an origin "
+         "a camera, 16-bit depth), URL (a live stream with colour and depth: rtsp, rtsps, srt, "
+         "http, "
+         "https, udp, tcp or rtp), or nats://HOST[:PORT][,HOST2]/CHANNEL (an edge: it forwards the "
+         "stream that an origin "
          "publishes)")
       ->required();
   addNumber(app, "--fps", settings.fps, 1.0, 240.0, "1..240",

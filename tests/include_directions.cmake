@@ -41,7 +41,7 @@ set(doors
   "^google/protobuf"                 "^common/protocol/(decode|encode|scan)\\.cpp$"
   "^openssl/"                        "^common/transport/signature\\.cpp$"
   "^opencv2/"                        "^((server/(source|vision)|client/view|tests)/|server/preview)"
-  "^lib(av[a-z]+|swscale)/"           "^server/source/video_file\\.cpp$"
+  "^lib(av[a-z]+|swscale)/"           "^server/source/video_(file\\.cpp|format\\.[ch]pp)$"
   "^turbojpeg\\.h$"                  "^client/view/picture\\.cpp$"
   "^nlohmann/"                       "^(server/(source/clip_meta|author/scene_file)\\.cpp$|client/(report/summary|device/inverse3/protocol)\\.cpp$|tests/)"
   "^SDL"                             "^(client/(view/(window/|sound)|device/gamepad)|tests/)"

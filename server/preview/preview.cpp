@@ -19,6 +19,7 @@
 #include "server/preview/correction_hint.hpp"
 #include "server/preview/preview_scene.hpp"
 #include "server/source/key_mask_source.hpp"
+#include "server/source/stream_url.hpp"
 
 namespace hapticast::server {
 
@@ -131,11 +132,12 @@ Watched watch(RgbdSource& source, Vision& vision, std::uint64_t most_frames) {
         {pending.front().first, result.color, pending.front().second, std::move(result.frame)});
     pending.pop_front();
   };
-  for (std::uint64_t n = 0; most_frames == 0 || n < most_frames; ++n) {
+  for (std::uint64_t n = 0; most_frames == 0 || n < most_frames;) {
     const std::optional<RgbdFrame> frame = source.read();
+    if (!frame && info.live) continue;
     if (!frame) break;
     pending.emplace_back(frame->clip_time_s, frame->depth);
-    const MediaTime time = MediaTime{} + fromSeconds(static_cast<double>(n) / info.fps);
+    const MediaTime time = MediaTime{} + fromSeconds(static_cast<double>(n++) / info.fps);
     if (auto result = vision.push(*frame, time)) take(*result);
   }
   for (VisionResult& result : vision.flush()) take(result);
@@ -198,7 +200,7 @@ void writePreview(const Settings& settings, const Clock& clock) {
   const std::atomic<bool> stop{false};
   scanClip(vision, *source, media_clock, stop, nullptr);
   const Watched watched = watch(*source, vision, settings.frames);
-  if (watched.kept.empty()) throw SourceError(settings.source + ": has no frame");
+  if (watched.kept.empty()) throw SourceError(hideCredentials(settings.source) + ": has no frame");
   const Workspace& workspace = vision.description().workspace;
   const std::vector<std::string> lines = formatLines(settings, watched, source->info(), vision);
   const cv::Mat first = drawFirst(watched.kept.front(), workspace, settings.vision, lines);

@@ -16,15 +16,12 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr Duration kSilence = std::chrono::seconds(1);     // without a frame: the device is gone
-constexpr Duration kFirstFrame = std::chrono::seconds(5);  // chosen: cameras start in 1 to 3 s
+constexpr Duration kLongestSilence = std::chrono::seconds(1);     // without a frame: the device is gone
+constexpr Duration kLongestStart = std::chrono::seconds(5);  // chosen: cameras start in 1 to 3 s
 constexpr Duration kPause = std::chrono::seconds(1);       // between two tries to open the device
-constexpr Duration kLongestWait = std::chrono::milliseconds(50);  // until stop() has an effect
+constexpr Duration kLongestWait = std::chrono::milliseconds(50);  // of read()
 
 LocalTime steadyNow() { return SteadyClock().now(); }
-
-/// Ends readPair() after stop().
-struct Stopped {};
 
 }  // namespace
 
@@ -34,7 +31,7 @@ std::optional<LivePair> PicturePairer::push(LivePicture picture) {
   (picture.is_depth ? depth_ : color_) = std::move(picture);
   if (!color_ || !depth_ || std::chrono::abs(color_->time - depth_->time) > longest_apart_)
     return std::nullopt;
-  LivePair pair{color_->image, depth_->image};
+  LivePair pair{color_->image, depth_->image, color_->time};
   color_.reset();
   depth_.reset();
   return pair;
@@ -46,20 +43,22 @@ LiveCamera::LiveCamera(Open open) : open_(std::move(open)) {
   info_.live = true;
   for (const std::string& warning : device_->warnings()) spdlog::warn("{}", warning);
   pairer_.emplace(info_.fps);
-  (void)readPair(kFirstFrame);
+  deadline_ = steadyNow() + kLongestStart;
+  while (!readPair()) {
+  }
   began_ = steadyNow();
 }
 
 std::optional<RgbdFrame> LiveCamera::read() {
-  while (!stop_) {
-    try {
-      if (!device_) open();
-      return makeFrame(readPair(away_ ? kFirstFrame : kSilence));
-    } catch (const Stopped&) {
-      break;
-    } catch (const SourceError& error) {
-      lose(error.what());
+  try {
+    if (!device_ && steadyNow() < next_try_) {
+      std::this_thread::sleep_for(kLongestWait);
+      return std::nullopt;
     }
+    if (!device_) open();
+    if (auto pair = readPair()) return makeFrame(std::move(*pair));
+  } catch (const SourceError& error) {
+    lose(error.what());
   }
   return std::nullopt;
 }
@@ -73,29 +72,34 @@ void LiveCamera::open() {
     throw SourceError(info_.name + ": delivers " + sizeText(now.width_px, now.height_px) +
                       ", but began with " + sizeText(info_.width_px, info_.height_px));
   pairer_.emplace(info_.fps);
+  deadline_ = steadyNow() + kLongestStart;
 }
 
-LivePair LiveCamera::readPair(Duration patience) {
-  std::string problem;
-  bool any_color = false;
-  bool any_depth = false;
-  const LocalTime end = steadyNow() + patience;
-  while (steadyNow() < end) {
-    if (stop_) throw Stopped();
+std::optional<LivePair> LiveCamera::readPair() {
+  if (steadyNow() >= deadline_) throwNoPair();
+  const LocalTime end = steadyNow() + kLongestWait;
+  do {
     std::optional<LivePicture> picture = device_->read(kLongestWait);
     if (!picture) continue;
-    (picture->is_depth ? any_depth : any_color) = true;
+    (picture->is_depth ? any_depth_ : any_color_) = true;
     if (!picture->problem.empty()) {
-      problem = picture->problem;
-      logFault(problem);
-      continue;
+      problem_ = picture->problem;
+      logFault(problem_);
+    } else if (auto pair = pairer_->push(std::move(*picture))) {
+      deadline_ = steadyNow() + kLongestSilence;
+      any_color_ = any_depth_ = false;
+      problem_.clear();
+      return pair;
     }
-    if (auto pair = pairer_->push(std::move(*picture))) return *pair;
-  }
-  if (!problem.empty()) throw SourceError(problem);
+  } while (steadyNow() < end);
+  return std::nullopt;
+}
+
+void LiveCamera::throwNoPair() const {
+  if (!problem_.empty()) throw SourceError(problem_);
   const char* what = "colour and depth of one moment";
-  if (!any_color) what = any_depth ? "colour pictures" : "pictures";
-  if (any_color && !any_depth) what = "depth pictures";
+  if (!any_color_) what = any_depth_ ? "colour pictures" : "pictures";
+  if (any_color_ && !any_depth_) what = "depth pictures";
   throw SourceError(info_.name + ": delivers no " + what + "; plug it in again");
 }
 
@@ -115,6 +119,7 @@ RgbdFrame LiveCamera::makeFrame(LivePair pair) {
   frame.clip_time_s = toSeconds(now - began_);
   frame.color = std::move(pair.color);
   frame.depth = scaleDepth(pair.depth, frame.color.size());
+  frame.age = std::max(now - pair.time, Duration{});
   return frame;
 }
 
@@ -129,8 +134,9 @@ void LiveCamera::lose(const std::string& reason) {
   device_.reset();
   if (!std::exchange(away_, true))
     spdlog::warn("{}; the server tries to open it again each second", reason);
-  const LocalTime end = steadyNow() + kPause;
-  while (!stop_ && steadyNow() < end) std::this_thread::sleep_for(kLongestWait);
+  next_try_ = steadyNow() + kPause;
+  any_color_ = any_depth_ = false;
+  problem_.clear();
 }
 
 }  // namespace hapticast::server

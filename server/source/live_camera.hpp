@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Live source from a camera that may go away and come back. An unplugged camera gives one warning,
-// and the source tries to open it again each second. Thread: one, except stop().
+// and the source tries to open it again each second. Thread: one.
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -44,6 +43,7 @@ class LiveDevice {
 struct LivePair {
   cv::Mat color;
   cv::Mat depth;
+  LocalTime time{};  ///< that of the colour
 };
 
 /// Pairs pictures of colour with pictures of depth by their times. Thread: one.
@@ -73,18 +73,21 @@ class LiveCamera final : public RgbdSource {
   explicit LiveCamera(Open open);
 
   [[nodiscard]] const SourceInfo& info() const override { return info_; }
-  /// Waits for the next frame and returns it. Returns nullopt after stop() only. Without a frame
-  /// for a second it opens the device again until there is one. That frame begins a new epoch.
-  /// Smaller depth of the same aspect ratio is scaled to the size of the colour.
+  /// Waits up to 50 ms for the next frame and returns it. Returns nullopt if none came. Without a
+  /// frame for a second it tries to open the device again each second. The first frame after that
+  /// begins a new epoch. Smaller depth of the same aspect ratio is scaled to the size of the
+  /// colour.
   std::optional<RgbdFrame> read() override;
   bool skip() override { return read().has_value(); }
   /// Always throws SourceError, because a live source cannot be rewound.
   void rewind() override;
-  void stop() noexcept override { stop_ = true; }
 
  private:
   void open();
-  [[nodiscard]] LivePair readPair(Duration patience);
+  /// Returns the next pair, or nullopt if none came in 50 ms. Throws SourceError after the
+  /// deadline.
+  [[nodiscard]] std::optional<LivePair> readPair();
+  [[noreturn]] void throwNoPair() const;
   [[nodiscard]] RgbdFrame makeFrame(LivePair pair);
   void logFault(const std::string& problem);
   void lose(const std::string& reason);
@@ -93,7 +96,11 @@ class LiveCamera final : public RgbdSource {
   std::unique_ptr<LiveDevice> device_;
   SourceInfo info_;
   std::optional<PicturePairer> pairer_;
-  std::atomic<bool> stop_{false};
+  LocalTime deadline_{};    // of the next pair
+  LocalTime next_try_{};    // to open the device
+  bool any_color_ = false;  // since the last pair
+  bool any_depth_ = false;
+  std::string problem_;  // of a picture since the last pair
   bool away_ = false;
   std::uint64_t next_ = 0;
   std::uint32_t epoch_ = 0;

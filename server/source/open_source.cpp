@@ -11,9 +11,11 @@
 #include "common/text.hpp"
 #include "server/source/camera.hpp"
 #include "server/source/image_sequence.hpp"
+#include "server/source/live_video.hpp"
 #include "server/source/openni_camera.hpp"
 #include "server/source/rgbd_source.hpp"
 #include "server/source/single_video.hpp"
+#include "server/source/stream_url.hpp"
 #include "server/source/synthetic_source.hpp"
 #include "server/source/v4l2_camera.hpp"
 #include "server/source/video_pair.hpp"
@@ -68,11 +70,10 @@ std::unique_ptr<RgbdSource> openV4l2(const std::string& spec, const std::string&
 
 /// Throws SourceError for a kind of source that the server does not read.
 void refuseOtherKinds(const std::string& spec) {
-  const auto scheme = spec.find("://");
-  if (scheme != std::string::npos && spec.find_first_of("/,") == scheme + 1) {
-    throw SourceError(spec +
-                      ": is an address; the server reads only files and cameras of this "
-                      "machine, so download the video first");
+  if (isAddress(spec)) {
+    throw SourceError(hideCredentials(spec) +
+                      ": is an address that the server does not read; use " + kStreamSchemes +
+                      ", or download the video first");
   }
   const std::string type = fs::path(spec).extension().string();
   if (type == ".zip" || type == ".tar" || type == ".gz" || type == ".tgz" || type == ".7z")
@@ -128,6 +129,17 @@ std::unique_ptr<RgbdSource> openSingle(const std::string& file, double fps,
   return std::make_unique<SingleVideo>(std::move(video), layout, fps);
 }
 
+std::unique_ptr<RgbdSource> openLive(const std::string& url, double fps, bool to_and_fro,
+                                     const VideoLayout& layout) {
+  if (to_and_fro) throw SourceError("--to-and-fro: a live stream has one direction; leave it out");
+  if (url.find("://", url.find("://") + 1) != std::string::npos) {
+    throw SourceError(
+        "two streams have no common clock, so their frames cannot be paired; send colour and depth "
+        "as one stream (two tracks, or two halves of the picture with --layout)");
+  }
+  return std::make_unique<LiveVideo>(url, layout, fps);
+}
+
 }  // namespace
 
 std::string fileName(const fs::path& path) {
@@ -146,6 +158,7 @@ std::unique_ptr<RgbdSource> openSource(const std::string& spec, double fps, bool
   constexpr std::string_view kOpenni = "openni:";
   constexpr std::string_view kV4l2 = "v4l2:";
   const std::string_view view = spec;
+  if (isStreamUrl(spec)) return openLive(spec, fps, to_and_fro, layout);
   std::error_code error;
   const bool is_folder = fs::is_directory(spec, error);
   if (to_and_fro && !is_folder)
@@ -163,7 +176,8 @@ std::unique_ptr<RgbdSource> openSource(const std::string& spec, double fps, bool
   if (isPair(spec)) return openPair(spec, fps, layout.code);
   throw SourceError(
       (spec.empty() ? "(empty source)" : spec) +
-      ": no such file or folder; use synthetic:NAME, a folder, COLOR,DEPTH or camera:N,M");
+      ": no such file or folder; use synthetic:NAME, a folder, COLOR,DEPTH, camera:N,M or the "
+      "address of a stream");
 }
 
 }  // namespace hapticast::server

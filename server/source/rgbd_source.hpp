@@ -12,6 +12,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "common/time.hpp"
 #include "server/source/camera_model.hpp"
 #include "server/source/video_layout.hpp"
 
@@ -30,7 +31,7 @@ struct SourceInfo {
   int height_px = 0;
   double fps = 25.0;
   DepthKind depth_kind = DepthKind::kMetric;
-  bool live = false;       ///< true: the source is a camera, which cannot be scanned or rewound
+  bool live = false;       ///< true: a camera or stream, which cannot be scanned or rewound
   bool key_masks = false;  ///< true: the masks are the author's key masks of a few frames
   std::optional<std::uint64_t> frame_count;
   /// Range of depths that the source states for the whole clip; nullopt: it states none.
@@ -41,8 +42,9 @@ struct SourceInfo {
 /// One frame of a source. Its images are read-only for all code: a source makes new ones for each
 /// frame and never writes to them again. So code shares them without copies.
 struct RgbdFrame {
-  std::uint64_t index = 0;   ///< number of the frame in the clip; skipped frames count too
-  std::uint32_t epoch = 0;   ///< incremented each time the clip begins again
+  std::uint64_t index = 0;  ///< number of the frame in the clip; skipped frames count too
+  /// Incremented each time the clip begins again, or a live source after a gap.
+  std::uint32_t epoch = 0;
   double clip_time_s = 0.0;  ///< time since the clip's start, s
   cv::Mat color;             ///< CV_8UC3, BGR
   cv::Mat depth;             ///< CV_32FC1, same size; see DepthKind
@@ -50,6 +52,7 @@ struct RgbdFrame {
   /// SourceInfo::key_masks is true, most frames have no mask, and each mask shows at least one
   /// object.
   cv::Mat mask;
+  Duration age{};  ///< of a live source: time from the capture to the return of read()
 };
 
 /// Reports a problem with the source that its user must solve. what() is one line with the file and
@@ -59,29 +62,28 @@ class SourceError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Source of frames. Thread: one, except stop().
+/// Source of frames. Thread: one.
 class RgbdSource {
  public:
   virtual ~RgbdSource() = default;
   [[nodiscard]] virtual const SourceInfo& info() const = 0;
   /// Returns the next frame, or nullopt at the end of the clip. It skips unreadable frames and logs
-  /// one warning for them. Throws SourceError if no further frame is readable.
+  /// one warning for them. Throws SourceError if no further frame is readable. A live source has no
+  /// end: nullopt means that no frame came for a moment, so the caller asks again.
   virtual std::optional<RgbdFrame> read() = 0;
   /// Skips the next frame, without decoding it if possible. Returns false at the end of the clip.
   virtual bool skip() = 0;
   /// Begins the clip again: the next frame is the first one, with the epoch incremented. Throws
   /// SourceError if the source is live.
   virtual void rewind() = 0;
-  /// Makes read() of a live source return nullopt within about 100 ms, now and from now on. Other
-  /// sources never wait. Thread: any, also a signal handler.
-  virtual void stop() noexcept {}
 };
 
 /// Returns the last part of a path. Viewers receive only this part.
 std::string fileName(const std::filesystem::path& path);
 
 /// Opens the source that `spec` names, the value of --source: synthetic:NAME, DIR, COLOR,DEPTH,
-/// FILE, camera:N,M, openni:DEVICE or v4l2:COLOR,DEPTH. `fps` > 0 overrides its rate, frames/s.
+/// FILE, camera:N,M, openni:DEVICE, v4l2:COLOR,DEPTH or the address of a live stream. `fps` > 0
+/// overrides its rate, frames/s.
 /// `to_and_fro`: the images of a folder play forwards, then backwards. `layout`: how videos hold
 /// their depth. Throws SourceError, also if the source is none that can do that.
 std::unique_ptr<RgbdSource> openSource(const std::string& spec, double fps, bool to_and_fro = false,

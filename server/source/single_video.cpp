@@ -49,12 +49,15 @@ SingleVideo::SingleVideo(std::unique_ptr<VideoFile> video, const VideoLayout& la
   cv::Mat depth;
   while (color.empty() || depth.empty()) {
     if (!grabFrame())
-      throw SourceError(file_ + ": has no frame that can be decoded; use another file");
+      throw SourceError(file_ + ": has no frame that can be decoded; use another " +
+                        (video_->isLive() ? "stream" : "file"));
     (void)retrieveFrame(color, depth);
   }
   const VideoTrack& track = video_->tracks()[color_];
   if (layout_ == Layout::kSeparate) requireDepthFormat(video_->tracks()[depth_], file_);
   describe(color, depth, track, fps);
+  info_.live = video_->isLive();
+  if (info_.live) return;
   if (track.frame_count > 0) info_.frame_count = track.frame_count;
   SingleVideo::open();  // back to the first frame
 }
@@ -85,6 +88,12 @@ void SingleVideo::throwOneTrack() {
   while (picture.empty() && video_->grab(0)) picture = video_->retrieveColor(0);
   const std::string guess = guessLayout(picture);
   if (!guess.empty()) throw SourceError(file_ + ": has one video track; it " + guess);
+  if (video_->isLive()) {
+    throw SourceError(
+        file_ +
+        ": has one video track; depth is needed too, so send it as a second track, or "
+        "use --layout if the picture shows both");
+  }
   throw SourceError(file_ +
                     ": is a single file with one video track; depth is needed too, so use "
                     "COLOR,DEPTH or a folder, or --layout if the picture shows both");
@@ -99,6 +108,7 @@ void SingleVideo::requireSizes() const {
 }
 
 void SingleVideo::open() {
+  if (info_.live) throw SourceError(file_ + ": is live and cannot be rewound");
   video_ = std::make_unique<VideoFile>(file_);
   if (std::max(color_, depth_) >= video_->tracks().size())
     throw SourceError(file_ + ": has lost a video track; put the file back");
@@ -110,6 +120,10 @@ void SingleVideo::startTracks() {
   if (layout_ == Layout::kSeparate) video_->start(depth_);
   color_time_s_ = -std::numeric_limits<double>::infinity();
   depth_grabbed_ = false;
+}
+
+double SingleVideo::clipTime_s() const {
+  return info_.live ? video_->time_s(color_) : VideoSource::clipTime_s();
 }
 
 bool SingleVideo::followColor() {

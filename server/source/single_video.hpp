@@ -22,13 +22,16 @@ class SingleVideo final : public VideoSource {
   /// rate of the colour, frames/s. With Layout::kSeparate the depth is the track of an Azure
   /// Kinect's depth, else the one whose title has the word depth, else the only grey one. Its
   /// frames belong to the colour frames that are nearest in time. Throws SourceError. For one track
-  /// without a layout the error says what the picture looks like.
+  /// without a layout the error says what the picture looks like. Of a stream the source begins
+  /// with the second frame, it cannot be rewound, and RgbdFrame::clip_time_s is the stream's own
+  /// time.
   SingleVideo(std::unique_ptr<VideoFile> video, const VideoLayout& layout, double fps);
 
  private:
   bool grabFrame() override;
   std::string retrieveFrame(cv::Mat& color, cv::Mat& depth) override;
   void open() override;
+  [[nodiscard]] double clipTime_s() const override;
   [[nodiscard]] const std::string& fileOf(bool) const override { return file_; }
   /// Chooses the tracks. Throws SourceError if they are not clear.
   void chooseTracks();

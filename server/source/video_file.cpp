@@ -3,7 +3,6 @@
 
 extern "C" {
 #include <libavcodec/avcodec.h>
-#include <libavformat/avformat.h>
 #include <libavutil/display.h>
 #include <libavutil/imgutils.h>
 #include <libavutil/pixdesc.h>
@@ -20,86 +19,23 @@ extern "C" {
 #include <string_view>
 #include <utility>
 
-#include "common/haptic_frame.hpp"
+#include "server/source/video_format.hpp"
 
 namespace hapticast::server {
 
 namespace {
 
-constexpr unsigned kMostStreams = 16;
-constexpr std::size_t kMostProbed = 64;  // streams of a file that is refused for their number
 constexpr std::size_t kMostWaiting_bytes = 256U << 20U;  // chosen: a second of raw pictures
 constexpr std::size_t kMostWaiting_packets = 2000;
 constexpr int kMostTries = 4096;  // packets without a picture, as OpenCV allows
-// Two pictures of the largest size side by side, with a codec's padding.
-constexpr std::int64_t kMostPixels = 2LL * (kMaxWidth_px + 64) * (kMaxHeight_px + 64);
 
-template <typename T, void (*release)(T**)>
-struct LibavDelete {
-  void operator()(T* object) const { release(&object); }
-};
 struct ScalerDelete {
   void operator()(SwsContext* scaler) const { sws_freeContext(scaler); }
 };
-using FormatPtr =
-    std::unique_ptr<AVFormatContext, LibavDelete<AVFormatContext, avformat_close_input>>;
 using CodecPtr = std::unique_ptr<AVCodecContext, LibavDelete<AVCodecContext, avcodec_free_context>>;
 using PacketPtr = std::unique_ptr<AVPacket, LibavDelete<AVPacket, av_packet_free>>;
 using PicturePtr = std::unique_ptr<AVFrame, LibavDelete<AVFrame, av_frame_free>>;
 using ScalerPtr = std::unique_ptr<SwsContext, ScalerDelete>;
-
-/// Options for libav, which are freed.
-class LibavOptions {
- public:
-  LibavOptions() = default;
-  ~LibavOptions() { av_dict_free(&options_); }
-  LibavOptions(const LibavOptions&) = delete;
-  LibavOptions& operator=(const LibavOptions&) = delete;
-  void set(const char* name, std::int64_t value) { av_dict_set_int(&options_, name, value, 0); }
-  void set(const char* name, const char* value) { av_dict_set(&options_, name, value, 0); }
-  AVDictionary** get() { return &options_; }
-
- private:
-  AVDictionary* options_ = nullptr;
-};
-
-[[noreturn]] void throwNoVideo(const std::string& file) {
-  throw NoVideoError(file +
-                     ": holds no video that can be read; convert it, for example to H.264 in MP4");
-}
-
-FormatPtr openFormat(const std::string& file) {
-  av_log_set_level(AV_LOG_QUIET);  // FFmpeg's own log would hide the error message
-  LibavOptions options;
-  options.set("probesize", 5'000'000);
-  options.set("analyzeduration", 5'000'000);
-  options.set("max_streams", std::int64_t{kMostProbed});
-  options.set("protocol_whitelist", "file");
-  AVFormatContext* raw = nullptr;
-  if (avformat_open_input(&raw, ("file:" + file).c_str(), nullptr, options.get()) < 0)
-    throwNoVideo(file);
-  FormatPtr format(raw);
-  for (const std::string_view playlist : {"hls", "dash", "concat", "sdp", "imf"}) {
-    if (format->iformat->name == playlist)
-      throw SourceError(file + ": is a playlist; name the video file itself");
-  }
-  if (format->nb_streams > kMostStreams) {
-    throw SourceError(file + ": has " + std::to_string(format->nb_streams) +
-                      " tracks; allowed are 16, so copy the video out (ffmpeg -i FILE -map 0:v "
-                      "-c copy OUT.mkv)");
-  }
-  // A later stream of the file would have no options of its own.
-  std::array<LibavOptions, kMostStreams> limits;
-  std::array<AVDictionary*, kMostProbed> each{};
-  for (unsigned i = 0; i < format->nb_streams; ++i) {
-    limits[i].set("max_pixels", kMostPixels);
-    av_dict_copy(&each[i], *limits[i].get(), 0);
-  }
-  const int found = avformat_find_stream_info(format.get(), each.data());
-  for (AVDictionary*& options_of_stream : each) av_dict_free(&options_of_stream);
-  if (found < 0 || format->nb_streams > kMostStreams) throwNoVideo(file);
-  return format;
-}
 
 /// Returns a text of the file in small letters; "" if it has none.
 std::string lowerTag(const AVDictionary* tags, const char* name) {
@@ -203,10 +139,14 @@ struct TrackDecoder {
 
 struct VideoFile::Parts {
   std::string file;
+  NetworkStream stream;  // outlives the format; empty for a file
   FormatPtr format;
   std::vector<VideoTrack> tracks;
   std::vector<TrackDecoder> decoders;
 
+  [[nodiscard]] bool isLive() const { return !stream.url.empty(); }
+  /// Fills in `tracks` and `decoders`. Throws NoVideoError if there are none.
+  void findTracks();
   /// Puts the next packet of a started track into that track's queue. Returns false at the end.
   bool readPacket();
   /// Returns the next packet of `decoder`; null at the end.
@@ -273,23 +213,36 @@ VideoFile::VideoFile(std::string file) : parts_(std::make_unique<Parts>()) {
   if (!std::filesystem::is_regular_file(parts_->file, error))
     throw SourceError(parts_->file + ": no such file");
   parts_->format = openFormat(parts_->file);
-  for (unsigned i = 0; i < parts_->format->nb_streams; ++i) {
-    AVStream* const stream = parts_->format->streams[i];
-    const bool is_video = stream->codecpar->codec_type == AVMEDIA_TYPE_VIDEO &&
-                          (stream->disposition & AV_DISPOSITION_ATTACHED_PIC) == 0;
-    if (!is_video || avcodec_find_decoder(stream->codecpar->codec_id) == nullptr) continue;
-    parts_->tracks.push_back(describeTrack(parts_->format.get(), stream));
+  parts_->findTracks();
+}
+
+VideoFile::VideoFile(NetworkStream stream) : parts_(std::make_unique<Parts>()) {
+  parts_->file = stream.name;
+  parts_->stream = std::move(stream);
+  parts_->format = openFormat(parts_->stream);
+  parts_->findTracks();
+}
+
+void VideoFile::Parts::findTracks() {
+  for (unsigned i = 0; i < format->nb_streams; ++i) {
+    AVStream* const stream_i = format->streams[i];
+    const bool is_video = stream_i->codecpar->codec_type == AVMEDIA_TYPE_VIDEO &&
+                          (stream_i->disposition & AV_DISPOSITION_ATTACHED_PIC) == 0;
+    if (!is_video || avcodec_find_decoder(stream_i->codecpar->codec_id) == nullptr) continue;
+    tracks.push_back(describeTrack(format.get(), stream_i));
     TrackDecoder decoder;
-    decoder.stream = stream;
-    decoder.turn_deg = findTurn(*stream);
-    parts_->decoders.push_back(std::move(decoder));
+    decoder.stream = stream_i;
+    decoder.turn_deg = findTurn(*stream_i);
+    decoders.push_back(std::move(decoder));
   }
-  if (parts_->tracks.empty()) throwNoVideo(parts_->file);
+  if (tracks.empty()) throwNoVideo(file, isLive());
 }
 
 VideoFile::~VideoFile() = default;
 
 const std::string& VideoFile::file() const { return parts_->file; }
+
+bool VideoFile::isLive() const { return parts_->isLive(); }
 
 const std::vector<VideoTrack>& VideoFile::tracks() const { return parts_->tracks; }
 
@@ -300,13 +253,13 @@ void VideoFile::start(std::size_t track) {
   decoder.picture.reset(av_frame_alloc());
   if (codec == nullptr || decoder.picture == nullptr ||
       avcodec_parameters_to_context(codec.get(), decoder.stream->codecpar) < 0)
-    throwNoVideo(parts_->file);
+    throwNoVideo(parts_->file, parts_->isLive());
   codec->thread_count = 1;
   codec->pkt_timebase = decoder.stream->time_base;
   codec->max_pixels = kMostPixels;
   // PNG has check sums: no damaged depth is replaced by a guess. FFV1's decoder ignores this.
   if (codec->codec_id == AV_CODEC_ID_PNG) codec->err_recognition = AV_EF_CRCCHECK | AV_EF_EXPLODE;
-  if (avcodec_open2(codec.get(), kind, nullptr) < 0) throwNoVideo(parts_->file);
+  if (avcodec_open2(codec.get(), kind, nullptr) < 0) throwNoVideo(parts_->file, parts_->isLive());
   decoder.codec = std::move(codec);
 }
 

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
-// Reads the pictures of video files, with FFmpeg's libraries. One pass over the file serves all of
-// its tracks. Files come from outside: sizes, numbers of tracks and waiting packets are limited.
-// Thread: one.
+// Reads the pictures of video files and network streams, with FFmpeg's libraries. One pass over the
+// file serves all of its tracks. Files come from outside: sizes, numbers of tracks and waiting
+// packets are limited. Thread: one.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <opencv2/core.hpp>
 #include <string>
@@ -35,17 +36,32 @@ class NoVideoError : public SourceError {
   using SourceError::SourceError;
 };
 
-/// Open video file. Its tracks are numbered from 0, in the file's order.
+/// A stream that another machine or program sends.
+struct NetworkStream {
+  std::string url;   ///< as FFmpeg reads it; may have a password, so no message has it
+  std::string name;  ///< its name in messages
+  /// Returns true to end what waits for the network: VideoFile then behaves as at the end of the
+  /// stream. Called in the thread of VideoFile, about ten times a second or more often.
+  std::function<bool()> give_up;
+};
+
+/// Open video file or stream. Its tracks are numbered from 0, in the file's order.
 class VideoFile {
  public:
   /// Opens `file` and reads its header. Throws NoVideoError if it has no video track that can
   /// be decoded. Throws SourceError if it is no file, a playlist, or has more than 16 tracks.
   explicit VideoFile(std::string file);
+  /// Connects to `stream` and reads as much as its description needs. Throws as for a file. Throws
+  /// SourceError also if it cannot be reached, or if it is a recorded file.
+  explicit VideoFile(NetworkStream stream);
   ~VideoFile();
   VideoFile(const VideoFile&) = delete;
   VideoFile& operator=(const VideoFile&) = delete;
 
+  /// Returns the path of the file, or the name of the stream.
   [[nodiscard]] const std::string& file() const;
+  /// Returns whether it is a stream, which has one pass only.
+  [[nodiscard]] bool isLive() const;
   [[nodiscard]] const std::vector<VideoTrack>& tracks() const;
   /// Begins to decode `track`, before its first grab(). Throws SourceError if that is impossible.
   void start(std::size_t track);

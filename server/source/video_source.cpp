@@ -3,6 +3,8 @@
 
 #include <spdlog/spdlog.h>
 
+#include <bit>
+
 #include "server/source/depth_code.hpp"
 #include "server/source/depth_scale.hpp"
 
@@ -93,15 +95,15 @@ std::string VideoSource::load(RgbdFrame& frame) {
 std::optional<RgbdFrame> VideoSource::read() {
   std::string problem;  // problem of frame `first_bad`
   std::uint64_t first_bad = 0;
-  const auto tell = [&] {  // once, not in every round
-    if (problem.empty() || !reported_.insert(first_bad).second) return;
+  const auto tell = [&] {
+    if (problem.empty() || !isNewFault(first_bad)) return;
     spdlog::warn("{}; this frame and later frames with the same problem are left out", problem);
   };
   while (grab()) {
     RgbdFrame frame;
     frame.index = next_ - 1;
     frame.epoch = epoch_;
-    frame.clip_time_s = static_cast<double>(frame.index) / info_.fps;
+    frame.clip_time_s = clipTime_s();
     const std::string what = load(frame);
     if (what.empty()) {
       any_read_ = true;
@@ -117,6 +119,13 @@ std::optional<RgbdFrame> VideoSource::read() {
   }
   tell();
   return std::nullopt;
+}
+
+double VideoSource::clipTime_s() const { return static_cast<double>(next_ - 1) / info_.fps; }
+
+bool VideoSource::isNewFault(std::uint64_t first_bad) {
+  // A live source never comes back to a frame: its first fault counts, and every doubling.
+  return info_.live ? std::has_single_bit(++faults_) : reported_.insert(first_bad).second;
 }
 
 bool VideoSource::skip() { return grab(); }

@@ -36,6 +36,8 @@ class VideoSource : public RgbdSource {
   virtual std::string retrieveFrame(cv::Mat& color, cv::Mat& depth) = 0;
   /// Opens the files again, at their first frame.
   virtual void open() = 0;
+  /// Returns the time of the frame that grabFrame() moved to, s.
+  [[nodiscard]] virtual double clipTime_s() const;
   /// Returns the name of the file with depth or colour, for messages.
   [[nodiscard]] virtual const std::string& fileOf(bool depth) const = 0;
 
@@ -55,12 +57,16 @@ class VideoSource : public RgbdSource {
   /// Fills in pictures of `frame`. Returns the problem with the file's name, or "".
   std::string load(RgbdFrame& frame);
 
+  /// Returns whether a run of unusable frames, from number `first_bad` on, deserves a warning.
+  bool isNewFault(std::uint64_t first_bad);
+
   std::uint64_t next_ = 0;
   std::uint32_t epoch_ = 0;
   bool ended_ = false;
   bool any_read_ = false;  // whether a frame was read since the clip's start
   // First frame of each run of unusable frames whose warning was logged.
   std::set<std::uint64_t> reported_;
+  std::uint64_t faults_ = 0;  // runs of unusable frames of a live source
 };
 
 /// Throws SourceError if `track` of `file` is too large to be a source.

@@ -13,6 +13,7 @@ namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 TEST(OpenSource, EverySyntheticScene) {
   for (const char* name : {"bounce", "approach", "tumble", "still"}) {
@@ -50,9 +51,18 @@ TEST(OpenSource, APathWithNeither) {
   EXPECT_THAT(openError(folder.string()), HasSubstr("no folder rgb/"));
 }
 
-TEST(OpenSource, AddressesAndArchivesAreTold) {
-  for (const char* spec : {"http://h/c.mp4,http://h/d.mp4", "https://h/c.mp4", "rtsp://h/1"})
-    EXPECT_THAT(openError(spec), HasSubstr(": is an address; the server reads only files"));
+TEST(OpenSource, AddressesThatAreNoStreamsAreTold) {
+  for (const char* spec : {"ftp://me:secret@h/c.mp4", "file://h/c.mp4", "rtmp://h/1"}) {
+    EXPECT_THAT(openError(spec), AllOf(HasSubstr(": is an address that the server does not read"),
+                                       HasSubstr("srt://"), Not(HasSubstr("secret"))));
+  }
+  EXPECT_THAT(openError("http://h/c.mp4,http://me:secret@h/d.mp4"),
+              AllOf(HasSubstr("two streams have no common clock"), Not(HasSubstr("secret"))));
+  EXPECT_THAT(errorOf([] { (void)openSource("rtsp://h/1", 0.0, true); }),
+              HasSubstr("--to-and-fro: a live stream has one direction"));
+}
+
+TEST(OpenSource, ArchivesAreTold) {
   const SourceFolder folder;
   folder.write("clip.zip", std::string("x"));
   EXPECT_THAT(openError((folder / "clip.zip").string()),

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+// Opens files and network streams with FFmpeg's libraries, with limits on what they may cause.
+// Thread: one.
+#pragma once
+
+extern "C" {
+#include <libavformat/avformat.h>
+}
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "common/haptic_frame.hpp"
+#include "server/source/video_file.hpp"
+
+namespace hapticast::server {
+
+/// Largest number of streams of a file.
+inline constexpr unsigned kMostStreams = 16;
+/// Largest picture: two pictures of the largest size side by side, with a codec's padding.
+inline constexpr std::int64_t kMostPixels = 2LL * (kMaxWidth_px + 64) * (kMaxHeight_px + 64);
+
+template <typename T, void (*release)(T**)>
+struct LibavDelete {
+  void operator()(T* object) const { release(&object); }
+};
+using FormatPtr =
+    std::unique_ptr<AVFormatContext, LibavDelete<AVFormatContext, avformat_close_input>>;
+
+/// Opens the file and reads its header. Throws as VideoFile's constructor.
+[[nodiscard]] FormatPtr openFormat(const std::string& file);
+/// Opens the stream and reads its begin. `stream.give_up` must outlive the result. Throws as
+/// VideoFile's constructor.
+[[nodiscard]] FormatPtr openFormat(const NetworkStream& stream);
+
+/// Throws the NoVideoError of a file or stream with this name.
+[[noreturn]] void throwNoVideo(const std::string& name, bool live);
+
+}  // namespace hapticast::server
