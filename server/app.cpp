@@ -88,7 +88,7 @@ App::Impl::Impl(Settings settings, const Clock& clock)
       media_clock_(clock),
       source_(openSource(settings_.source, settings_.fps, settings_.to_and_fro, settings_.layout)),
       vision_(describeSource(*source_, settings_.name),
-              dropInvalidPoints(settings_.vision, source_->info()), &clock),
+              settings_.vision = preparePoints(settings_.vision, source_->info()), &clock),
       signer_(settings_.signing_key_file.empty() ? SigningKey()
                                                  : loadSigningKey(settings_.signing_key_file)),
       service_(settings_, clock, media_clock_, vision_.description(), signer_.identity()) {

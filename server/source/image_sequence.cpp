@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "server/source/depth_scale.hpp"
+#include "server/source/picture_scale.hpp"
 
 namespace hapticast::server {
 
@@ -59,15 +60,15 @@ ImageSequence::ImageSequence(const std::filesystem::path& folder, double fps, bo
   if (near_is_dark_ && format_.kind == DepthKind::kMetric)
     throw SourceError(first.depth.string() + ": has depth in mm, so leave --depth-code out");
   info_.name = fileName(folder);
-  info_.width_px = color.image.cols;
-  info_.height_px = color.image.rows;
+  own_size_ = color.image.size();
+  setSize(info_, own_size_, folder.string());
   chooseDepthSize(folder, depth.image);
   warnOfOtherSize(folder);
   info_.fps = fps > 0.0 ? fps : files_.fps;
   info_.depth_kind = format_.kind;
   info_.frame_count = files_.frames.size();
   info_.key_masks = files_.key_masks;
-  info_.camera = files_.camera;
+  if (files_.camera) info_.camera = scaleCamera(*files_.camera, info_);
   if (!info_.camera && files_.fov_deg)
     info_.camera = CameraModel::ofFieldOfView(*files_.fov_deg, info_.width_px, info_.height_px);
   if (info_.key_masks) checkKeyMasks();
@@ -79,21 +80,20 @@ ImageSequence::ImageSequence(const std::filesystem::path& folder, double fps, bo
 }
 
 void ImageSequence::chooseDepthSize(const std::filesystem::path& folder, const cv::Mat& first) {
-  const cv::Size color(info_.width_px, info_.height_px);
-  depth_size_ = sameAspect(first.size(), color) ? first.size() : color;
-  if (depth_size_ != color) logScaledDepth(folder.string(), depth_size_, color);
+  depth_size_ = sameAspect(first.size(), own_size_) ? first.size() : own_size_;
+  if (depth_size_ != own_size_) logScaledDepth(folder.string(), depth_size_, frameSize(info_));
 }
 
 void ImageSequence::warnOfOtherSize(const std::filesystem::path& folder) const {
-  const int width_px = files_.declared_width_px.value_or(info_.width_px);
-  const int height_px = files_.declared_height_px.value_or(info_.height_px);
-  if (width_px == info_.width_px && height_px == info_.height_px) return;
+  const int width_px = files_.declared_width_px.value_or(own_size_.width);
+  const int height_px = files_.declared_height_px.value_or(own_size_.height);
+  if (cv::Size(width_px, height_px) == own_size_) return;
   spdlog::warn(
-      "--source {}: states {}, but the pictures are {}; the server uses the intrinsics as they "
-      "are, "
+      "--source {}: states {}, but the pictures are {}; the server uses the intrinsics as those of "
+      "the pictures, "
       "so correct width and height, and give fx, fy, cx and cy for the size of the pictures",
       (folder / "meta.json").string(), sizeText(width_px, height_px),
-      sizeText(info_.width_px, info_.height_px));
+      sizeText(own_size_.width, own_size_.height));
 }
 
 std::optional<RgbdFrame> ImageSequence::read() {
@@ -162,7 +162,15 @@ ImageResult ImageSequence::readMask(const std::filesystem::path& file) const {
   ImageResult mask = readRawFile(file);
   if (mask.ok()) mask = toMask(mask.image);
   if (mask.ok()) mask.problem = otherSize(mask.image);
+  if (mask.ok()) mask.image = scaleMask(mask.image, frameSize(info_));
   return mask;
+}
+
+ImageResult ImageSequence::readColor(const std::filesystem::path& file) const {
+  ImageResult color = readColorFile(file);
+  if (color.ok()) color.problem = otherSize(color.image);
+  if (color.ok()) color.image = scaleColor(color.image, frameSize(info_));
+  return color;
 }
 
 ImageResult ImageSequence::readDepth(const std::filesystem::path& file) const {
@@ -171,38 +179,32 @@ ImageResult ImageSequence::readDepth(const std::filesystem::path& file) const {
   if (!depth.ok()) return depth;
   if (near_is_dark_) depth.image = 255.0F - depth.image;
   const cv::Size size = depth.image.size();
-  const cv::Size color(info_.width_px, info_.height_px);
-  if (size != depth_size_ && depth_size_ != color) {
+  if (size != depth_size_) {
     return {{},
-            "is " + sizeText(size.width, size.height) + ", but the clip's depth is " +
+            "is " + sizeText(size.width, size.height) + ", but the clip's " +
+                (depth_size_ == own_size_ ? "colour" : "depth") + " is " +
                 sizeText(depth_size_.width, depth_size_.height)};
   }
-  if (size == depth_size_) depth.image = scaleDepth(depth.image, color);
+  depth.image = scaleDepth(depth.image, frameSize(info_));
   return depth;
 }
 
 std::string ImageSequence::otherSize(const cv::Mat& image) const {
-  if (image.cols == info_.width_px && image.rows == info_.height_px) return "";
+  if (image.size() == own_size_) return "";
   return "is " + sizeText(image.cols, image.rows) + ", but the clip's colour is " +
-         sizeText(info_.width_px, info_.height_px);
+         sizeText(own_size_.width, own_size_.height);
 }
 
 std::string ImageSequence::load(std::uint64_t index, RgbdFrame& frame) const {
   const FrameFiles& files = files_.frames[index];
   if (files.depth.empty()) return files.color.string() + ": has no depth image";
-  const auto checked = [&](const std::filesystem::path& file, const ImageResult& result) {
-    const std::string problem = result.ok() ? otherSize(result.image) : result.problem;
-    return problem.empty() ? "" : file.string() + ": " + problem;
-  };
-  ImageResult color = readColorFile(files.color);
-  if (std::string problem = checked(files.color, color); !problem.empty()) return problem;
+  const ImageResult color = readColor(files.color);
+  if (!color.ok()) return files.color.string() + ": " + color.problem;
   const ImageResult depth = readDepth(files.depth);
-  if (std::string problem = checked(files.depth, depth); !problem.empty()) return problem;
+  if (!depth.ok()) return files.depth.string() + ": " + depth.problem;
   ImageResult mask;
-  if (!files.mask.empty()) {
-    mask = readMask(files.mask);
-    if (std::string problem = checked(files.mask, mask); !problem.empty()) return problem;
-  }
+  if (!files.mask.empty()) mask = readMask(files.mask);
+  if (!mask.ok()) return files.mask.string() + ": " + mask.problem;
   frame = {index,       epoch_,      static_cast<double>(index) / info_.fps,
            color.image, depth.image, mask.image};
   return "";

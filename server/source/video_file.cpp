@@ -20,7 +20,7 @@ extern "C" {
 #include <string_view>
 #include <utility>
 
-#include "common/haptic_frame.hpp"
+#include "server/source/image_file.hpp"
 
 namespace hapticast::server {
 
@@ -31,8 +31,8 @@ constexpr std::size_t kMostProbed = 64;  // streams of a file that is refused fo
 constexpr std::size_t kMostWaiting_bytes = 256U << 20U;  // chosen: a second of raw pictures
 constexpr std::size_t kMostWaiting_packets = 2000;
 constexpr int kMostTries = 4096;  // packets without a picture, as OpenCV allows
-// Two pictures of the largest size side by side, with a codec's padding.
-constexpr std::int64_t kMostPixels = 2LL * (kMaxWidth_px + 64) * (kMaxHeight_px + 64);
+// The largest picture, with a codec's padding.
+constexpr std::int64_t kMostDecoded_px = kMostPixels + 64LL * 2 * kMostSide_px;
 
 template <typename T, void (*release)(T**)>
 struct LibavDelete {
@@ -92,7 +92,7 @@ FormatPtr openFormat(const std::string& file) {
   std::array<LibavOptions, kMostStreams> limits;
   std::array<AVDictionary*, kMostProbed> each{};
   for (unsigned i = 0; i < format->nb_streams; ++i) {
-    limits[i].set("max_pixels", kMostPixels);
+    limits[i].set("max_pixels", kMostDecoded_px);
     av_dict_copy(&each[i], *limits[i].get(), 0);
   }
   const int found = avformat_find_stream_info(format.get(), each.data());
@@ -303,7 +303,7 @@ void VideoFile::start(std::size_t track) {
     throwNoVideo(parts_->file);
   codec->thread_count = 1;
   codec->pkt_timebase = decoder.stream->time_base;
-  codec->max_pixels = kMostPixels;
+  codec->max_pixels = kMostDecoded_px;
   // PNG has check sums: no damaged depth is replaced by a guess. FFV1's decoder ignores this.
   if (codec->codec_id == AV_CODEC_ID_PNG) codec->err_recognition = AV_EF_CRCCHECK | AV_EF_EXPLODE;
   if (avcodec_open2(codec.get(), kind, nullptr) < 0) throwNoVideo(parts_->file);

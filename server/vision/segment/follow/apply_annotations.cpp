@@ -161,8 +161,8 @@ void NarrowBandTracker::applyPoint(const cv::Point& point, const Annotation& ann
   }
   ChosenStart start = selectInitialMask(images, scene_, point, annotation.off);
   if (!start.object) {
-    spdlog::warn("--object {},{}@{:.2f}: {}; it is left out", point.x, point.y, frames.clip_time_s,
-                 start.why_not);
+    spdlog::warn("--object {:.0f},{:.0f}@{:.2f}: {}; it is left out", point.x * frames.own_px.x(),
+                 point.y * frames.own_px.y(), frames.clip_time_s, start.why_not);
     return;
   }
   int number = object != nullptr ? object->number() : 1;
