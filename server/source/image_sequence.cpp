@@ -173,7 +173,8 @@ ImageResult ImageSequence::readColor(const std::filesystem::path& file) const {
   return color;
 }
 
-ImageResult ImageSequence::readDepth(const std::filesystem::path& file) const {
+ImageResult ImageSequence::readDepth(const std::filesystem::path& file,
+                                     const cv::Mat& color) const {
   ImageResult depth = readRawFile(file);
   if (depth.ok()) depth = toDepth(depth.image, format_);
   if (!depth.ok()) return depth;
@@ -185,7 +186,7 @@ ImageResult ImageSequence::readDepth(const std::filesystem::path& file) const {
                 (depth_size_ == own_size_ ? "colour" : "depth") + " is " +
                 sizeText(depth_size_.width, depth_size_.height)};
   }
-  depth.image = scaleDepth(depth.image, frameSize(info_));
+  depth.image = scaleDepth(depth.image, format_.kind, color);
   return depth;
 }
 
@@ -200,7 +201,7 @@ std::string ImageSequence::load(std::uint64_t index, RgbdFrame& frame) const {
   if (files.depth.empty()) return files.color.string() + ": has no depth image";
   const ImageResult color = readColor(files.color);
   if (!color.ok()) return files.color.string() + ": " + color.problem;
-  const ImageResult depth = readDepth(files.depth);
+  const ImageResult depth = readDepth(files.depth, color.image);
   if (!depth.ok()) return files.depth.string() + ": " + depth.problem;
   ImageResult mask;
   if (!files.mask.empty()) mask = readMask(files.mask);

@@ -44,8 +44,10 @@ class ImageSequence final : public RgbdSource {
   [[nodiscard]] std::string otherSize(const cv::Mat& image) const;
   /// Returns the colour image in `file` at the size of the frames, or its problem.
   [[nodiscard]] ImageResult readColor(const std::filesystem::path& file) const;
-  /// Returns the depth image in `file` at the size of the frames, or its problem.
-  [[nodiscard]] ImageResult readDepth(const std::filesystem::path& file) const;
+  /// Returns the depth image in `file` at the size of `color`, the picture of the frame, or its
+  /// problem.
+  [[nodiscard]] ImageResult readDepth(const std::filesystem::path& file,
+                                      const cv::Mat& color) const;
   /// Sets the size of the depth images from the first one, and logs if they are scaled.
   void chooseDepthSize(const std::filesystem::path& folder, const cv::Mat& first);
   /// Returns the mask in `file`, converted by toMask(), at the size of the frames, or its problem.

@@ -91,7 +91,7 @@ std::string VideoSource::load(RgbdFrame& frame) {
   if (!converted.ok())
     return fileOf(true) + ": frame " + std::to_string(frame.index) + " " + converted.problem;
   frame.color = scaleColor(frame.color, frameSize(info_));
-  frame.depth = scaleDepth(converted.image, frameSize(info_));
+  frame.depth = scaleDepth(converted.image, format_.kind, frame.color);
   return "";
 }
 
