@@ -58,7 +58,8 @@ ImageSequence::ImageSequence(const std::filesystem::path& folder, double fps, bo
     throw SourceError(first.depth.string() + ": " + depth.problem + "; mend this first frame");
   format_ = detectFormat(first.depth, depth.image, files_);
   if (near_is_dark_ && format_.kind == DepthKind::kMetric)
-    throw SourceError(first.depth.string() + ": has depth in mm, so leave --depth-code out");
+    throw SourceError(first.depth.string() +
+                      ": has depth in mm, so leave --depth-near and --depth-code out");
   info_.name = fileName(folder);
   own_size_ = color.image.size();
   setSize(info_, own_size_, folder.string());
@@ -166,6 +167,19 @@ ImageResult ImageSequence::readMask(const std::filesystem::path& file) const {
   return mask;
 }
 
+ImageResult ImageSequence::joinMasks(const std::vector<std::filesystem::path>& files) const {
+  cv::Mat joined = cv::Mat::zeros(own_size_, CV_8UC1);
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    if (files[i].empty()) continue;
+    ImageResult mask = readRawFile(files[i]);
+    if (mask.ok()) mask.problem = otherSize(mask.image);
+    if (mask.ok() && mask.image.type() != CV_8UC1) mask.problem = "is not an 8-bit grey image";
+    if (!mask.ok()) return {{}, files[i].string() + ": " + mask.problem};
+    joined.setTo(static_cast<double>(i + 1), mask.image >= 128);
+  }
+  return {scaleMask(joined, frameSize(info_)), ""};
+}
+
 ImageResult ImageSequence::readColor(const std::filesystem::path& file) const {
   ImageResult color = readColorFile(file);
   if (color.ok()) color.problem = otherSize(color.image);
@@ -173,10 +187,11 @@ ImageResult ImageSequence::readColor(const std::filesystem::path& file) const {
   return color;
 }
 
-ImageResult ImageSequence::readDepth(const std::filesystem::path& file,
-                                     const cv::Mat& color) const {
-  ImageResult depth = readRawFile(file);
-  if (depth.ok()) depth = toDepth(depth.image, format_);
+ImageResult ImageSequence::readDepth(const FrameFiles& files, const cv::Mat& color) const {
+  DepthFormat format = format_;
+  format.mm_per_unit = files.mm_per_unit.value_or(format.mm_per_unit);
+  ImageResult depth = readRawFile(files.depth);
+  if (depth.ok()) depth = toDepth(depth.image, format);
   if (!depth.ok()) return depth;
   if (near_is_dark_) depth.image = 255.0F - depth.image;
   const cv::Size size = depth.image.size();
@@ -201,11 +216,13 @@ std::string ImageSequence::load(std::uint64_t index, RgbdFrame& frame) const {
   if (files.depth.empty()) return files.color.string() + ": has no depth image";
   const ImageResult color = readColor(files.color);
   if (!color.ok()) return files.color.string() + ": " + color.problem;
-  const ImageResult depth = readDepth(files.depth, color.image);
+  const ImageResult depth = readDepth(files, color.image);
   if (!depth.ok()) return files.depth.string() + ": " + depth.problem;
   ImageResult mask;
   if (!files.mask.empty()) mask = readMask(files.mask);
   if (!mask.ok()) return files.mask.string() + ": " + mask.problem;
+  if (!files.object_masks.empty()) mask = joinMasks(files.object_masks);
+  if (!mask.ok()) return mask.problem;
   frame = {index,       epoch_,      static_cast<double>(index) / info_.fps,
            color.image, depth.image, mask.image};
   return "";

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "server/source/clip_files.hpp"
 #include "server/source/image_file.hpp"
@@ -44,14 +45,16 @@ class ImageSequence final : public RgbdSource {
   [[nodiscard]] std::string otherSize(const cv::Mat& image) const;
   /// Returns the colour image in `file` at the size of the frames, or its problem.
   [[nodiscard]] ImageResult readColor(const std::filesystem::path& file) const;
-  /// Returns the depth image in `file` at the size of `color`, the picture of the frame, or its
+  /// Returns the depth image of `files` at the size of `color`, the picture of the frame, or its
   /// problem.
-  [[nodiscard]] ImageResult readDepth(const std::filesystem::path& file,
-                                      const cv::Mat& color) const;
+  [[nodiscard]] ImageResult readDepth(const FrameFiles& files, const cv::Mat& color) const;
   /// Sets the size of the depth images from the first one, and logs if they are scaled.
   void chooseDepthSize(const std::filesystem::path& folder, const cv::Mat& first);
   /// Returns the mask in `file`, converted by toMask(), at the size of the frames, or its problem.
   [[nodiscard]] ImageResult readMask(const std::filesystem::path& file) const;
+  /// Returns the masks of single objects as one mask, at the size of the frames, or their problem
+  /// with the file's name. Where two overlap, the later one covers the other.
+  [[nodiscard]] ImageResult joinMasks(const std::vector<std::filesystem::path>& files) const;
   /// Returns whether the frame's files no longer exist.
   static bool vanished(const FrameFiles& frame);
   /// Logs a warning that the frames first .. end - 1 were skipped. It does nothing if there are

@@ -293,6 +293,18 @@ const std::string& VideoFile::file() const { return parts_->file; }
 
 const std::vector<VideoTrack>& VideoFile::tracks() const { return parts_->tracks; }
 
+std::string VideoFile::attachment(const std::string& name) const {
+  for (unsigned i = 0; i < parts_->format->nb_streams; ++i) {
+    const AVStream& stream = *parts_->format->streams[i];
+    const AVCodecParameters& about = *stream.codecpar;
+    if (about.codec_type != AVMEDIA_TYPE_ATTACHMENT || about.extradata == nullptr) continue;
+    if (lowerTag(stream.metadata, "filename") != name) continue;
+    return {reinterpret_cast<const char*>(about.extradata),
+            static_cast<std::size_t>(std::max(about.extradata_size, 0))};
+  }
+  return "";
+}
+
 void VideoFile::start(std::size_t track) {
   TrackDecoder& decoder = parts_->decoders.at(track);
   const AVCodec* const kind = avcodec_find_decoder(decoder.stream->codecpar->codec_id);

@@ -47,6 +47,8 @@ class VideoFile {
 
   [[nodiscard]] const std::string& file() const;
   [[nodiscard]] const std::vector<VideoTrack>& tracks() const;
+  /// Returns the bytes of the file that is attached under `name`; "" if there is none.
+  [[nodiscard]] std::string attachment(const std::string& name) const;
   /// Begins to decode `track`, before its first grab(). Throws SourceError if that is impossible.
   void start(std::size_t track);
   /// Moves `track` to its next frame. Returns false at its end. A frame that is damaged counts as

@@ -39,7 +39,7 @@ void VideoSource::describe(const cv::Mat& color, const cv::Mat& raw, const Video
                            double fps) {
   const std::string& file = fileOf(true);
   if (isMetric(raw) && code_ != DepthCode::kGrey)
-    throw SourceError(file + ": has depth in mm, so leave --depth-code out");
+    throw SourceError(file + ": has depth in mm, so leave --depth-near and --depth-code out");
   const cv::Mat depth = decodeDepth(raw, code_);
   if (!sameAspect(depth.size(), color.size())) {
     throw SourceError(file + ": is " + sizeText(depth.cols, depth.rows) +
