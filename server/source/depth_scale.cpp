@@ -52,7 +52,7 @@ struct EnlargedAxis {
     }
   }
   /// Returns the first pixel of the pixel `at` of the depth, and the first one of the next.
-  [[nodiscard]] std::pair<int, int> cellOf(int at) const {
+  [[nodiscard]] std::pair<int, int> findPixels(int at) const {
     const auto index = static_cast<std::size_t>(at);
     return {begin[index], begin[index + 1]};
   }
@@ -102,25 +102,17 @@ class EdgeDecider {
         across_(depth.cols, color.cols),
         down_(depth.rows, color.rows),
         colors_(depth.size(), CV_32FC3),
-        has_color_(cv::Mat::zeros(depth.size(), CV_8UC1)) {}
+        has_color_(cv::Mat::zeros(depth.size(), CV_8UC1)),
+        decided_(cv::Mat::zeros(depth.size(), CV_8UC1)) {}
 
   void decide(cv::Mat& scaled) {
     cv::Mat farthest;
-    cv::Mat nearest;
     cv::dilate(depth_, farthest, cv::Mat());
-    cv::Mat filled = depth_;
-    if (metric_) {
-      cv::compare(depth_, 0.0, filled, cv::CMP_EQ);  // 255 where nothing was measured
-      filled.convertTo(filled, CV_32F, double{std::numeric_limits<float>::max()} / 256.0);
-      filled += depth_;
-    }
-    cv::erode(filled, nearest, cv::Mat());
     for (int v = 0; v < depth_.rows; ++v) {
-      const auto* const low = nearest.ptr<float>(v);
       const auto* const high = farthest.ptr<float>(v);
       const auto* const here = depth_.ptr<float>(v);
       for (int u = 0; u < depth_.cols; ++u) {
-        if (high[u] > factor_ * low[u] + step_ && isMeasured(here[u])) decideCell({u, v}, scaled);
+        if (high[u] > findLimit(here[u]) && isMeasured(here[u])) decideEdge({u, v}, scaled);
       }
     }
   }
@@ -128,14 +120,31 @@ class EdgeDecider {
  private:
   [[nodiscard]] bool isMeasured(float depth) const { return !metric_ || depth > 0.0F; }
 
+  /// Returns the largest depth of the same surface beside a depth.
+  [[nodiscard]] float findLimit(float depth) const { return factor_ * depth + step_; }
+
+  /// Decides `cell`, on the nearer side of an edge, and its neighbours on the other side.
+  void decideEdge(const cv::Point& cell, cv::Mat& scaled) {
+    const float limit = findLimit(depth_.at<float>(cell));
+    for (int v = std::max(cell.y - 1, 0); v <= std::min(cell.y + 1, depth_.rows - 1); ++v) {
+      for (int u = std::max(cell.x - 1, 0); u <= std::min(cell.x + 1, depth_.cols - 1); ++u) {
+        const cv::Point at(u, v);
+        if (at != cell && depth_.at<float>(at) <= limit) continue;
+        auto& decided = decided_.at<unsigned char>(at);
+        if (decided == 0) decideCell(at, scaled);
+        decided = 1;
+      }
+    }
+  }
+
   /// Returns the mean colour of a pixel of the depth.
-  EdgeColor colorOf(int u, int v) {
+  EdgeColor findColor(int u, int v) {
     auto& mean = colors_.at<cv::Vec3f>(v, u);
     auto& has_color = has_color_.at<unsigned char>(v, u);
     if (has_color != 0) return {mean[0], mean[1], mean[2]};
     has_color = 1;
-    const auto [x_begin, x_end] = across_.cellOf(u);
-    const auto [y_begin, y_end] = down_.cellOf(v);
+    const auto [x_begin, x_end] = across_.findPixels(u);
+    const auto [y_begin, y_end] = down_.findPixels(v);
     cv::Vec3i sum;
     for (int y = y_begin; y < y_end; ++y) {
       const auto* const row = color_.ptr<cv::Vec3b>(y);
@@ -175,7 +184,7 @@ class EdgeDecider {
       for (int u = cell.x - kReach_px; u <= cell.x + kReach_px; ++u, ++k) {
         const bool nearer = around_[k] < middle_;
         leans_[k] = around_[k] < 0.0F ? 0.0F : (nearer ? 1.0F : -1.0F);
-        if (leans_[k] != 0.0F) sides_[nearer ? 1 : 0].add(colorOf(u, v));
+        if (leans_[k] != 0.0F) sides_[nearer ? 1 : 0].add(findColor(u, v));
       }
     }
     const float spread = sides_[0].finish() + sides_[1].finish();
@@ -188,8 +197,8 @@ class EdgeDecider {
     copyNeighbours(cell);
     part(cell);
     const bool own = depth_.at<float>(cell) < middle_;
-    const auto [x_begin, x_end] = across_.cellOf(cell.x);
-    const auto [y_begin, y_end] = down_.cellOf(cell.y);
+    const auto [x_begin, x_end] = across_.findPixels(cell.x);
+    const auto [y_begin, y_end] = down_.findPixels(cell.y);
     for (int y = y_begin; y < y_end; ++y) {
       const Weights& down = down_.share[static_cast<std::size_t>(y)];
       Weights columns{};  // how much each column leans to the nearer side
@@ -236,6 +245,7 @@ class EdgeDecider {
   EnlargedAxis down_;
   cv::Mat colors_;  // mean colours of the pixels of the depth, where `has_color_` is not 0
   cv::Mat has_color_;
+  cv::Mat decided_;  // not 0: the pixel of the depth was decided
   // Of the pixel of the depth that is decided:
   std::array<float, std::size_t{kWide} * kWide> around_{};  // neighbouring depths, below 0: none
   std::array<float, std::size_t{kWide} * kWide> leans_{};   // 1: nearer, -1: farther, 0: none

@@ -50,9 +50,8 @@ ImageSequence::ImageSequence(const std::filesystem::path& folder, double fps, bo
                                   [](const FrameFiles& frame) { return !frame.depth.empty(); });
   const FrameFiles& first = *whole;
   const ImageResult color = readColorFile(first.color);
-  if (!color.ok()) {
+  if (!color.ok())
     throw SourceError(first.color.string() + ": " + color.problem + "; mend this first frame");
-  }
   const ImageResult depth = readRawFile(first.depth);
   if (!depth.ok())
     throw SourceError(first.depth.string() + ": " + depth.problem + "; mend this first frame");
@@ -75,9 +74,8 @@ ImageSequence::ImageSequence(const std::filesystem::path& folder, double fps, bo
   if (info_.key_masks) checkKeyMasks();
   RgbdFrame frame;
   const auto index = static_cast<std::uint64_t>(whole - files_.frames.begin());
-  if (const std::string problem = load(index, frame); !problem.empty()) {
+  if (const std::string problem = load(index, frame); !problem.empty())
     throw SourceError(problem + "; mend this first frame");
-  }
 }
 
 void ImageSequence::chooseDepthSize(const std::filesystem::path& folder, const cv::Mat& first) {
