@@ -105,7 +105,7 @@ App::Impl::Impl(Settings settings, const Clock& clock)
       media_clock_(clock),
       source_(openFor(settings_)),
       vision_(describeSource(*source_, settings_.name),
-              dropInvalidPoints(settings_.vision, source_->info()), &clock),
+              settings_.vision = preparePoints(settings_.vision, source_->info()), &clock),
       signer_(settings_.signing_key_file.empty() ? SigningKey()
                                                  : loadSigningKey(settings_.signing_key_file)),
       service_(settings_, clock, media_clock_, vision_.description(), signer_.identity()) {

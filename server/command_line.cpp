@@ -25,6 +25,8 @@ const std::map<std::string, Layout> kLayouts{{"separate", Layout::kSeparate},
                                              {"top-bottom", Layout::kTopBottom}};
 const std::map<std::string, DepthCode> kDepthCodes{
     {"grey", DepthCode::kGrey}, {"inverse", DepthCode::kInverse}, {"hue", DepthCode::kHue}};
+const std::map<std::string, DepthCode> kDepthNear{{"bright", DepthCode::kGrey},
+                                                  {"dark", DepthCode::kInverse}};
 
 void addSourceOptions(CLI::App& app, Settings& settings) {
   app.add_option(
@@ -46,9 +48,13 @@ void addSourceOptions(CLI::App& app, Settings& settings) {
       "The place of the depth in a single video file: a track of its own (separate), or a half "
       "of the picture. Colour is on the left or at the top; with --depth-code hue it is on the "
       "right or below. Default: separate");
-  addChoice(app, "--depth-code", settings.layout.code, kDepthCodes,
-            "Depth with 8 bits: grey (near is white), inverse (near is dark), or, in videos, hue "
-            "(Record3D: 3 m for the whole circle of hues). Default: grey");
+  CLI::Option* const code =
+      addChoice(app, "--depth-code", settings.layout.code, kDepthCodes,
+                "Depth with 8 bits: grey (near is bright), inverse (as --depth-near dark), or, in "
+                "videos, hue (Record3D: 3 m for the whole circle of hues). Default: grey");
+  addChoice(app, "--depth-near", settings.layout.code, kDepthNear,
+            "Where grey depth with 8 bits is near, in folders and videos. Default: bright")
+      ->excludes(code);
   app.add_flag("--loop", settings.loop, "Start again at the end of the clip");
   app.add_flag("--to-and-fro", settings.to_and_fro,
                "Play the images of a folder forwards, then backwards; with --loop no jump remains");

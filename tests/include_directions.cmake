@@ -43,7 +43,7 @@ set(doors
   "^opencv2/"                        "^((server/(source|vision)|client/view|tests)/|server/preview)"
   "^lib(av[a-z]+|swscale)/"           "^server/source/video_(file\\.cpp|format\\.[ch]pp)$"
   "^turbojpeg\\.h$"                  "^client/view/picture\\.cpp$"
-  "^nlohmann/"                       "^(server/(source/clip_meta|author/scene_file)\\.cpp$|client/(report/summary|device/inverse3/protocol)\\.cpp$|tests/)"
+  "^nlohmann/"                       "^(server/(source/json_object\\.hpp|author/scene_file\\.cpp)$|client/(report/summary|device/inverse3/protocol)\\.cpp$|tests/)"
   "^SDL"                             "^(client/(view/(window/|sound)|device/gamepad)|tests/)"
   "^(imgui|backends/imgui)"          "^(client/view/window/|tests/)"
   "^avahi-"                          "^(common/transport/mdns_session|client/discovery/mdns_browser|server/stream/announce)\\.cpp$"

@@ -22,13 +22,12 @@ namespace hapticast::server {
 using FlagTexts = std::vector<std::pair<std::string, std::string>>;
 
 /// Flags that a scene file can set.
-inline constexpr auto kSceneFlags =
-    std::to_array<const char*>({"compensate-pan", "damping",     "depth-code", "depth-range",
-                                "error-budget",   "fov",         "fps",        "friction",
-                                "layout",         "low-latency", "map-range",  "mass",
-                                "method",         "motion",      "name",       "plan",
-                                "segment",        "stiffness",   "stretch",    "texture-depth",
-                                "to-and-fro"});
+inline constexpr auto kSceneFlags = std::to_array<const char*>(
+    {"compensate-pan", "damping",   "depth-code", "depth-near", "depth-range",
+     "error-budget",   "fov",       "fps",        "friction",   "layout",
+     "low-latency",    "map-range", "mass",       "method",     "motion",
+     "name",           "plan",      "segment",    "stiffness",  "stretch",
+     "texture-depth",  "to-and-fro"});
 
 /// One object of a scene. Its number is its position in the scene, from 1.
 struct SceneObject {

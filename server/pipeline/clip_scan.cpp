@@ -4,6 +4,8 @@
 #include <spdlog/spdlog.h>
 #include <vector>
 
+#include "server/source/picture_scale.hpp"
+
 namespace hapticast::server {
 
 namespace {
@@ -22,11 +24,7 @@ void removeContradictions(VisionSettings& settings) {
   });
 }
 
-}  // namespace
-
-VisionSettings dropInvalidPoints(VisionSettings settings, const SourceInfo& info) {
-  removeContradictions(settings);
-  if (info.live || !info.frame_count) return settings;
+void removeLatePoints(VisionSettings& settings, const SourceInfo& info) {
   const double end_s = static_cast<double>(*info.frame_count) / info.fps;
   const auto check = [end_s](const char* flag, std::vector<AuthorPoint>& points) {
     std::erase_if(points, [&](const AuthorPoint& point) {
@@ -40,6 +38,17 @@ VisionSettings dropInvalidPoints(VisionSettings settings, const SourceInfo& info
   };
   check("--object", settings.object_points);
   check("--not", settings.not_points);
+}
+
+}  // namespace
+
+VisionSettings preparePoints(VisionSettings settings, const SourceInfo& info) {
+  removeContradictions(settings);
+  if (!info.live && info.frame_count) removeLatePoints(settings, info);
+  for (auto* points : {&settings.object_points, &settings.not_points}) {
+    for (AuthorPoint& point : *points) point.at_px = point.at_px.cwiseQuotient(info.own_px);
+  }
+  if (settings.camera) settings.camera = scaleCamera(*settings.camera, info);
   return settings;
 }
 

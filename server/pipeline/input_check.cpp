@@ -91,9 +91,8 @@ bool warnOfDepth(RgbdSource& source, const VisionSettings& settings) {
       computeMedian(near_shares) >= kMostlyNear) {
     spdlog::warn(
         "--source {}: its depth looks inverted, because the border is nearer than the object; "
-        "8-bit "
-        "depth needs near as white, so use --depth-code inverse for a video, or invert it (ffmpeg "
-        "-i FILE -vf negate OUT)",
+        "use "
+        "--depth-near dark",
         info.name);
   }
   return true;

@@ -134,7 +134,7 @@ cv::Mat drawPanel(const PreviewFrame& frame, const VisionSettings& settings, con
     return out;
   };
   cv::Mat picture = drawOutlined(frame, part, size);
-  cv::Mat with_axes = drawAxes(picture, part);
+  cv::Mat with_axes = drawAxes(picture, part, frame.own_px);
   cv::Mat inside = with_axes(cv::Rect({kAxisLeft_px, kAxisTop_px}, size));
   drawPoints(inside, part, at_start(settings.not_points), false);
   drawPoints(inside, part, at_start(settings.object_points), true);

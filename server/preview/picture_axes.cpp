@@ -26,7 +26,22 @@ void writeNumber(cv::Mat& picture, int number, const cv::Point& at) {
               cv::LINE_AA);
 }
 
-int firstTick(int from, int step) { return (from + step - 1) / step * step; }
+/// One axis of a drawn picture, which shows the pixels of the own pictures from `from_px` on.
+struct Axis {
+  double from_px;
+  double end_px;
+  double scale;  // drawn px for each own one
+  int step;
+
+  /// Returns the axis of the pixels from `begin` on, `count` of them, drawn with `scale`.
+  static Axis of(int begin, int count, double scale, double own_px) {
+    return {begin * own_px, (begin + count) * own_px, scale / own_px, tickStep_px(scale / own_px)};
+  }
+  [[nodiscard]] int firstTick() const { return static_cast<int>(std::ceil(from_px / step)) * step; }
+  [[nodiscard]] int placeOf(int tick) const {
+    return static_cast<int>((tick + 0.5 - from_px) * scale);
+  }
+};
 
 }  // namespace
 
@@ -58,22 +73,23 @@ cv::Point placeOfPixel(const cv::Point& at_px, const cv::Rect& part, double scal
           static_cast<int>((at_px.y + 0.5 - part.y) * scale)};
 }
 
-cv::Mat drawAxes(const cv::Mat& drawn, const cv::Rect& part) {
+cv::Mat drawAxes(const cv::Mat& drawn, const cv::Rect& part, const Vec2& own_px) {
   const double scale = double(drawn.cols) / part.width;
-  const int step = tickStep_px(scale);
+  const Axis across = Axis::of(part.x, part.width, scale, own_px.x());
+  const Axis down = Axis::of(part.y, part.height, scale, own_px.y());
   cv::Mat lines = drawn.clone();
   cv::Mat out;
   cv::copyMakeBorder(drawn, out, kAxisTop_px, 0, kAxisLeft_px, 0, cv::BORDER_CONSTANT, kPaper);
-  for (int u = firstTick(part.x, step); u < part.br().x; u += step) {
-    const int at = placeOfPixel({u, 0}, part, scale).x;
+  for (int u = across.firstTick(); u < across.end_px; u += across.step) {
+    const int at = across.placeOf(u);
     cv::line(lines, {at, 0}, {at, drawn.rows}, {255, 255, 255});
     cv::line(out, {kAxisLeft_px + at, kAxisTop_px - kTick_px}, {kAxisLeft_px + at, kAxisTop_px - 1},
              kInk);
     const int text_u = std::min(kAxisLeft_px + at - 10, out.cols - kNumber_px);
     writeNumber(out, u, {text_u, kAxisTop_px - kTick_px - 4});
   }
-  for (int v = firstTick(part.y, step); v < part.br().y; v += step) {
-    const int at = placeOfPixel({0, v}, part, scale).y;
+  for (int v = down.firstTick(); v < down.end_px; v += down.step) {
+    const int at = down.placeOf(v);
     cv::line(lines, {0, at}, {drawn.cols, at}, {255, 255, 255});
     cv::line(out, {kAxisLeft_px - kTick_px, kAxisTop_px + at}, {kAxisLeft_px - 1, kAxisTop_px + at},
              kInk);

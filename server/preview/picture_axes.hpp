@@ -5,6 +5,8 @@
 
 #include <opencv2/core.hpp>
 
+#include "common/geometry.hpp"
+
 namespace hapticast::server {
 
 /// Returns the part of a picture of size `picture` that shows the objects in `box` with a margin.
@@ -23,7 +25,9 @@ inline constexpr int kAxisLeft_px = 44;  ///< width of the axis of v
 inline constexpr int kAxisTop_px = 22;   ///< height of the axis of u
 
 /// Returns `drawn` with an axis of u above it, an axis of v on its left, and a light grid in it.
-/// The numbers are pixels of the source's picture. `drawn` shows `part` of that picture.
-[[nodiscard]] cv::Mat drawAxes(const cv::Mat& drawn, const cv::Rect& part);
+/// `drawn` shows `part` of a frame, whose pixels are `own_px` pixels of the clip's own pictures.
+/// The numbers are pixels of the own pictures.
+[[nodiscard]] cv::Mat drawAxes(const cv::Mat& drawn, const cv::Rect& part,
+                               const Vec2& own_px = Vec2::Ones());
 
 }  // namespace hapticast::server

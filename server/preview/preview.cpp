@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <cstdio>
 #include <deque>
 #include <filesystem>
@@ -128,8 +129,8 @@ Watched watch(RgbdSource& source, Vision& vision, std::uint64_t most_frames) {
   Keeper keeper;
   std::deque<std::pair<double, cv::Mat>> pending;  // time and depth of frames inside vision
   const auto take = [&](VisionResult& result) {
-    keeper.take(
-        {pending.front().first, result.color, pending.front().second, std::move(result.frame)});
+    keeper.take({pending.front().first, result.color, pending.front().second,
+                 std::move(result.frame), info.own_px});
     pending.pop_front();
   };
   for (std::uint64_t n = 0; most_frames == 0 || n < most_frames;) {
@@ -154,8 +155,11 @@ std::string suggestCorrections(const Settings& settings, const Watched& watched)
   for (const std::uint32_t id : ids) {
     const cv::Mat mask = renderMask(first.haptic, id, first.color.size());
     if (const auto hint = suggestCorrection(first.color, mask, clicks)) {
-      return fmt::format("if object {} should not include the pixel {},{}, try --not {},{}: {}", id,
-                         hint->at_px.x, hint->at_px.y, hint->at_px.x, hint->at_px.y, hint->why);
+      const Vec2 at_px = Vec2(hint->at_px.x + 0.5, hint->at_px.y + 0.5).cwiseProduct(first.own_px);
+      const std::string point =
+          fmt::format("{:.0f},{:.0f}", std::floor(at_px.x()), std::floor(at_px.y()));
+      return fmt::format("if object {} should not include the pixel {}, try --not {}: {}", id,
+                         point, point, hint->why);
     }
   }
   if (double(watched.lost) > kFewLost * double(watched.frames)) {
@@ -188,13 +192,14 @@ std::vector<std::string> formatLines(const Settings& settings, const Watched& wa
 
 }  // namespace
 
-void writePreview(const Settings& settings, const Clock& clock) {
+void writePreview(Settings settings, const Clock& clock) {
   const fs::path place = settings.preview;
   const std::unique_ptr<RgbdSource> source =
       addKeyMasks(openSource(settings.source, settings.fps, settings.to_and_fro, settings.layout),
                   settings.key_masks);
   checkPlace(place);
-  Vision vision(source->info(), dropInvalidPoints(settings.vision, source->info()));
+  settings.vision = preparePoints(settings.vision, source->info());
+  Vision vision(source->info(), settings.vision);
   warnOfUnlikelyInput(*source, settings.vision);
   const LocalMediaClock media_clock(clock);
   const std::atomic<bool> stop{false};

@@ -20,6 +20,7 @@ struct PreviewFrame {
   cv::Mat color;        ///< CV_8UC3
   cv::Mat depth;        ///< CV_32FC1, from the source
   HapticFrame haptic;
+  Vec2 own_px = Vec2::Ones();  ///< SourceInfo::own_px
 };
 
 /// Returns the mask of object `id` with all its layers: CV_8UC1, 0/255, of size `size`.

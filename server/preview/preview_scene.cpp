@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "server/preview/preview_scene.hpp"
 
+#include <cmath>
 #include <filesystem>
 #include <opencv2/imgproc.hpp>
 
@@ -45,7 +46,8 @@ Scene completeScene(const Settings& settings, const PreviewFrame& first, const S
   if (!scene.objects.empty() || !scene.object_points.empty() || info.key_masks) return scene;
   for (const std::uint32_t id : listIds(first.haptic)) {
     const cv::Point at = findInnermost(renderMask(first.haptic, id, first.color.size()));
-    addObject(scene, {{double(at.x), double(at.y)}, 0.0});
+    const Vec2 own_px = Vec2(at.x + 0.5, at.y + 0.5).cwiseProduct(first.own_px);
+    addObject(scene, {{std::floor(own_px.x()), std::floor(own_px.y())}, 0.0});
   }
   return scene;
 }

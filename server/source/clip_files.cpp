@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "common/text.hpp"
+#include "server/source/bop_scene.hpp"
 #include "server/source/rgbd_source.hpp"
 
 namespace hapticast::server {
@@ -146,7 +147,9 @@ std::vector<FrameFiles> pairByNumber(const std::vector<fs::path>& colors,
     const auto number = frameNumber(color);
     const auto found = number ? by_number.find(*number) : by_number.end();
     const bool has_depth = found != by_number.end();
-    frames.push_back({color, has_depth ? found->second : fs::path(), {}});
+    FrameFiles& frame = frames.emplace_back();
+    frame.color = color;
+    if (has_depth) frame.depth = found->second;
     pairs += has_depth ? 1 : 0;
   }
   if (pairs == 0) requireCount(depth_folder, depths.size(), colors.size());
@@ -182,10 +185,13 @@ ClipFiles findInFolders(const fs::path& folder) {
     clip.frames = pairByNumber(colors, depths, depth_folder);
   } else {
     for (std::size_t i = 0; i < colors.size(); ++i)
-      clip.frames.push_back({colors[i], depths[i], {}});
+      clip.frames.push_back({colors[i], depths[i], {}, {}, {}});
     warnOfOtherNumbers(clip);
   }
-  if (fs::is_directory(folder / "mask")) addMasks(folder / "mask", clip);
+  if (fs::exists(folder / "scene_camera.json"))
+    addBopScene(folder, readText(folder / "scene_camera.json"), clip);
+  else if (fs::is_directory(folder / "mask"))
+    addMasks(folder / "mask", clip);
   return clip;
 }
 
@@ -259,7 +265,7 @@ ClipFiles findTum(const fs::path& folder) {
   ClipFiles clip;
   std::vector<double> times_s;
   for (const auto& [depth, color] : pairs) {
-    clip.frames.push_back({colors[color].file, depths[depth].file, {}});
+    clip.frames.push_back({colors[color].file, depths[depth].file, {}, {}, {}});
     times_s.push_back(colors[color].time_s);
   }
   clip.fps = medianRate(times_s);
@@ -275,7 +281,7 @@ void applyMeta(const fs::path& file, ClipFiles& clip) {
   if (meta.mm_per_unit) clip.mm_per_unit = meta.mm_per_unit;
   if (meta.depth_bits) clip.declared_depth_bits = meta.depth_bits;
   if (meta.fov_deg) clip.fov_deg = meta.fov_deg;
-  clip.camera = meta.camera;
+  if (meta.camera) clip.camera = meta.camera;
   clip.declared_width_px = meta.width_px;
   clip.declared_height_px = meta.height_px;
 }

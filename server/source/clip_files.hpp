@@ -20,6 +20,10 @@ struct FrameFiles {
   std::filesystem::path color;
   std::filesystem::path depth;  ///< empty: the frame is a gap
   std::filesystem::path mask;   ///< mask file; empty: the frame has none
+  /// Masks of single objects (BOP): element n has object n + 1; an empty path: it has none. No
+  /// elements: the frame has no such masks.
+  std::vector<std::filesystem::path> object_masks;
+  std::optional<double> mm_per_unit;  ///< of this frame's depth; nullopt: as the clip's
 };
 
 /// Files of a clip with their declarations.
@@ -48,7 +52,9 @@ struct ClipFiles {
 ///   (numbers in names count by value). If the frame numbers of a pair differ, the log gets one
 ///   warning. Other numbers of files are paired by the frame numbers in their names. A colour image
 ///   without depth is then a gap.
-/// * The second layout may also have mask/. If mask/ has as many files as the colour folder, each
+/// * BOP: the second layout with scene_camera.json (bop_scene.hpp).
+/// * Otherwise the second layout may also have mask/. If mask/ has as many files as the colour
+/// folder, each
 ///   frame has a mask. If it has fewer, they are key masks for the colour images of the same names.
 [[nodiscard]] ClipFiles findClipFiles(const std::filesystem::path& folder);
 

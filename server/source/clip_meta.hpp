@@ -28,12 +28,11 @@ struct ClipMeta {
 };
 
 inline constexpr std::size_t kMaxMeta_bytes = 65'536;
-inline constexpr int kMaxMetaDepth = 32;  ///< deepest nesting of objects and arrays
 
 /// Returns the declarations in the text of a meta.json. It must be a JSON object in UTF-8, at most
-/// kMaxMeta_bytes long and kMaxMetaDepth deep. Members that are null or unknown are ignored. Throws
-/// SourceError if a value is wrong or the text is not such an object. The message is one line that
-/// begins with `name`.
+/// kMaxMeta_bytes long and kMaxJsonDepth (json_object.hpp) deep. Members that are null or unknown
+/// are ignored. Throws SourceError if a value is wrong or the text is not such an object. The
+/// message is one line that begins with `name`.
 [[nodiscard]] ClipMeta parseClipMeta(std::string_view text, const std::string& name);
 
 }  // namespace hapticast::server

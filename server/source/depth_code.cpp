@@ -110,7 +110,7 @@ std::string guessLayout(const cv::Mat& picture) {
       guess += beside ? "on the right" : "below";
       guess += "; confirm with ";
       guess += flag;
-      return guess.append(" (--depth-code inverse if near is dark)");
+      return guess.append(" (--depth-near dark if near is dark)");
     }
   }
   return "";

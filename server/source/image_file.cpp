@@ -63,11 +63,6 @@ std::optional<PictureSize> pngSize(Bytes bytes) {
   return PictureSize{bigEndian(16), bigEndian(20)};
 }
 
-std::string tooLarge(std::int64_t width_px, std::int64_t height_px) {
-  return "is " + std::to_string(width_px) + "x" + std::to_string(height_px) + ", larger than " +
-         sizeText(kMaxWidth_px, kMaxHeight_px);
-}
-
 /// Reads the whole file. Returns the problem, or "".
 std::string readBytes(const std::filesystem::path& file, std::vector<std::uint8_t>& bytes) {
   std::error_code error;
@@ -97,9 +92,8 @@ ImageResult decodeImage(std::span<const std::uint8_t> bytes, int flags) {
   const bool has_end_mark = size.has_value();
   if (!size) size = depthFileSize(bytes);
   if (!size) return {{}, "is not a whole PNG, JPEG, TIFF, EXR, PGM or NPY image"};
-  if (size->width_px > kMaxWidth_px || size->height_px > kMaxHeight_px) {
+  if (!sizeReadable(size->width_px, size->height_px))
     return {{}, tooLarge(size->width_px, size->height_px)};
-  }
   // Decoders would fill a missing part with grey.
   const std::string_view last = bytes[0] == 0x89 ? "IEND" : "\xFF\xD9";
   if (has_end_mark && text.rfind(last) == std::string_view::npos) return {{}, "is cut off"};
@@ -122,6 +116,16 @@ ImageResult decodeImage(std::span<const std::uint8_t> bytes, int flags) {
 
 std::string sizeText(int width_px, int height_px) {
   return std::to_string(width_px) + "x" + std::to_string(height_px);
+}
+
+bool sizeReadable(std::int64_t width_px, std::int64_t height_px) {
+  return width_px >= 1 && height_px >= 1 && width_px <= kMostSide_px && height_px <= kMostSide_px &&
+         width_px * height_px <= kMostPixels;
+}
+
+std::string tooLarge(std::int64_t width_px, std::int64_t height_px) {
+  return "is " + std::to_string(width_px) + "x" + std::to_string(height_px) + ", larger than " +
+         std::to_string(kMostSide_px) + " px a side or " + sizeText(kMostSide_px, 4320) + " in all";
 }
 
 bool sizeAllowed(int width_px, int height_px) {

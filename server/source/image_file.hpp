@@ -28,7 +28,7 @@ struct PictureSize {
 /// Returns nullopt if there is no such header.
 [[nodiscard]] std::optional<PictureSize> jpegSize(std::span<const std::uint8_t> jpeg);
 
-/// An image, or a phrase with its problem ("is 4000x3000, larger than 1920x1080").
+/// An image, or a phrase with its problem ("is cut off").
 struct ImageResult {
   cv::Mat image;
   std::string problem;
@@ -45,13 +45,24 @@ struct DepthFormat {
 /// Returns a size as text, for example "640x480".
 [[nodiscard]] std::string sizeText(int width_px, int height_px);
 
-/// Returns whether a source may have this size (1x1 .. kMaxWidth_px x kMaxHeight_px of
+// Largest pictures that a source reads; it scales them down. Chosen: 8K.
+inline constexpr int kMostSide_px = 8192;
+inline constexpr std::int64_t kMostPixels = std::int64_t{8192} * 4320;
+
+/// Returns whether a source reads pictures of this size: 1 to kMostSide_px px a side, and at most
+/// kMostPixels in all.
+[[nodiscard]] bool sizeReadable(std::int64_t width_px, std::int64_t height_px);
+
+/// Returns the problem of a picture that is too large to be read, as a phrase.
+[[nodiscard]] std::string tooLarge(std::int64_t width_px, std::int64_t height_px);
+
+/// Returns whether a stream may have this size (1x1 .. kMaxWidth_px x kMaxHeight_px of
 /// common/haptic_frame.hpp).
 [[nodiscard]] bool sizeAllowed(int width_px, int height_px);
 
-/// Return the image of a file of at most 1920x1080 px and 64 MiB, or the problem of the file. The
-/// formats are PNG, JPEG and those of depth_file.hpp. readColorFile() converts the image to BGR
-/// (CV_8UC3). readRawFile() does not convert it.
+/// Return the image of a file of at most 64 MiB and a size that is readable, or the problem of the
+/// file. The formats are PNG, JPEG and those of depth_file.hpp. readColorFile() converts the image
+/// to BGR (CV_8UC3). readRawFile() does not convert it.
 [[nodiscard]] ImageResult readColorFile(const std::filesystem::path& file);
 [[nodiscard]] ImageResult readRawFile(const std::filesystem::path& file);
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "server/source/depth_scale.hpp"
+#include "server/source/picture_scale.hpp"
 
 namespace hapticast::server {
 
@@ -49,51 +50,49 @@ ImageSequence::ImageSequence(const std::filesystem::path& folder, double fps, bo
                                   [](const FrameFiles& frame) { return !frame.depth.empty(); });
   const FrameFiles& first = *whole;
   const ImageResult color = readColorFile(first.color);
-  if (!color.ok()) {
+  if (!color.ok())
     throw SourceError(first.color.string() + ": " + color.problem + "; mend this first frame");
-  }
   const ImageResult depth = readRawFile(first.depth);
   if (!depth.ok())
     throw SourceError(first.depth.string() + ": " + depth.problem + "; mend this first frame");
   format_ = detectFormat(first.depth, depth.image, files_);
   if (near_is_dark_ && format_.kind == DepthKind::kMetric)
-    throw SourceError(first.depth.string() + ": has depth in mm, so leave --depth-code out");
+    throw SourceError(first.depth.string() +
+                      ": has depth in mm, so leave --depth-near and --depth-code out");
   info_.name = fileName(folder);
-  info_.width_px = color.image.cols;
-  info_.height_px = color.image.rows;
+  own_size_ = color.image.size();
+  setSize(info_, own_size_, folder.string());
   chooseDepthSize(folder, depth.image);
   warnOfOtherSize(folder);
   info_.fps = fps > 0.0 ? fps : files_.fps;
   info_.depth_kind = format_.kind;
   info_.frame_count = files_.frames.size();
   info_.key_masks = files_.key_masks;
-  info_.camera = files_.camera;
+  if (files_.camera) info_.camera = scaleCamera(*files_.camera, info_);
   if (!info_.camera && files_.fov_deg)
     info_.camera = CameraModel::ofFieldOfView(*files_.fov_deg, info_.width_px, info_.height_px);
   if (info_.key_masks) checkKeyMasks();
   RgbdFrame frame;
   const auto index = static_cast<std::uint64_t>(whole - files_.frames.begin());
-  if (const std::string problem = load(index, frame); !problem.empty()) {
+  if (const std::string problem = load(index, frame); !problem.empty())
     throw SourceError(problem + "; mend this first frame");
-  }
 }
 
 void ImageSequence::chooseDepthSize(const std::filesystem::path& folder, const cv::Mat& first) {
-  const cv::Size color(info_.width_px, info_.height_px);
-  depth_size_ = sameAspect(first.size(), color) ? first.size() : color;
-  if (depth_size_ != color) logScaledDepth(folder.string(), depth_size_, color);
+  depth_size_ = sameAspect(first.size(), own_size_) ? first.size() : own_size_;
+  if (depth_size_ != own_size_) logScaledDepth(folder.string(), depth_size_, frameSize(info_));
 }
 
 void ImageSequence::warnOfOtherSize(const std::filesystem::path& folder) const {
-  const int width_px = files_.declared_width_px.value_or(info_.width_px);
-  const int height_px = files_.declared_height_px.value_or(info_.height_px);
-  if (width_px == info_.width_px && height_px == info_.height_px) return;
+  const int width_px = files_.declared_width_px.value_or(own_size_.width);
+  const int height_px = files_.declared_height_px.value_or(own_size_.height);
+  if (cv::Size(width_px, height_px) == own_size_) return;
   spdlog::warn(
-      "--source {}: states {}, but the pictures are {}; the server uses the intrinsics as they "
-      "are, "
+      "--source {}: states {}, but the pictures are {}; the server uses the intrinsics as those of "
+      "the pictures, "
       "so correct width and height, and give fx, fy, cx and cy for the size of the pictures",
       (folder / "meta.json").string(), sizeText(width_px, height_px),
-      sizeText(info_.width_px, info_.height_px));
+      sizeText(own_size_.width, own_size_.height));
 }
 
 std::optional<RgbdFrame> ImageSequence::read() {
@@ -162,47 +161,66 @@ ImageResult ImageSequence::readMask(const std::filesystem::path& file) const {
   ImageResult mask = readRawFile(file);
   if (mask.ok()) mask = toMask(mask.image);
   if (mask.ok()) mask.problem = otherSize(mask.image);
+  if (mask.ok()) mask.image = scaleMask(mask.image, frameSize(info_));
   return mask;
 }
 
-ImageResult ImageSequence::readDepth(const std::filesystem::path& file) const {
-  ImageResult depth = readRawFile(file);
-  if (depth.ok()) depth = toDepth(depth.image, format_);
+ImageResult ImageSequence::joinMasks(const std::vector<std::filesystem::path>& files) const {
+  cv::Mat joined = cv::Mat::zeros(own_size_, CV_8UC1);
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    if (files[i].empty()) continue;
+    ImageResult mask = readRawFile(files[i]);
+    if (mask.ok()) mask.problem = otherSize(mask.image);
+    if (mask.ok() && mask.image.type() != CV_8UC1) mask.problem = "is not an 8-bit grey image";
+    if (!mask.ok()) return {{}, files[i].string() + ": " + mask.problem};
+    joined.setTo(static_cast<double>(i + 1), mask.image >= 128);
+  }
+  return {scaleMask(joined, frameSize(info_)), ""};
+}
+
+ImageResult ImageSequence::readColor(const std::filesystem::path& file) const {
+  ImageResult color = readColorFile(file);
+  if (color.ok()) color.problem = otherSize(color.image);
+  if (color.ok()) color.image = scaleColor(color.image, frameSize(info_));
+  return color;
+}
+
+ImageResult ImageSequence::readDepth(const FrameFiles& files, const cv::Mat& color) const {
+  DepthFormat format = format_;
+  format.mm_per_unit = files.mm_per_unit.value_or(format.mm_per_unit);
+  ImageResult depth = readRawFile(files.depth);
+  if (depth.ok()) depth = toDepth(depth.image, format);
   if (!depth.ok()) return depth;
   if (near_is_dark_) depth.image = 255.0F - depth.image;
   const cv::Size size = depth.image.size();
-  const cv::Size color(info_.width_px, info_.height_px);
-  if (size != depth_size_ && depth_size_ != color) {
+  if (size != depth_size_) {
     return {{},
-            "is " + sizeText(size.width, size.height) + ", but the clip's depth is " +
+            "is " + sizeText(size.width, size.height) + ", but the clip's " +
+                (depth_size_ == own_size_ ? "colour" : "depth") + " is " +
                 sizeText(depth_size_.width, depth_size_.height)};
   }
-  if (size == depth_size_) depth.image = scaleDepth(depth.image, color);
+  depth.image = scaleDepth(depth.image, format_.kind, color);
   return depth;
 }
 
 std::string ImageSequence::otherSize(const cv::Mat& image) const {
-  if (image.cols == info_.width_px && image.rows == info_.height_px) return "";
+  if (image.size() == own_size_) return "";
   return "is " + sizeText(image.cols, image.rows) + ", but the clip's colour is " +
-         sizeText(info_.width_px, info_.height_px);
+         sizeText(own_size_.width, own_size_.height);
 }
 
 std::string ImageSequence::load(std::uint64_t index, RgbdFrame& frame) const {
   const FrameFiles& files = files_.frames[index];
   if (files.depth.empty()) return files.color.string() + ": has no depth image";
-  const auto checked = [&](const std::filesystem::path& file, const ImageResult& result) {
-    const std::string problem = result.ok() ? otherSize(result.image) : result.problem;
-    return problem.empty() ? "" : file.string() + ": " + problem;
-  };
-  ImageResult color = readColorFile(files.color);
-  if (std::string problem = checked(files.color, color); !problem.empty()) return problem;
-  const ImageResult depth = readDepth(files.depth);
-  if (std::string problem = checked(files.depth, depth); !problem.empty()) return problem;
+  const ImageResult color = readColor(files.color);
+  if (!color.ok()) return files.color.string() + ": " + color.problem;
+  const ImageResult depth = readDepth(files, color.image);
+  if (!depth.ok()) return files.depth.string() + ": " + depth.problem;
   ImageResult mask;
-  if (!files.mask.empty()) {
-    mask = readMask(files.mask);
-    if (std::string problem = checked(files.mask, mask); !problem.empty()) return problem;
-  }
+  if (!files.mask.empty()) mask = readMask(files.mask);
+  if (!mask.ok()) return files.mask.string() + ": " + mask.problem;
+  if (!files.object_masks.empty()) mask = joinMasks(files.object_masks);
+  if (!mask.ok()) return mask.problem;
   frame = {index,       epoch_,      static_cast<double>(index) / info_.fps,
            color.image, depth.image, mask.image};
   return "";

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "server/source/clip_files.hpp"
 #include "server/source/image_file.hpp"
@@ -40,14 +41,20 @@ class ImageSequence final : public RgbdSource {
   /// Checks all key masks. Throws SourceError if one is unreadable, has another size or shows no
   /// object, because the author's masks must not be skipped silently.
   void checkKeyMasks() const;
-  /// Returns the problem if `image` has another size than the clip; otherwise "".
+  /// Returns the problem if `image` has another size than the clip's own pictures; otherwise "".
   [[nodiscard]] std::string otherSize(const cv::Mat& image) const;
-  /// Returns the depth image in `file` at the clip's size, or its problem.
-  [[nodiscard]] ImageResult readDepth(const std::filesystem::path& file) const;
+  /// Returns the colour image in `file` at the size of the frames, or its problem.
+  [[nodiscard]] ImageResult readColor(const std::filesystem::path& file) const;
+  /// Returns the depth image of `files` at the size of `color`, the picture of the frame, or its
+  /// problem.
+  [[nodiscard]] ImageResult readDepth(const FrameFiles& files, const cv::Mat& color) const;
   /// Sets the size of the depth images from the first one, and logs if they are scaled.
   void chooseDepthSize(const std::filesystem::path& folder, const cv::Mat& first);
-  /// Returns the mask in `file`, converted by toMask(), or its problem.
+  /// Returns the mask in `file`, converted by toMask(), at the size of the frames, or its problem.
   [[nodiscard]] ImageResult readMask(const std::filesystem::path& file) const;
+  /// Returns the masks of single objects as one mask, at the size of the frames, or their problem
+  /// with the file's name. Where two overlap, the later one covers the other.
+  [[nodiscard]] ImageResult joinMasks(const std::vector<std::filesystem::path>& files) const;
   /// Returns whether the frame's files no longer exist.
   static bool vanished(const FrameFiles& frame);
   /// Logs a warning that the frames first .. end - 1 were skipped. It does nothing if there are
@@ -59,7 +66,8 @@ class ImageSequence final : public RgbdSource {
   SourceInfo info_;
   DepthFormat format_;
   bool near_is_dark_ = false;
-  cv::Size depth_size_;  // size of the depth images, before they are scaled
+  cv::Size own_size_;  // sizes of colour and depth images in the files
+  cv::Size depth_size_;
   std::uint64_t next_ = 0;
   std::uint32_t epoch_ = 0;
   bool any_read_ = false;  // whether a frame was read since the clip's start

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "server/source/image_file.hpp"
+#include "server/source/picture_scale.hpp"
 
 namespace hapticast::server {
 
@@ -22,12 +23,14 @@ cv::Mat readObjectMask(const KeyMaskFile& file, const SourceInfo& info) {
   if (!raw.ok()) throwMaskError(file, raw.problem + "; mend it");
   const ImageResult labels = toMask(raw.image);
   if (!labels.ok()) throwMaskError(file, labels.problem + "; draw it in white on black");
-  if (labels.image.size() != cv::Size(info.width_px, info.height_px)) {
+  const cv::Size own(static_cast<int>(std::lround(info.width_px * info.own_px.x())),
+                     static_cast<int>(std::lround(info.height_px * info.own_px.y())));
+  if (labels.image.size() != own) {
     throwMaskError(file, fmt::format("is {}, but the pictures are {}; draw it at their size",
                                      sizeText(labels.image.cols, labels.image.rows),
-                                     sizeText(info.width_px, info.height_px)));
+                                     sizeText(own.width, own.height)));
   }
-  cv::Mat mask = labels.image > 0;
+  cv::Mat mask = scaleMask(labels.image, frameSize(info)) > 0;
   if (cv::countNonZero(mask) == 0)
     throwMaskError(file, "shows no object; draw it in white on black");
   return mask;

@@ -16,9 +16,9 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr Duration kLongestSilence = std::chrono::seconds(1);     // without a frame: the device is gone
-constexpr Duration kLongestStart = std::chrono::seconds(5);  // chosen: cameras start in 1 to 3 s
-constexpr Duration kPause = std::chrono::seconds(1);       // between two tries to open the device
+constexpr Duration kDeviceSilence = std::chrono::seconds(1);  // without a frame: the device is gone
+constexpr Duration kDeviceStart = std::chrono::seconds(5);    // chosen: cameras start in 1 to 3 s
+constexpr Duration kPause = std::chrono::seconds(1);  // between two tries to open the device
 constexpr Duration kLongestWait = std::chrono::milliseconds(50);  // of read()
 
 LocalTime steadyNow() { return SteadyClock().now(); }
@@ -43,7 +43,7 @@ LiveCamera::LiveCamera(Open open) : open_(std::move(open)) {
   info_.live = true;
   for (const std::string& warning : device_->warnings()) spdlog::warn("{}", warning);
   pairer_.emplace(info_.fps);
-  deadline_ = steadyNow() + kLongestStart;
+  deadline_ = steadyNow() + kDeviceStart;
   while (!readPair()) {
   }
   began_ = steadyNow();
@@ -72,7 +72,7 @@ void LiveCamera::open() {
     throw SourceError(info_.name + ": delivers " + sizeText(now.width_px, now.height_px) +
                       ", but began with " + sizeText(info_.width_px, info_.height_px));
   pairer_.emplace(info_.fps);
-  deadline_ = steadyNow() + kLongestStart;
+  deadline_ = steadyNow() + kDeviceStart;
 }
 
 std::optional<LivePair> LiveCamera::readPair() {
@@ -86,7 +86,7 @@ std::optional<LivePair> LiveCamera::readPair() {
       problem_ = picture->problem;
       logFault(problem_);
     } else if (auto pair = pairer_->push(std::move(*picture))) {
-      deadline_ = steadyNow() + kLongestSilence;
+      deadline_ = steadyNow() + kDeviceSilence;
       any_color_ = any_depth_ = false;
       problem_.clear();
       return pair;
@@ -118,7 +118,7 @@ RgbdFrame LiveCamera::makeFrame(LivePair pair) {
   frame.epoch = epoch_;
   frame.clip_time_s = toSeconds(now - began_);
   frame.color = std::move(pair.color);
-  frame.depth = scaleDepth(pair.depth, frame.color.size());
+  frame.depth = scaleDepth(pair.depth, DepthKind::kMetric, frame.color);
   frame.age = std::max(now - pair.time, Duration{});
   return frame;
 }

@@ -111,8 +111,8 @@ void requireVideo(const std::string& spec, bool is_video, const VideoLayout& lay
     throw SourceError(spec + ": only a single video file has a --layout; leave the flag out");
   if (layout.code != DepthCode::kGrey && !is_video && !inverse_folder) {
     throw SourceError(spec +
-                      ": has no such --depth-code (hue: only videos; inverse: videos and folders); "
-                      "leave the flag out");
+                      ": cannot obey --depth-near dark or --depth-code (hue: only videos; inverse: "
+                      "videos and folders); leave the flag out");
   }
 }
 

@@ -29,6 +29,9 @@ struct SourceInfo {
   std::string name;  ///< name for people, which viewers receive too; without a path
   int width_px = 0;
   int height_px = 0;
+  /// Pixels of the clip's own pictures for each pixel of the frames, in u and v, 1 or more. A
+  /// source scales larger pictures down. The author's points count in the own pictures.
+  Vec2 own_px = Vec2::Ones();
   double fps = 25.0;
   DepthKind depth_kind = DepthKind::kMetric;
   bool live = false;       ///< true: a camera or stream, which cannot be scanned or rewound

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "server/source/depth_code.hpp"
+#include "server/source/picture_scale.hpp"
 
 namespace hapticast::server {
 
@@ -44,6 +45,7 @@ SingleVideo::SingleVideo(std::unique_ptr<VideoFile> video, const VideoLayout& la
   code_ = layout.code;
   chooseTracks();
   requireSizes();
+  prepareRegistration();
   startTracks();
   cv::Mat color;
   cv::Mat depth;
@@ -56,6 +58,7 @@ SingleVideo::SingleVideo(std::unique_ptr<VideoFile> video, const VideoLayout& la
   const VideoTrack& track = video_->tracks()[color_];
   if (layout_ == Layout::kSeparate) requireDepthFormat(video_->tracks()[depth_], file_);
   describe(color, depth, track, fps);
+  if (camera_) info_.camera = scaleCamera(*camera_, info_);
   info_.live = video_->isLive();
   if (info_.live) return;
   if (track.frame_count > 0) info_.frame_count = track.frame_count;
@@ -74,12 +77,31 @@ void SingleVideo::chooseTracks() {
   }
   depth_ = *depth;
   color_ = findColorTrack(tracks, depth_);
-  if (tracks[depth_].kinect_depth) {
-    spdlog::warn(
-        "--source {}: is a recording of an Azure Kinect or Orbbec; its depth is not aligned to its "
-        "colour, so touch and picture do not match; align the depth to the colour first",
-        file_);
+}
+
+void SingleVideo::prepareRegistration() {
+  const VideoTrack& depth = video_->tracks()[depth_];
+  const VideoTrack& color = video_->tracks()[color_];
+  if (layout_ != Layout::kSeparate || !depth.kinect_depth) return;
+  const std::string text = video_->attachment("calibration.json");
+  if (!text.empty()) {
+    const KinectCalibration calibration =
+        parseKinectCalibration(text, file_ + ": its calibration.json");
+    const auto from = depthCamera(calibration, {depth.width_px, depth.height_px});
+    const auto to = colorCamera(calibration, {color.width_px, color.height_px});
+    if (from && to) {
+      registration_.emplace(*from, *to, calibration);
+      camera_ = CameraModel{to->matrix(0, 0), to->matrix(1, 1), to->matrix(0, 2) + 0.5,
+                            to->matrix(1, 2) + 0.5};
+      spdlog::info("{}: its depth is registered to its colour by the attached calibration", file_);
+      return;
+    }
   }
+  spdlog::warn(
+      "--source {}: is a recording of an Azure Kinect or Orbbec {}; its depth is not aligned to "
+      "its "
+      "colour, so touch and picture do not match; align the depth to the colour first",
+      file_, text.empty() ? "without calibration" : "of sizes that its calibration does not know");
 }
 
 void SingleVideo::throwOneTrack() {
@@ -167,6 +189,12 @@ std::string SingleVideo::retrieveFrame(cv::Mat& color, cv::Mat& depth) {
   if (layout_ == Layout::kSeparate) {
     color = video_->retrieveColor(color_);
     depth = video_->retrieveDepth(depth_);
+    if (registration_ && !depth.empty()) {
+      const VideoTrack& track = video_->tracks()[depth_];
+      if (depth.type() != CV_16UC1 || depth.size() != cv::Size(track.width_px, track.height_px))
+        return "has depth of another format than the clip";
+      depth = registration_->run(depth);
+    }
     return "";
   }
   const cv::Mat picture = video_->retrieveColor(color_);

@@ -7,8 +7,10 @@
 #include <limits>
 #include <memory>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <string>
 
+#include "server/source/depth_registration.hpp"
 #include "server/source/video_file.hpp"
 #include "server/source/video_layout.hpp"
 #include "server/source/video_source.hpp"
@@ -39,6 +41,9 @@ class SingleVideo final : public VideoSource {
   [[noreturn]] void throwOneTrack();
   /// Starts the chosen tracks of the open file.
   void startTracks();
+  /// Prepares the registration of a Kinect's depth from its attached calibration. Logs a warning if
+  /// that is impossible. Throws SourceError if the calibration is damaged.
+  void prepareRegistration();
   /// Throws SourceError if the pictures are too large.
   void requireSizes() const;
   /// Moves the depth to the frame of the colour's time. Returns false at the end of the depth.
@@ -51,6 +56,8 @@ class SingleVideo final : public VideoSource {
   std::size_t depth_ = 0;
   double color_time_s_ = -std::numeric_limits<double>::infinity();  // latest so far
   bool depth_grabbed_ = false;                                      // whether the depth has a frame
+  std::optional<DepthRegistration> registration_;                   // nullopt: aligned already
+  std::optional<CameraModel> camera_;                               // of the colour, if known
   std::string problem_;  // problem of the frame's time; "" if depth belongs to colour
 };
 

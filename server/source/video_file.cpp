@@ -19,6 +19,7 @@ extern "C" {
 #include <string_view>
 #include <utility>
 
+#include "server/source/image_file.hpp"
 #include "server/source/video_format.hpp"
 
 namespace hapticast::server {
@@ -246,6 +247,18 @@ bool VideoFile::isLive() const { return parts_->isLive(); }
 
 const std::vector<VideoTrack>& VideoFile::tracks() const { return parts_->tracks; }
 
+std::string VideoFile::attachment(const std::string& name) const {
+  for (unsigned i = 0; i < parts_->format->nb_streams; ++i) {
+    const AVStream& stream = *parts_->format->streams[i];
+    const AVCodecParameters& about = *stream.codecpar;
+    if (about.codec_type != AVMEDIA_TYPE_ATTACHMENT || about.extradata == nullptr) continue;
+    if (lowerTag(stream.metadata, "filename") != name) continue;
+    return {reinterpret_cast<const char*>(about.extradata),
+            static_cast<std::size_t>(std::max(about.extradata_size, 0))};
+  }
+  return "";
+}
+
 void VideoFile::start(std::size_t track) {
   TrackDecoder& decoder = parts_->decoders.at(track);
   const AVCodec* const kind = avcodec_find_decoder(decoder.stream->codecpar->codec_id);
@@ -256,7 +269,7 @@ void VideoFile::start(std::size_t track) {
     throwNoVideo(parts_->file, parts_->isLive());
   codec->thread_count = 1;
   codec->pkt_timebase = decoder.stream->time_base;
-  codec->max_pixels = kMostPixels;
+  codec->max_pixels = kMostDecoded_px;
   // PNG has check sums: no damaged depth is replaced by a guess. FFV1's decoder ignores this.
   if (codec->codec_id == AV_CODEC_ID_PNG) codec->err_recognition = AV_EF_CRCCHECK | AV_EF_EXPLODE;
   if (avcodec_open2(codec.get(), kind, nullptr) < 0) throwNoVideo(parts_->file, parts_->isLive());

@@ -63,6 +63,8 @@ class VideoFile {
   /// Returns whether it is a stream, which has one pass only.
   [[nodiscard]] bool isLive() const;
   [[nodiscard]] const std::vector<VideoTrack>& tracks() const;
+  /// Returns the bytes of the file that is attached under `name`; "" if there is none.
+  [[nodiscard]] std::string attachment(const std::string& name) const;
   /// Begins to decode `track`, before its first grab(). Throws SourceError if that is impossible.
   void start(std::size_t track);
   /// Moves `track` to its next frame. Returns false at its end. A frame that is damaged counts as

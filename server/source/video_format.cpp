@@ -49,7 +49,7 @@ void findStreams(AVFormatContext& format, const std::string& name, bool live) {
   std::array<LibavOptions, kMostStreams> limits;
   std::array<AVDictionary*, kMostProbed> each{};
   for (unsigned i = 0; i < format.nb_streams; ++i) {
-    limits[i].set("max_pixels", kMostPixels);
+    limits[i].set("max_pixels", kMostDecoded_px);
     av_dict_copy(&each[i], *limits[i].get(), 0);
   }
   const int found = avformat_find_stream_info(&format, each.data());

@@ -12,15 +12,15 @@ extern "C" {
 #include <memory>
 #include <string>
 
-#include "common/haptic_frame.hpp"
+#include "server/source/image_file.hpp"
 #include "server/source/video_file.hpp"
 
 namespace hapticast::server {
 
 /// Largest number of streams of a file.
 inline constexpr unsigned kMostStreams = 16;
-/// Largest picture: two pictures of the largest size side by side, with a codec's padding.
-inline constexpr std::int64_t kMostPixels = 2LL * (kMaxWidth_px + 64) * (kMaxHeight_px + 64);
+/// Largest picture to decode: the largest one that a source reads, with a codec's padding.
+inline constexpr std::int64_t kMostDecoded_px = kMostPixels + 64LL * 2 * kMostSide_px;
 
 template <typename T, void (*release)(T**)>
 struct LibavDelete {

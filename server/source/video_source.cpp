@@ -7,6 +7,7 @@
 
 #include "server/source/depth_code.hpp"
 #include "server/source/depth_scale.hpp"
+#include "server/source/picture_scale.hpp"
 
 namespace hapticast::server {
 
@@ -17,9 +18,13 @@ constexpr std::uint64_t kFewMissing = 5;  // chosen: files often state a few fra
 }  // namespace
 
 void requireVideoSize(const VideoTrack& track, const std::string& file) {
-  if (sizeAllowed(track.width_px, track.height_px)) return;
-  throw SourceError(file + ": is " + sizeText(track.width_px, track.height_px) +
-                    "; allowed is up to 1920x1080, so scale it down");
+  if (sizeReadable(track.width_px, track.height_px)) return;
+  const bool known = track.width_px > 0;  // else the decoder refused them
+  throw SourceError(file + ": " +
+                    (known ? tooLarge(track.width_px, track.height_px)
+                           : "has pictures that cannot be decoded or are larger than " +
+                                 sizeText(kMostSide_px, 4320)) +
+                    "; scale it down");
 }
 
 void requireDepthFormat(const VideoTrack& track, const std::string& file) {
@@ -36,7 +41,7 @@ void VideoSource::describe(const cv::Mat& color, const cv::Mat& raw, const Video
                            double fps) {
   const std::string& file = fileOf(true);
   if (isMetric(raw) && code_ != DepthCode::kGrey)
-    throw SourceError(file + ": has depth in mm, so leave --depth-code out");
+    throw SourceError(file + ": has depth in mm, so leave --depth-near and --depth-code out");
   const cv::Mat depth = decodeDepth(raw, code_);
   if (!sameAspect(depth.size(), color.size())) {
     throw SourceError(file + ": is " + sizeText(depth.cols, depth.rows) +
@@ -45,12 +50,12 @@ void VideoSource::describe(const cv::Mat& color, const cv::Mat& raw, const Video
   }
   if (isColorCoded(depth))
     throw SourceError(file + ": shows depth as colours; make it grey (near is white)");
-  if (depth.size() != color.size()) logScaledDepth(file, depth.size(), color.size());
+  color_size_ = color.size();
   depth_size_ = depth.size();
   format_.kind = isMetric(depth) ? DepthKind::kMetric : DepthKind::kHeight;
   info_.name = fileName(fileOf(false));
-  info_.width_px = color.cols;
-  info_.height_px = color.rows;
+  setSize(info_, color_size_, fileOf(false));
+  if (depth_size_ != color_size_) logScaledDepth(file, depth_size_, frameSize(info_));
   // Without a plausible rate of the file, the clip has that of most films.
   const bool plausible = track.fps >= 1.0 && track.fps <= 240.0;
   info_.fps = fps > 0.0 ? fps : (plausible ? track.fps : 25.0);
@@ -73,22 +78,22 @@ bool VideoSource::grab() {
 }
 
 std::string VideoSource::load(RgbdFrame& frame) {
-  const cv::Size size(info_.width_px, info_.height_px);
   cv::Mat raw;
   const std::string problem = retrieveFrame(frame.color, raw);
   if (!problem.empty())
     return fileOf(true) + ": frame " + std::to_string(frame.index) + " " + problem;
-  const bool color = frame.color.size() == size;
+  const bool color = frame.color.size() == color_size_;
   const bool depth = raw.size() == depth_size_;
   if (!color || !depth) {
-    const cv::Size wanted = color ? depth_size_ : size;
+    const cv::Size wanted = color ? depth_size_ : color_size_;
     return fileOf(color) + ": frame " + std::to_string(frame.index) +
            " cannot be decoded or is not " + sizeText(wanted.width, wanted.height);
   }
   ImageResult converted = toDepth(decodeDepth(raw, code_), format_);
   if (!converted.ok())
     return fileOf(true) + ": frame " + std::to_string(frame.index) + " " + converted.problem;
-  frame.depth = scaleDepth(converted.image, size);
+  frame.color = scaleColor(frame.color, frameSize(info_));
+  frame.depth = scaleDepth(converted.image, format_.kind, frame.color);
   return "";
 }
 

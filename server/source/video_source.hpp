@@ -50,6 +50,7 @@ class VideoSource : public RgbdSource {
   DepthCode code_ = DepthCode::kGrey;
   DepthFormat format_;
   bool cut_reported_ = false;  // whether a warning of a clip that ends early was logged
+  cv::Size color_size_;        // sizes of the pictures in the files
   cv::Size depth_size_;
 
  private:

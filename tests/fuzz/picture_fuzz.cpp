@@ -8,7 +8,6 @@
 #include <span>
 
 #include "client/view/picture.hpp"
-#include "common/haptic_frame.hpp"
 #include "server/source/image_file.hpp"
 
 namespace {
@@ -28,7 +27,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 
   const auto file = hapticast::server::decodeImage(bytes, cv::IMREAD_UNCHANGED);
   require(file.ok() != file.image.empty());
-  require(file.image.cols <= hapticast::kMaxWidth_px &&
-          file.image.rows <= hapticast::kMaxHeight_px);
+  require(!file.ok() || hapticast::server::sizeReadable(file.image.cols, file.image.rows));
   return 0;
 }

@@ -80,6 +80,7 @@ FramePair FramePairs::push(const RgbdFrame& frame, double time_s, const cv::Mat&
   pair_.last_clip_time_s =
       first || frame.clip_time_s < pair_.clip_time_s ? -1.0 : pair_.clip_time_s;
   pair_.clip_time_s = frame.clip_time_s;
+  pair_.own_px = info_.own_px;
   pair_.frame_s = 1.0 / info_.fps;
   pair_.has_key_masks = info_.key_masks;
   pair_.cut = cuts_.next(raw);

@@ -67,10 +67,11 @@ bool equalImages(const FrameImages& a, const FrameImages& b);
 /// A frame, the frame before it, and the shared results of both.
 struct FramePair {
   FrameImages now;
-  FrameImages last;          ///< empty in the first frame of a scene
-  std::uint64_t index = 0;   ///< index of `now` in the clip
-  double clip_time_s = 0.0;  ///< time of `now` in the clip, s
-  double frame_s = 0.0;      ///< duration of a frame at the source's stated frame rate, s
+  FrameImages last;            ///< empty in the first frame of a scene
+  std::uint64_t index = 0;     ///< index of `now` in the clip
+  double clip_time_s = 0.0;    ///< time of `now` in the clip, s
+  Vec2 own_px = Vec2::Ones();  ///< SourceInfo::own_px
+  double frame_s = 0.0;        ///< duration of a frame at the source's stated frame rate, s
   /// Time of `last` in the clip, s; below 0 in the first frame of a clip.
   double last_clip_time_s = -1.0;
   bool has_key_masks = false;  ///< the author drew key masks for some frames of the clip

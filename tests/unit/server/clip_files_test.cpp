@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "server/source/clip_files.hpp"
+#include "server/source/json_object.hpp"
 #include "server/source/rgbd_source.hpp"
 
 namespace hapticast::server {
@@ -33,8 +34,8 @@ TEST(ClipMetaJson, IsReadAndRefused) {
   EXPECT_EQ(parseClipMeta(R"({"fps": "30", "depth": null})", "").fps, 30.0);
   EXPECT_EQ(parseClipMeta(R"({"depth_bits": 8, "depth": "16-bit"})", "").depth_bits, 8);
   EXPECT_EQ(parseClipMeta(R"({"depth_scale_m_per_unit": 0.001})", "").depth_bits, 16);
-  const std::string deep = fmt::format("{{\"a\": {}{}}}", std::string(kMaxMetaDepth, '['),
-                                       std::string(kMaxMetaDepth, ']'));
+  const std::string deep = fmt::format("{{\"a\": {}{}}}", std::string(kMaxJsonDepth, '['),
+                                       std::string(kMaxJsonDepth, ']'));
   const std::string large = fmt::format("{{\"a\": \"{}\"}}", std::string(kMaxMeta_bytes, 'x'));
   for (const std::string& bad : std::vector<std::string>{
            "", "[]", "null", "{", "{}}", "{\"a\"}", "{\"a\": }", "{\"a\": 1,}", "{\"a",

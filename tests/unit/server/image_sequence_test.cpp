@@ -321,15 +321,15 @@ TEST_F(ImageSequenceFolder, AnUnreadableFirstFrameIsRefused) {
 
 TEST_F(ImageSequenceFolder, TooLargeImagesAreRefusedBeforeTheyAreDecoded) {
   fill();
-  folder.write("rgb/000000.png", color(0, {1922, 24}));
-  EXPECT_THAT(openError(), HasSubstr("000000.png: is 1922x24, larger than 1920x1080"));
+  folder.write("rgb/000000.png", color(0, {8200, 24}));
+  EXPECT_THAT(openError(), HasSubstr("000000.png: is 8200x24, larger than 8192 px a side"));
   // A PNG header that promises 60000 x 60000 pixels, and nothing behind it.
   std::string png("\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\xea\x60\0\0\xea\x60\x08\x02\0\0\0", 29);
   folder.write("rgb/000000.png", png);
   EXPECT_THAT(openError(), HasSubstr("is 60000x60000, larger than"));
   fs::remove(folder / "rgb/000000.png");
-  folder.write("rgb/000000.jpg", color(0, {64, 1200}));
-  EXPECT_THAT(openError(), HasSubstr("000000.jpg: is 64x1200, larger than"));
+  folder.write("rgb/000000.jpg", color(0, {64, 8200}));
+  EXPECT_THAT(openError(), HasSubstr("000000.jpg: is 64x8200, larger than"));
 }
 
 TEST_F(ImageSequenceFolder, TumListsAreAssociatedByTime) {

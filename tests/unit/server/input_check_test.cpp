@@ -194,7 +194,7 @@ TEST(InputCheck, AnotherSizeInMetaJsonIsTold) {
   EXPECT_EQ(warnings(R"({"width": 32, "height": 24})"), "");
   EXPECT_THAT(warnings(R"({"width": 1920, "height": 1080})"),
               HasSubstr("meta.json: states 1920x1080, but the pictures are 32x24; the server uses "
-                        "the intrinsics as they are"));
+                        "the intrinsics as those of the pictures"));
   EXPECT_THAT(warnings(R"({"width": 64})"), HasSubstr("states 64x24"));
 }
 

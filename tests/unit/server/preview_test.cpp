@@ -224,7 +224,7 @@ TEST(AuthorPoints, AfterTheEndOfTheClipAreToldAndLeftOut) {
   settings.object_points = {{{10, 20}}, {{30, 40}, 1.96}, {{50, 60}, 2.0}};
   settings.not_points = {{{70, 80}, 99.0}};
   const LogLines log;
-  const VisionSettings left = dropInvalidPoints(settings, info);
+  const VisionSettings left = preparePoints(settings, info);
   EXPECT_EQ(left.object_points.size(), 2U);
   EXPECT_TRUE(left.not_points.empty());
   EXPECT_EQ(log.count(), 2);
@@ -233,7 +233,7 @@ TEST(AuthorPoints, AfterTheEndOfTheClipAreToldAndLeftOut) {
                                 HasSubstr("--not 70,80@99: ")));
   info.frame_count.reset();
   info.live = true;
-  EXPECT_EQ(dropInvalidPoints(settings, info).object_points.size(), 3U) << "no end is known";
+  EXPECT_EQ(preparePoints(settings, info).object_points.size(), 3U) << "no end is known";
 }
 
 TEST(AuthorPoints, ThatContradictEachOtherAreToldAndLeftOut) {
@@ -241,7 +241,7 @@ TEST(AuthorPoints, ThatContradictEachOtherAreToldAndLeftOut) {
   settings.object_points = {{{10, 20}}, {{30, 40}, 1.5}};
   settings.not_points = {{{31, 41}, 1.5}, {{30, 40}, 0.0}};
   const LogLines log;
-  const VisionSettings left = dropInvalidPoints(settings, {});
+  const VisionSettings left = preparePoints(settings, {});
   ASSERT_EQ(left.object_points.size(), 1U);
   EXPECT_EQ(left.object_points[0].time_s, 0.0);
   ASSERT_EQ(left.not_points.size(), 1U) << "at another time it is no contradiction";

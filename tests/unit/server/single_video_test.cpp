@@ -180,11 +180,8 @@ TEST_F(SingleVideoFiles, SmallerDepthIsScaledAndOtherAspectsAreRefused) {
   EXPECT_THAT(log.text(), HasSubstr("depth of 32 x 24 is scaled to 64 x 48"));
   const auto frame = source->read();
   ASSERT_TRUE(frame);
-  cv::Mat wanted;
-  drawnDepth(0, {32, 24}).convertTo(wanted, CV_32F);
   EXPECT_EQ(frame->depth.size(), cv::Size(64, 48));
-  for (int v = 0; v < 48; ++v)
-    EXPECT_EQ(frame->depth.at<float>(v, 63), wanted.at<float>(v / 2, 31)) << v;
+  EXPECT_EQ(cv::countNonZero(frame->depth.colRange(0, 28) != 500.0F), 0);
   ffmpeg(rawColor() + rawDepth({40, 40}) + kCopyTwo + "square.mkv");
   EXPECT_THAT(openError("square.mkv"),
               HasSubstr("square.mkv: is 40x40, but the colour video is 64x48"));
@@ -322,12 +319,13 @@ TEST_F(SingleVideoFiles, AColourVideoAloneIsRefusedWithoutAGuess) {
 }
 
 TEST_F(SingleVideoFiles, TooLargePicturesAreRefusedBeforeTheyAreDecoded) {
-  ffmpeg("-f lavfi -i color=size=3880x64 -frames:v 1 -c:v mjpeg wide.avi");
+  ffmpeg("-f lavfi -i color=size=16400x64 -frames:v 1 -c:v mjpeg wide.avi");
   EXPECT_THAT(openError("wide.avi", {Layout::kSideBySide, DepthCode::kGrey}),
-              HasSubstr("wide.avi: is 1940x64; allowed is up to 1920x1080"));
-  ffmpeg("-f lavfi -i color=size=3840x2160 -frames:v 1 -c:v libx264 -preset ultrafast 4k.mp4");
-  EXPECT_THAT(openError("4k.mp4", {Layout::kSideBySide, DepthCode::kGrey}),
-              HasSubstr("4k.mp4: is 1920x2160; allowed is"));
+              HasSubstr("wide.avi: is 8200x64, larger than 8192 px a side"));
+  ffmpeg("-f lavfi -i color=size=12288x6144 -frames:v 1 -c:v mjpeg large.avi");
+  EXPECT_THAT(
+      openError("large.avi", {Layout::kSideBySide, DepthCode::kGrey}),
+      HasSubstr("large.avi: has pictures that cannot be decoded or are larger than 8192x4320"));
 }
 
 TEST_F(SingleVideoFiles, PlaylistsAndFilesOfManyTracksAreRefused) {
@@ -346,7 +344,7 @@ TEST_F(SingleVideoFiles, FlagsOfVideosAreRefusedForOtherSources) {
     EXPECT_THAT(errorOf([&] { (void)openSource(spec, 0.0, false, beside); }),
                 HasSubstr("only a single video file has a --layout"));
     EXPECT_THAT(errorOf([&] { (void)openSource(spec, 0.0, false, hue); }),
-                HasSubstr("has no such --depth-code (hue: only videos"));
+                HasSubstr("--depth-code (hue: only videos"));
   }
   EXPECT_THAT(errorOf([&] { (void)openSource("a.mp4,b.mp4", 0.0, false, beside); }),
               HasSubstr("only a single video file has a --layout"));

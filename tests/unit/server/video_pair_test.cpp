@@ -198,8 +198,8 @@ TEST_F(VideoPairFiles, DifferentRatesAreToldOnce) {
 }
 
 TEST_F(VideoPairFiles, TooLargeIsRefused) {
-  EXPECT_THAT(openError(video("c.avi", 1, {1936, 64}), video("d.avi", 1)),
-              HasSubstr("c.avi: is 1936x64; allowed is up to 1920x1080"));
+  EXPECT_THAT(openError(video("c.avi", 1, {8208, 64}), video("d.avi", 1)),
+              HasSubstr("c.avi: is 8208x64, larger than 8192 px a side"));
 }
 
 TEST_F(VideoPairFiles, MissingAndUnreadableFilesAreRefused) {

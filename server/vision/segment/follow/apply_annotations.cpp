@@ -157,7 +157,8 @@ void NarrowBandTracker::applyPoint(const ObjectPoint& point, const Annotation& a
   }
   ChosenStart start = selectInitialMask(images, scene_, point.at_px, annotation.off);
   if (!start.object) {
-    spdlog::warn("--object {},{}@{:.2f}: {}; it is left out", point.at_px.x, point.at_px.y,
+    spdlog::warn("--object {:.0f},{:.0f}@{:.2f}: {}; it is left out",
+                 point.at_px.x * frames.own_px.x(), point.at_px.y * frames.own_px.y(),
                  frames.clip_time_s, start.why_not);
     return;
   }
