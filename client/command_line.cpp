@@ -76,15 +76,32 @@ void addServer(CLI::App& app, Settings& settings) {
       settings.announced = serviceName("server", text.substr(kAnnounced.size()));
       return;
     }
-    settings.server = parseEndpointOr(text, otherwise, "server", 1,
-                                      "HOST[:PORT], PORT, [V6ADDRESS]:PORT or mdns:NAME");
+    constexpr std::string_view kPlain = "hapticast://";
+    constexpr std::string_view kTls = "hapticasts://";
+    settings.tls = text.starts_with(kTls);
+    std::string place = text;
+    if (settings.tls || text.starts_with(kPlain))
+      place = text.substr((settings.tls ? kTls : kPlain).size());
+    settings.server =
+        parseEndpointOr(place, otherwise, "server", 1,
+                        "HOST[:PORT], PORT, [V6ADDRESS]:PORT, hapticasts://HOST or mdns:NAME");
   };
   app.add_option_function<std::string>(
          "server", set,
          "The address of hapticast-server, or mdns:NAME for the server announced as NAME. Default: "
          "localhost:7447; while no server answers there, the log lists the servers on the LAN. The "
          "client waits until the server answers")
-      ->type_name("HOST[:PORT]|mdns:NAME");
+      ->type_name("HOST[:PORT]|hapticasts://HOST[:PORT]|mdns:NAME");
+  app.add_option("--tls-ca", settings.tls_ca_file,
+                 "With hapticasts://: accept only servers whose certificate is of an authority in "
+                 "this file (PEM). Default: the key of the first connection, which the client "
+                 "stores in hapticast/known_servers in $XDG_STATE_HOME, else in ~/.local/state")
+      ->type_name("FILE");
+  app.add_option("--token-file", settings.token_file,
+                 "The file with the access token for the server")
+      ->type_name("FILE");
+  app.add_flag("--insecure", settings.insecure,
+               "Send the access token to other machines without TLS, too");
   addList(app, "--origin-key", settings.origin_keys, parseOriginKey,
           "The public key of the server, in hex; the client ends if the server shows another one. "
           "May appear more than once. The word first: the key of the first connection, which the "

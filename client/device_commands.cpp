@@ -12,6 +12,7 @@
 #include "client/device/check_device.hpp"
 #include "client/report/fault_log.hpp"
 #include "common/cli/run_program.hpp"
+#include "common/private_file.hpp"
 
 namespace hapticast::client {
 

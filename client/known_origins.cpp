@@ -23,18 +23,24 @@ struct KnownOrigin {
   int line = 0;
 };
 
+/// Begins messages about the file of these keys.
+std::string labelOf(PinKind kind) {
+  return kind == PinKind::kTls ? "TLS keys of servers: " : "--origin-key first: ";
+}
+
 /// Returns the text of the file; empty if there is no file. Throws std::runtime_error.
-std::string readText(const std::filesystem::path& file) {
+std::string readText(PinKind kind, const std::filesystem::path& file) {
   std::error_code error;
   if (!std::filesystem::exists(file, error) && !error) return {};
   auto text = readSmallFile(file);
   if (text.ok()) return std::move(text).value();
-  throw std::runtime_error("--origin-key first: " + file.string() + ": " + text.error().message +
+  throw std::runtime_error(labelOf(kind) + file.string() + ": " + text.error().message +
                            "; correct or remove it");
 }
 
 /// Returns the lines of the file's text. Throws std::runtime_error at a malformed line.
-std::vector<KnownOrigin> parseOrigins(const std::filesystem::path& file, const std::string& text) {
+std::vector<KnownOrigin> parseOrigins(PinKind kind, const std::filesystem::path& file,
+                                      const std::string& text) {
   std::vector<KnownOrigin> known;
   std::istringstream in(text);
   std::string line;
@@ -45,8 +51,8 @@ std::vector<KnownOrigin> parseOrigins(const std::filesystem::path& file, const s
                          ? std::nullopt
                          : parseKey(std::string_view(line).substr(space + 1));
     if (!key) {
-      throw std::runtime_error("--origin-key first: " + file.string() + ":" +
-                               std::to_string(number) + ": " + quote(line) +
+      throw std::runtime_error(labelOf(kind) + file.string() + ":" + std::to_string(number) + ": " +
+                               quote(line) +
                                " is not HOST:PORT and a key of 64 hex digits; correct or delete "
                                "the line");
     }
@@ -60,16 +66,16 @@ std::string nameRemedy(const std::filesystem::path& file, int line) {
 }
 
 /// Adds a line to the file. Returns the remedy for a later refusal.
-Result<std::string> storeOrigin(const std::filesystem::path& file, const std::string& server,
-                                const KeyBytes& key) {
+Result<std::string> storeOrigin(PinKind kind, const std::filesystem::path& file,
+                                const std::string& server, const KeyBytes& key) {
   try {
-    std::string text = readText(file);  // another client may have added a line
-    (void)parseOrigins(file, text);
+    std::string text = readText(kind, file);  // another client may have added a line
+    (void)parseOrigins(kind, file, text);
     if (!text.empty() && text.back() != '\n') text += '\n';
     const auto lines = std::count(text.begin(), text.end(), '\n');
     text += server + " " + toHex(key) + "\n";
     if (const auto error = writePrivateFile(file, text)) {
-      return Error{"--origin-key first: " + file.string() + ": " + error->message +
+      return Error{labelOf(kind) + file.string() + ": " + error->message +
                    "; make its folder writable, or name the key itself"};
     }
     spdlog::info("the client expects the key {} of {} from now on, and stores it in {}", toHex(key),
@@ -78,6 +84,20 @@ Result<std::string> storeOrigin(const std::filesystem::path& file, const std::st
   } catch (const std::runtime_error& error) {
     return Error{error.what()};
   }
+}
+
+/// Returns the pin that accepts `expected`, and the key that the server shows first.
+OriginPin pinFirst(PinKind kind, std::vector<KeyBytes> expected, const std::string& server,
+                   const std::filesystem::path& file) {
+  for (const KnownOrigin& each : parseOrigins(kind, file, readText(kind, file))) {
+    if (each.server != server) continue;
+    expected.push_back(each.key);
+    return {server, std::move(expected), nullptr, nameRemedy(file, each.line), kind};
+  }
+  return {
+      server, std::move(expected),
+      [kind, file, server](const KeyBytes& key) { return storeOrigin(kind, file, server, key); },
+      "", kind};
 }
 
 }  // namespace
@@ -92,13 +112,11 @@ OriginPin makeOriginPin(const std::vector<OriginKey>& keys, const std::string& s
     first = first || !each.key;
   }
   if (!first) return {server, std::move(expected)};
-  for (const KnownOrigin& each : parseOrigins(file, readText(file))) {
-    if (each.server != server) continue;
-    expected.push_back(each.key);
-    return {server, std::move(expected), nullptr, nameRemedy(file, each.line)};
-  }
-  return {server, std::move(expected),
-          [file, server](const KeyBytes& key) { return storeOrigin(file, server, key); }};
+  return pinFirst(PinKind::kOrigin, std::move(expected), server, file);
+}
+
+OriginPin makeTlsPin(const std::string& server, const std::filesystem::path& file) {
+  return pinFirst(PinKind::kTls, {}, server, file);
 }
 
 }  // namespace hapticast::client

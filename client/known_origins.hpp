@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// File with the keys that servers showed at the first connection (--origin-key first). Each line
+// Files with the keys that servers showed at the first connection: keys of signatures
+// (--origin-key first) and TLS keys (hapticasts://), as ssh stores them. Each line
 // has a server (HOST:PORT or mdns:NAME) and its key: `SERVER HEX`. Thread: main; the storing:
 // network.
 #pragma once
@@ -18,5 +19,9 @@ namespace hapticast::client {
 /// and the line's number) if the file cannot be read or has a malformed line.
 [[nodiscard]] OriginPin makeOriginPin(const std::vector<OriginKey>& keys, const std::string& server,
                                       const std::filesystem::path& file);
+
+/// Returns the check of the TLS key of `server`: the first key that it shows is stored in `file`
+/// and expected from then on. Throws std::runtime_error as above.
+[[nodiscard]] OriginPin makeTlsPin(const std::string& server, const std::filesystem::path& file);
 
 }  // namespace hapticast::client

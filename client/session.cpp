@@ -14,7 +14,9 @@
 #include "client/net/receiver.hpp"
 #include "client/report/fault_log.hpp"
 #include "client/report/messages.hpp"
+#include "client/server_trust.hpp"
 #include "common/cli/run_program.hpp"
+#include "common/private_file.hpp"
 #include "common/transport/asio.hpp"
 
 namespace hapticast::client {
@@ -22,15 +24,18 @@ namespace hapticast::client {
 namespace {
 
 std::string nameServer(const Settings& settings) {
-  return settings.announced.empty() ? toString(settings.server) : "mdns:" + settings.announced;
+  if (!settings.announced.empty()) return "mdns:" + settings.announced;
+  return (settings.tls ? "hapticasts://" : "") + toString(settings.server);
 }
 
 ConnectionSettings connectionSettings(const Settings& settings, bool wants_video) {
   return {.server = settings.server,
-          .dial = settings.announced.empty() ? Dial(dialTcp) : dialAnnounced(settings.announced),
+          .dial = chooseDial(settings, nameServer(settings)),
           .delivery = settings.delivery,
           .origin = makeOriginPin(settings.origin_keys, nameServer(settings),
                                   stateFolder() / "known_origins"),
+          .access_token = loadToken(settings.token_file),
+          .insecure = settings.insecure,
           .wants_video = wants_video};
 }
 

@@ -26,6 +26,10 @@ struct Settings {
   Endpoint server{"localhost", kDefaultPort};
   std::string announced;               ///< name of the server from mdns:NAME; empty: use `server`
   bool server_given = false;           ///< the user named a server
+  bool tls = false;                    ///< the user named it as hapticasts://
+  std::string tls_ca_file;             ///< authorities of servers; empty: the first key counts
+  std::string token_file;              ///< file with the access token; empty: none
+  bool insecure = false;               ///< the token may travel without TLS
   std::vector<OriginKey> origin_keys;  ///< keys that the server may show; empty: any key or none
   bool list_servers = false;
   std::string device = "auto";

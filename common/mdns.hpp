@@ -16,6 +16,8 @@ inline constexpr const char* kServiceType = "_hapticast._tcp";
 /// The value of the second key is the stream's name.
 inline constexpr const char* kServiceVersionKey = "version";
 inline constexpr const char* kTxtTitleKey = "plays";
+/// Fingerprint of the server's TLS certificate, in hex; absent: the server has no TLS.
+inline constexpr const char* kTxtTlsKey = "tls";
 inline constexpr std::size_t kMaxServiceName_bytes = 63;    ///< RFC 6763, section 4.1.1
 inline constexpr std::size_t kMaxServicePlays_bytes = 100;  ///< a choice: the text fits one line
 

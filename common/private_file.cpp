@@ -18,6 +18,13 @@ Error withReason(const std::string& what, int number) {
   return Error{what + " (" + std::system_category().message(number) + ")"};
 }
 
+/// Returns the absolute path in an environment variable; empty if there is none.
+std::filesystem::path folderFromEnvironment(const char* variable) {
+  const char* const value = std::getenv(variable);
+  std::filesystem::path path(value == nullptr ? "" : value);
+  return path.is_absolute() ? path : std::filesystem::path();
+}
+
 /// Writes all of `text` and waits until the disk has it. Returns false and sets errno on failure.
 bool writeAll(int descriptor, std::string_view text) {
   while (!text.empty()) {
@@ -29,6 +36,15 @@ bool writeAll(int descriptor, std::string_view text) {
 }
 
 }  // namespace
+
+std::filesystem::path stateFolder() {
+  const auto of_service = folderFromEnvironment("STATE_DIRECTORY");
+  if (!of_service.empty()) return of_service;
+  const auto state = folderFromEnvironment("XDG_STATE_HOME");
+  if (!state.empty()) return state / "hapticast";
+  const auto home = folderFromEnvironment("HOME");
+  return home.empty() ? "." : home / ".local/state/hapticast";
+}
 
 Result<std::string> readSmallFile(const std::filesystem::path& file) {
   std::error_code error;

@@ -16,6 +16,10 @@ namespace hapticast {
 /// Largest file that readSmallFile() accepts. The value is a choice: such files have a few lines.
 inline constexpr std::size_t kMaxSmallFile_bytes = 1U << 20U;
 
+/// Returns the folder for what a program remembers: $STATE_DIRECTORY (set by systemd), or hapticast
+/// in $XDG_STATE_HOME, or in ~/.local/state. It may not exist yet.
+[[nodiscard]] std::filesystem::path stateFolder();
+
 /// Returns the content of `file`. Returns an error without the file's name ("cannot be read (...)")
 /// if the file is larger than kMaxSmallFile_bytes, is no regular file, or cannot be read.
 [[nodiscard]] Result<std::string> readSmallFile(const std::filesystem::path& file);

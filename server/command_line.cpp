@@ -100,6 +100,42 @@ void addMulticast(CLI::App& app, std::optional<MulticastChoice>& multicast) {
       ->type_name("GROUP:PORT[@INTERFACE]");
 }
 
+void addTlsOptions(CLI::App& app, Settings& settings) {
+  app.add_option("--tls-cert", settings.tls.certificate,
+                 "Offer TLS with this certificate (PEM, with its chain); needs --tls-key")
+      ->type_name("FILE");
+  app.add_option("--tls-key", settings.tls.key, "The private key of --tls-cert (PEM)")
+      ->type_name("FILE");
+  const auto set = [&settings](const std::string& text) {
+    if (text != "auto") throw CLI::ValidationError("--tls", quote(text) + " is not auto");
+    settings.tls.automatic = true;
+  };
+  app.add_option_function<std::string>(
+         "--tls", set,
+         "auto: offer TLS with a key pair of the server's own, which it makes once; the log shows "
+         "its fingerprint, and --announce carries it")
+      ->type_name("auto");
+  app.add_option("--tokens", settings.tokens_file,
+                 "Accept only viewers with a token of this file: lines `SHA256 viewer|operator "
+                 "YYYY-MM-DD|never`; other machines then need TLS")
+      ->type_name("FILE");
+  app.add_flag("--insecure", settings.insecure,
+               "With --tokens: accept other machines without TLS, so that anybody on the way can "
+               "read their tokens");
+}
+
+/// Throws CLI::ValidationError for flags of TLS that need another one.
+void requireTlsFlags(const Settings& settings) {
+  const TlsFiles& tls = settings.tls;
+  if (tls.certificate.empty() != tls.key.empty())
+    throw CLI::ValidationError(tls.key.empty() ? "--tls-cert" : "--tls-key",
+                               "--tls-cert and --tls-key belong together");
+  if (tls.automatic && !tls.certificate.empty())
+    throw CLI::ValidationError("--tls", "auto and --tls-cert exclude each other");
+  if (settings.insecure && settings.tokens_file.empty())
+    throw CLI::ValidationError("--insecure", "needs --tokens");
+}
+
 void addNetworkOptions(CLI::App& app, Settings& settings) {
   addEndpoint(app, "--listen", settings.listen, 0, "[ADDR:]PORT, an IP address or [V6ADDRESS]:PORT",
               "The address for clients: an IP address of this machine and a port; default: "
@@ -118,6 +154,7 @@ void addNetworkOptions(CLI::App& app, Settings& settings) {
                  "its public key (--origin-key); a FILE that does not exist is created with a new "
                  "key; default: another key in each run")
       ->type_name("FILE");
+  addTlsOptions(app, settings);
   const auto announce = [&settings](const std::string& text) {
     settings.announce = serviceName("--announce", text);
   };
@@ -158,10 +195,11 @@ void addOriginKey(CLI::App& app, std::vector<KeyBytes>& keys) {
 
 /// Refuses each flag that only a server with a source of its own can obey.
 void requireEdgeFlags(const CLI::App& app) {
-  const std::vector<std::string> allowed{"--source",    "--listen",        "--transport",
-                                         "--multicast", "--multicast-ttl", "--max-clients",
-                                         "--announce",  "--nats-creds",    "--nats-ca",
-                                         "--quiet",     "--config"};
+  const std::vector<std::string> allowed{
+      "--source",        "--listen",      "--transport", "--multicast",
+      "--multicast-ttl", "--max-clients", "--announce",  "--tls-cert",
+      "--tls-key",       "--tls",         "--tokens",    "--insecure",
+      "--nats-creds",    "--nats-ca",     "--quiet",     "--config"};
   for (const CLI::Option* option : app.get_options()) {
     const std::string name = option->get_name();
     if (option->count() == 0 || std::find(allowed.begin(), allowed.end(), name) != allowed.end())
@@ -200,6 +238,7 @@ std::unique_ptr<CLI::App> commandLine(Settings& settings) {
   app->add_flag("--quiet", settings.quiet, "Only warnings and errors");
   addConfigFile(*app);
   app->final_callback([&settings, parsed = app.get()] {
+    requireTlsFlags(settings);
     if (isEdge(settings)) return requireEdgeFlags(*parsed);
     if (!settings.origin_keys.empty() && !settings.publish)
       throw CLI::ValidationError("--origin-key", "needs --source nats://... or --publish");

@@ -11,7 +11,7 @@
 #include "server/edge.hpp"
 #include "server/preview/preview.hpp"
 #include "server/source/rgbd_source.hpp"
-#include "server/stream/signing_key_file.hpp"
+#include "server/stream/key_file.hpp"
 #include "server/stream/stream_settings.hpp"
 
 namespace {
@@ -43,7 +43,7 @@ int serve(const hapticast::server::Settings& settings) {
     const std::string what = hapticast::sanitizeUtf8(error.what());
     spdlog::error("{}{}", what.starts_with("--") ? "" : "--listen: ", what);
     return kWrongInput;
-  } catch (const hapticast::server::SigningKeyError& error) {
+  } catch (const hapticast::server::KeyFileError& error) {
     spdlog::error("{}", hapticast::sanitizeUtf8(error.what()));
     return kWrongInput;
   }

@@ -14,6 +14,7 @@
 #include "server/nats_address.hpp"
 #include "server/source/video_layout.hpp"
 #include "server/stream/multicast_group.hpp"
+#include "server/stream/server_tls.hpp"
 #include "server/vision/vision_settings.hpp"
 
 namespace hapticast::server {
@@ -36,8 +37,11 @@ struct Settings {
   NatsCredentials nats;
   std::vector<KeyBytes> origin_keys;  ///< keys that (other) origins may have; empty: any
   std::string signing_key_file;       ///< file of the signing key; empty: a new key in each run
-  std::string announce;               ///< the server's name on the LAN; empty: not announced
-  std::string name;                   ///< name of the stream for viewers; empty: the source's name
+  TlsFiles tls;
+  std::string tokens_file;  ///< --tokens; empty: everybody may connect
+  bool insecure = false;    ///< tokens may travel without TLS
+  std::string announce;     ///< the server's name on the LAN; empty: not announced
+  std::string name;         ///< name of the stream for viewers; empty: the source's name
   VisionSettings vision;
   Scene scene;                         ///< the author's work, from the scene file and from flags
   std::vector<KeyMaskFile> key_masks;  ///< those of the scene file

@@ -24,9 +24,18 @@ StreamService::StreamService(const Settings& settings, const Clock& clock,
                              const StreamIdentity& identity)
     : settings_(settings),
       broadcaster_(io_, clock, media_clock, description,
-                   StreamSettings{.max_clients = raiseFileLimit(settings.max_clients)}),
-      listener_(io_, settings.listen, broadcaster_) {
+                   StreamSettings{.max_clients = raiseFileLimit(settings.max_clients),
+                                  .insecure = settings.insecure}),
+      tls_(loadServerTls(settings.tls)),
+      listener_(io_, settings.listen, broadcaster_, tls_) {
   broadcaster_.introduce(identity);
+  if (tls_) spdlog::info("TLS fingerprint: {}", toHex(tls_->fingerprint()));
+  if (!settings.tokens_file.empty()) {
+    broadcaster_.setAccess(loadAccessList(settings.tokens_file));
+    if (!tls_ && !settings.insecure)
+      spdlog::warn(
+          "--tokens without TLS: only viewers on this machine can connect; add --tls auto");
+  }
   if (!settings.announce.empty()) requireReachable(listener_.endpoint().address());
   if (!settings.datagrams) {
     if (settings.multicast) throw AddressError("--multicast: --transport tcp sends no datagrams");
@@ -69,9 +78,12 @@ void StreamService::awaitStatusRequest() {
 void StreamService::open(const std::string& name) {
   if (std::exchange(open_, true)) return;
   spdlog::info("listening on {}; Ctrl-C ends the server", toString(listener_.address()));
+  if (!tls_)
+    spdlog::info("the stream is not encrypted: anybody on the way can read it (--tls auto)");
   listener_.start();
   if (!settings_.announce.empty())
-    announcer_.emplace(settings_.announce, listener_.endpoint(), name);
+    announcer_.emplace(settings_.announce, listener_.endpoint(), name,
+                       tls_ ? toHex(tls_->fingerprint()) : "");
 }
 
 void StreamService::end() {

@@ -57,6 +57,7 @@ class StreamService {
   const Settings& settings_;
   asio::io_context io_;
   Broadcaster broadcaster_;
+  std::optional<TlsContext> tls_;
   Listener listener_;
   std::optional<Datagrams> datagrams_;
   std::optional<Announcer> announcer_;  // once open() was called

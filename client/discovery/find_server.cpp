@@ -22,15 +22,18 @@ constexpr Duration kUpdateInterval = std::chrono::seconds(1);
 constexpr const char* kNoSearch = "no search for servers on the LAN: ";  // a reason follows
 
 asio::awaitable<Dialled> searchAndDial(std::shared_ptr<Discovery> discovery, std::string name,
-                                       asio::io_context& io, Duration deadline,
-                                       DialCancellation& stop) {
+                                       DialFound dial_found, asio::io_context& io,
+                                       Duration deadline, DialCancellation& stop) {
   asio::steady_timer timer(io);
   std::string why;
   for (auto searched = Duration::zero(); searched < Duration(kSearch); searched += kStep) {
     const std::string absent = discovery->absent();
     if (!absent.empty() && searched >= Duration(kNoDaemon)) co_return DialError{absent};
     const auto found = only(discovery->servers(), name, why);
-    if (found) co_return co_await dialTcp(io, found->address, deadline, stop);
+    if (found) {
+      const Dial dial = dial_found(*found);
+      co_return co_await dial(io, found->address, deadline, stop);
+    }
     stop.onStop([&timer] { timer.cancel(); });
     boost::system::error_code ignored;
     timer.expires_after(kStep);
@@ -43,10 +46,12 @@ asio::awaitable<Dialled> searchAndDial(std::shared_ptr<Discovery> discovery, std
 
 }  // namespace
 
-Dial dialAnnounced(std::string name) {
-  return [discovery = std::make_shared<Discovery>(), name = std::move(name)](
-             asio::io_context& io, const Endpoint& /*unused*/, Duration deadline,
-             DialCancellation& stop) { return searchAndDial(discovery, name, io, deadline, stop); };
+Dial dialAnnounced(std::string name, DialFound dial_found) {
+  return [discovery = std::make_shared<Discovery>(), name = std::move(name),
+          dial_found = std::move(dial_found)](asio::io_context& io, const Endpoint& /*unused*/,
+                                              Duration deadline, DialCancellation& stop) {
+    return searchAndDial(discovery, name, dial_found, io, deadline, stop);
+  };
 }
 
 std::optional<std::string> ServerHint::update(LocalTime now) {

@@ -4,6 +4,7 @@
 // can announce itself, and the server moves the user's hand.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -13,10 +14,13 @@
 
 namespace hapticast::client {
 
+/// Returns the dial function for a server that was found.
+using DialFound = std::function<Dial(const FoundServer&)>;
+
 /// Returns a dial function for the server that is announced as `name`. Each call of that function
 /// waits up to 2 s for the announcement. It returns an error if no server, or more than one,
 /// announces `name`. Thread of its calls: network.
-[[nodiscard]] Dial dialAnnounced(std::string name);
+[[nodiscard]] Dial dialAnnounced(std::string name, DialFound dial_found);
 
 /// Lists the servers on the LAN, as long as no server answers at the default address. Thread: main.
 class ServerHint {

@@ -93,7 +93,8 @@ struct Discovery::Browser {
             readValue(record, kTxtTitleKey),
             static_cast<std::uint32_t>(parseNumberInRange<std::uint16_t>(
                                            readValue(record, kServiceVersionKey), 0, UINT16_MAX)
-                                           .value_or(0))};
+                                           .value_or(0)),
+            readValue(record, kTxtTlsKey)};
       }
       static_cast<Browser*>(self)->onFound(resolver, std::move(server));
     };

@@ -7,6 +7,7 @@
 #include "common/mdns.hpp"
 #include "common/protocol/messages.hpp"
 #include "common/text.hpp"
+#include "common/transport/signature.hpp"
 
 namespace hapticast::client {
 
@@ -30,6 +31,7 @@ std::string inOneLine(const FoundServer& server) {
   line.append(sanitizeUtf8(server.host, kMaxHost_bytes)).append("  ");
   line.append(toString(server.address)).append("  ").append(server.interface_name);
   if (!plays.empty()) line.append("  plays ").append(plays);
+  if (parseKey(server.tls)) line.append("  with TLS");
   return line.append(formatVersion(server));
 }
 

@@ -19,6 +19,7 @@ struct FoundServer {
   std::string interface_name;
   std::string plays;          ///< title of the content
   std::uint32_t version = 0;  ///< version of the protocol; 0: not announced
+  std::string tls;            ///< fingerprint of its TLS certificate, as received; empty: no TLS
   bool operator==(const FoundServer&) const = default;
 };
 

@@ -124,24 +124,39 @@ asio::awaitable<void> Connection::run() {
 }
 
 bool Connection::isPermanent(const CloseReason& ending) const {
-  if (ending.code == ErrorCode::kVersion || ending.wrong_origin) return true;
+  if (ending.untrusted || ending.code == ErrorCode::kVersion ||
+      ending.code == ErrorCode::kUnauthorized || ending.code == ErrorCode::kForbidden)
+    return true;
   const bool speaks_something_else = ending.code == ErrorCode::kMalformed ||
                                      ending.code == ErrorCode::kTooLarge ||
                                      ending.code == ErrorCode::kUnexpected;
   return !ever_welcomed_ && (ending.no_such_server || speaks_something_else);
 }
 
+bool Connection::mayHaveToken(const Channel& channel) const {
+  return settings_.access_token.empty() || settings_.insecure || channel.encrypted() ||
+         channel.hosts().peer.is_loopback();
+}
+
 asio::awaitable<Connection::CloseReason> Connection::runSession() {
   Dialled dialled =
       co_await settings_.dial(io_, settings_.server, settings_.connect_deadline, dial_stop_);
   if (!dialled.ok())
-    co_return CloseReason{dialled.error().message, {}, dialled.error().no_such_server};
+    co_return CloseReason{
+        dialled.error().message, {}, dialled.error().no_such_server, dialled.error().untrusted};
+  if (!mayHaveToken(*dialled.value())) {
+    co_return CloseReason{
+        .why = "the access token would travel unencrypted: use hapticasts://HOST, or --insecure",
+        .code = {},
+        .untrusted = true};
+  }
   auto session = session_ = std::make_shared<Session>(io_, std::move(dialled).value());
   session->deadline = clock_.now() + settings_.connect_deadline;
   session->overdue = "no welcome arrived; is it a hapticast server?";
   asio::co_spawn(
       io_, [this, session] { return startTimer(session); }, asio::detached);
-  const Hello hello{kProtocolVersion, settings_.client_name, settings_.wants_video, true};
+  const Hello hello{kProtocolVersion, settings_.client_name, settings_.wants_video, true,
+                    settings_.access_token};
   CloseReason ending{"the connection was lost", {}};
   if (co_await send(session, hello)) ending = co_await readAll(session);
   session->close();
@@ -210,7 +225,7 @@ asio::awaitable<Connection::CloseReason> Connection::readAll(ConversationPtr ses
     if (error)
       co_return CloseReason{.why = std::move(error->message),
                             .code = error->code,
-                            .wrong_origin = session->wrong_origin};
+                            .untrusted = session->wrong_origin};
     if (session->welcomed && !session->pinging) {
       session->pinging = true;
       asio::co_spawn(

@@ -29,6 +29,9 @@ struct ConnectionSettings {
   DeliverySettings delivery;
   OriginPin origin;  ///< which servers the connection accepts
   std::string client_name = "hapticast-client";
+  std::string access_token;  ///< secret for the server; empty: none
+  /// Whether the token may travel to other machines without TLS.
+  bool insecure = false;
   bool wants_video = false;
   /// Time limit for each of three steps: the look-up of the name, the connection, and the welcome.
   Duration connect_deadline = std::chrono::seconds(5);
@@ -95,7 +98,7 @@ class Connection {
     std::string why;                // one line
     std::optional<ErrorCode> code;  // code of the protocol, if it has one
     bool no_such_server = false;
-    bool wrong_origin = false;  // the server has another key than expected
+    bool untrusted = false;  // the server has another key or certificate than expected
   };
 
   /// Runs one session after the other, with pauses, until stop() or an error after which a retry is
@@ -106,6 +109,8 @@ class Connection {
   /// useless: the host name does not exist, or the peer uses another protocol.
   [[nodiscard]] bool isPermanent(const CloseReason& ending) const;
   asio::awaitable<CloseReason> runSession();
+  /// Returns whether the access token, if there is one, may be sent on this channel.
+  [[nodiscard]] bool mayHaveToken(const Channel& channel) const;
   asio::awaitable<CloseReason> readAll(ConversationPtr session);
   /// Sends pings, reports and delivery requests. The only writer after the hello.
   asio::awaitable<void> writeLoop(ConversationPtr session);

@@ -48,10 +48,10 @@ asio::awaitable<Result<Addresses, DialError>> lookUp(asio::io_context& io, const
   co_return race->addresses;
 }
 
-}  // namespace
+using Connected = Result<asio::ip::tcp::socket, DialError>;
 
-asio::awaitable<Dialled> dialTcp(asio::io_context& io, const Endpoint& server, Duration deadline,
-                                 DialCancellation& stop) {
+asio::awaitable<Connected> connectTcp(asio::io_context& io, const Endpoint& server,
+                                      Duration deadline, DialCancellation& stop) {
   const auto addresses = co_await lookUp(io, server, deadline, stop);
   if (!addresses.ok()) co_return addresses.error();
 
@@ -85,7 +85,63 @@ asio::awaitable<Dialled> dialTcp(asio::io_context& io, const Endpoint& server, D
   if (race->timed_out) co_return DialError{"no answer"};
   if (ec == asio::error::connection_refused) co_return DialError{"connection refused"};
   if (ec) co_return DialError{ec.message()};
-  co_return std::make_unique<TcpChannel>(std::move(race->socket), kMaxSmallMessageBytes);
+  co_return std::move(race->socket);
+}
+
+/// Completes the handshake of `channel`. Returns the error in one line, or nullopt.
+asio::awaitable<std::optional<Error>> completeHandshake(asio::io_context& io, TcpChannel& channel,
+                                                        Duration deadline, DialCancellation& stop) {
+  // Shared, because the timer's handler may be queued when the handshake succeeds.
+  struct Race {
+    explicit Race(asio::io_context& context) : timer(context) {}
+    asio::steady_timer timer;
+    bool over = false;
+    bool timed_out = false;
+  };
+  auto race = std::make_shared<Race>(io);
+  race->timer.expires_after(deadline);
+  race->timer.async_wait([race, &channel](const boost::system::error_code&) {
+    if (race->over) return;
+    race->timed_out = true;
+    channel.close();
+  });
+  stop.onStop([&channel] { channel.close(); });
+  auto failure = co_await channel.completeHandshake();
+  stop.onStop({});
+  race->over = true;
+  race->timer.cancel();
+  if (stop.stopped()) co_return Error{kStopped.message};
+  if (race->timed_out) co_return Error{"the server does not answer with TLS"};
+  co_return failure;
+}
+
+asio::awaitable<Dialled> dialTls(TlsContext context, FingerprintCheck check, asio::io_context& io,
+                                 Endpoint server, Duration deadline, DialCancellation& stop) {
+  Connected socket = co_await connectTcp(io, server, deadline, stop);
+  if (!socket.ok()) co_return socket.error();
+  auto tls = std::make_unique<TlsEngine>(context, server.host, std::move(check));
+  auto channel = std::make_unique<TcpChannel>(std::move(socket).value(), kMaxSmallMessageBytes,
+                                              std::move(tls));
+  const auto failure = co_await completeHandshake(io, *channel, deadline, stop);
+  if (failure) co_return DialError{failure->message, false, channel->untrusted()};
+  co_return channel;
+}
+
+}  // namespace
+
+asio::awaitable<Dialled> dialTcp(asio::io_context& io, const Endpoint& server, Duration deadline,
+                                 DialCancellation& stop) {
+  Connected socket = co_await connectTcp(io, server, deadline, stop);
+  if (!socket.ok()) co_return socket.error();
+  co_return std::make_unique<TcpChannel>(std::move(socket).value(), kMaxSmallMessageBytes);
+}
+
+Dial makeTlsDial(TlsContext context, FingerprintCheck check) {
+  return
+      [context = std::move(context), check = std::move(check)](
+          asio::io_context& io, const Endpoint& server, Duration deadline, DialCancellation& stop) {
+        return dialTls(context, check, io, server, deadline, stop);
+      };
 }
 
 }  // namespace hapticast::client

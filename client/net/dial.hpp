@@ -11,6 +11,7 @@
 #include "common/endpoint.hpp"
 #include "common/time.hpp"
 #include "common/transport/channel.hpp"
+#include "common/transport/tls.hpp"
 
 namespace hapticast::client {
 
@@ -34,6 +35,7 @@ class DialCancellation {
 struct DialError {
   std::string message;          ///< one line, without the server's name
   bool no_such_server = false;  ///< the host name does not exist
+  bool untrusted = false;       ///< the client does not trust the server's certificate
 };
 
 /// Result of a dial: a new channel or an error. The channel accepts small messages only, until the
@@ -48,5 +50,10 @@ using Dial = std::function<asio::awaitable<Dialled>(asio::io_context& io, const 
 /// without effect. `stop` must outlive the call.
 asio::awaitable<Dialled> dialTcp(asio::io_context& io, const Endpoint& server, Duration deadline,
                                  DialCancellation& stop);
+
+/// Returns a dial function like dialTcp() that also completes a TLS handshake, within another
+/// `deadline`. `check` checks the server's fingerprint and may be empty. Its refusal, and a
+/// certificate that `context` does not trust, are errors with `untrusted`.
+[[nodiscard]] Dial makeTlsDial(TlsContext context, FingerprintCheck check);
 
 }  // namespace hapticast::client

@@ -14,12 +14,13 @@ std::optional<OriginKey> parseOriginKey(const std::string& text) {
 }
 
 OriginPin::OriginPin(std::string server, std::vector<KeyBytes> keys, Store store,
-                     std::string remedy)
+                     std::string remedy, PinKind kind)
     : accepts_all_(false),
       server_(std::move(server)),
       keys_(std::move(keys)),
       store_(std::move(store)),
-      remedy_(std::move(remedy)) {}
+      remedy_(std::move(remedy)),
+      kind_(kind) {}
 
 std::optional<std::string> OriginPin::refuse(const std::optional<KeyBytes>& key) {
   if (accepts_all_) return std::nullopt;
@@ -31,10 +32,11 @@ std::optional<std::string> OriginPin::refuse(const std::optional<KeyBytes>& key)
     keys_.push_back(*key);
     return std::nullopt;
   }
-  return "the server at " + server_ + " shows " + (key ? "the key " + toHex(*key) : "no key") +
-         ", not the expected one: somebody else may send, or the server has a new key "
-         "(--origin-key)" +
-         remedy_;
+  const bool tls = kind_ == PinKind::kTls;
+  return "the server at " + server_ + " shows " +
+         (key ? (tls ? "the TLS key " : "the key ") + toHex(*key) : "no key") +
+         ", not the expected one: somebody else may " + (tls ? "answer" : "send") +
+         ", or the server has a new key" + (tls ? "" : " (--origin-key)") + remedy_;
 }
 
 }  // namespace hapticast::client

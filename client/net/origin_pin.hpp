@@ -3,6 +3,7 @@
 // It has no files and no sockets. Thread: network; the creation: any.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
@@ -24,6 +25,12 @@ struct OriginKey {
 /// for other texts.
 [[nodiscard]] std::optional<OriginKey> parseOriginKey(const std::string& text);
 
+/// Kind of key that a pin expects.
+enum class PinKind : std::uint8_t {
+  kOrigin,  ///< key of the signatures (--origin-key)
+  kTls,     ///< fingerprint of the TLS certificate (hapticasts://)
+};
+
 /// Decides which servers the client accepts, by their keys.
 class OriginPin {
  public:
@@ -37,7 +44,7 @@ class OriginPin {
   /// that the server shows, stores it, and from then on accepts that key. `server` names the server
   /// in messages. `remedy` follows the text of a refusal.
   OriginPin(std::string server, std::vector<KeyBytes> keys, Store store = nullptr,
-            std::string remedy = "");
+            std::string remedy = "", PinKind kind = PinKind::kOrigin);
 
   /// Returns nullopt if the client accepts a server with `key` (absent: the server shows none).
   /// Otherwise returns the reason in one line.
@@ -49,6 +56,7 @@ class OriginPin {
   std::vector<KeyBytes> keys_;
   Store store_;
   std::string remedy_;
+  PinKind kind_ = PinKind::kOrigin;
 };
 
 }  // namespace hapticast::client

@@ -5,24 +5,17 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
-#include <cstdlib>
 #include <ctime>
 #include <fstream>
 #include <stdexcept>
 #include <system_error>
 
 #include "client/report/tick_log.hpp"
+#include "common/private_file.hpp"
 
 namespace hapticast::client {
 
 namespace {
-
-/// Returns the absolute path in an environment variable; empty if there is none.
-std::filesystem::path folderFromEnvironment(const char* variable) {
-  const char* const value = std::getenv(variable);
-  std::filesystem::path path(value == nullptr ? "" : value);
-  return path.is_absolute() ? path : std::filesystem::path();
-}
 
 bool makeFolder(const std::filesystem::path& folder) {
   std::error_code error;
@@ -31,13 +24,6 @@ bool makeFolder(const std::filesystem::path& folder) {
 }
 
 }  // namespace
-
-std::filesystem::path stateFolder() {
-  const auto state = folderFromEnvironment("XDG_STATE_HOME");
-  if (!state.empty()) return state / "hapticast";
-  const auto home = folderFromEnvironment("HOME");
-  return home.empty() ? "." : home / ".local/state/hapticast";
-}
 
 FaultLogWriter::FaultLogWriter(const std::string& folder)
     : folder_(folder.empty() ? stateFolder() : std::filesystem::path(folder)) {

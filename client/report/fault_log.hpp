@@ -11,10 +11,6 @@
 
 namespace hapticast::client {
 
-/// Returns the state folder: $XDG_STATE_HOME/hapticast, else ~/.local/state/hapticast. Without
-/// $HOME it is the working folder.
-[[nodiscard]] std::filesystem::path stateFolder();
-
 /// Writes fault files with names hapticast-fault-TIME-N.csv, where TIME looks like
 /// 20261122T161500Z. No run overwrites the files of another run.
 class FaultLogWriter {

@@ -18,6 +18,7 @@ constexpr auto kServerFlags = std::to_array<std::string_view>(
      "not",           "object",         "plan",        "preview",
      "publish",       "segment",        "scene",       "signing-key",
      "source",        "stiffness",      "stretch",     "texture-depth",
+     "tls",           "tls-cert",       "tls-key",     "tokens",
      "to-and-fro",    "wait-for-viewer"});
 constexpr auto kClientFlags = std::to_array<std::string_view>({"check-device",
                                                                "device",
@@ -43,6 +44,8 @@ constexpr auto kClientFlags = std::to_array<std::string_view>({"check-device",
                                                                "stiffness-limit",
                                                                "summary",
                                                                "surface",
+                                                               "tls-ca",
+                                                               "token-file",
                                                                "view"});
 
 }  // namespace

@@ -75,6 +75,9 @@ class Channel {
   [[nodiscard]] const Hosts& hosts() const { return hosts_; }
   /// Returns the reason why the connection has ended.
   [[nodiscard]] const std::string& whyEnded() const { return why_ended_; }
+  /// Returns whether the connection has ended because this host does not trust its peer. whyEnded()
+  /// is the reason.
+  [[nodiscard]] bool untrusted() const { return untrusted_; }
   /// Return the number of transferred bytes, including the framing. During a write the number
   /// increases with its progress.
   [[nodiscard]] std::uint64_t bytesRead() const { return bytes_read_; }
@@ -87,6 +90,7 @@ class Channel {
   std::string peer_;
   Hosts hosts_;
   std::string why_ended_;
+  bool untrusted_ = false;
   std::size_t read_limit_bytes_;
   std::uint64_t bytes_read_ = 0;
   std::uint64_t bytes_written_ = 0;

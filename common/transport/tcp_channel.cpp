@@ -15,6 +15,7 @@ namespace {
 
 // Chosen: a picture of 50 KB needs few reads, and a thousand sessions need 16 MB.
 constexpr std::size_t kChunkBytes = 16U << 10U;
+constexpr std::size_t kLeastBytesToDecide = 3;         // see beginsWithTls()
 constexpr std::size_t kWriteAtOnceBytes = 64U << 10U;  // asio's own default
 
 std::string formatName(const asio::ip::tcp::endpoint& peer) {
@@ -29,11 +30,14 @@ asio::ip::tcp::endpoint remoteEndpoint(const asio::ip::tcp::socket& socket) {
 
 }  // namespace
 
-TcpChannel::TcpChannel(asio::ip::tcp::socket socket, std::size_t read_limit_bytes)
+TcpChannel::TcpChannel(asio::ip::tcp::socket socket, std::size_t read_limit_bytes,
+                       std::unique_ptr<TlsEngine> tls)
     : Channel(formatName(remoteEndpoint(socket)), read_limit_bytes),
       socket_(std::move(socket)),
       chunk_(kChunkBytes),
-      reader_(read_limit_bytes) {
+      reader_(read_limit_bytes),
+      tls_(std::move(tls)),
+      undecided_(tls_ != nullptr && tls_->output().empty()) {
   boost::system::error_code ignored;  // without it messages are only later
   socket_.set_option(asio::ip::tcp::no_delay(true), ignored);
   socket_.non_blocking(true, ignored);  // for writeNow()
@@ -46,10 +50,80 @@ asio::awaitable<Result<std::optional<Payload>, WireError>> TcpChannel::read() {
     reader_.setLimit(read_limit_bytes_);
     auto payload = reader_.next();
     if (!payload.ok() || payload.value()) co_return payload;
+    if (tls_ != nullptr && tls_->ended()) co_return std::optional<Payload>();
     const std::size_t size = co_await readSome();
     if (size == 0) co_return std::optional<Payload>();
-    reader_.feed(std::span(chunk_).first(size));
+    if (auto failure = receive(size))
+      co_return WireError{ErrorCode::kMalformed, std::move(failure->message)};
   }
+}
+
+std::optional<Error> TcpChannel::receive(std::size_t size) {
+  std::span<const std::uint8_t> bytes = std::span(chunk_).first(size);
+  if (undecided_) {
+    first_.insert(first_.end(), bytes.begin(), bytes.end());
+    if (first_.size() < kLeastBytesToDecide) return std::nullopt;
+    undecided_ = false;
+    bytes = first_;
+    if (!beginsWithTls(bytes)) tls_.reset();
+  }
+  if (tls_ == nullptr) {
+    reader_.feed(bytes);
+    return std::nullopt;
+  }
+  plain_.clear();
+  auto failure = tls_->receive(bytes, plain_);
+  untrusted_ = tls_->untrusted();
+  flushNow();
+  reader_.feed(plain_);
+  return failure;
+}
+
+asio::awaitable<std::optional<Error>> TcpChannel::completeHandshake() {
+  while (!tls_->established()) {
+    flushNow();
+    const std::size_t size = co_await readSome();
+    if (size == 0) co_return Error{"the server ended the TLS handshake (" + why_ended_ + ")"};
+    if (auto failure = receive(size)) co_return failure;
+  }
+  co_return std::nullopt;
+}
+
+bool TcpChannel::encrypt(const SharedBytes& payload) {
+  prefix_ = lengthPrefix(payload->size());
+  std::vector<std::uint8_t> whole(prefix_.begin(), prefix_.end());
+  whole.insert(whole.end(), payload->begin(), payload->end());
+  return tls_->send(whole);
+}
+
+void TcpChannel::flushNow() noexcept {
+  std::vector<std::uint8_t>& output = tls_->output();
+  if (flushing_ || output.empty()) return;
+  boost::system::error_code ec;
+  const std::size_t sent = socket_.write_some(asio::buffer(output), ec);
+  bytes_written_ += sent;
+  output.erase(output.begin(), output.begin() + static_cast<std::ptrdiff_t>(sent));
+}
+
+asio::awaitable<bool> TcpChannel::flush() {
+  flushing_ = true;
+  boost::system::error_code ec;
+  while (!ec && !tls_->output().empty()) {
+    sending_.clear();
+    sending_.swap(tls_->output());
+    const std::uint64_t before = bytes_written_;
+    const std::size_t all = co_await asio::async_write(
+        socket_, asio::buffer(sending_),
+        [this, before](const boost::system::error_code& error, std::size_t written) {
+          bytes_written_ = before + written;
+          return error ? 0 : kWriteAtOnceBytes;
+        },
+        asio::redirect_error(asio::use_awaitable, ec));
+    bytes_written_ = before + all;
+  }
+  flushing_ = false;
+  if (ec) why_ended_ = ec.message();
+  co_return !ec;
 }
 
 asio::awaitable<std::size_t> TcpChannel::readSome() {
@@ -62,6 +136,13 @@ asio::awaitable<std::size_t> TcpChannel::readSome() {
 }
 
 bool TcpChannel::writeNow(const SharedBytes& payload) noexcept {
+  if (undecided_) return true;  // nothing can reach a client that has not begun
+  if (tls_ != nullptr) {
+    if (!encrypt(payload)) return true;  // the connection has failed
+    flushNow();
+    encrypted_ = !tls_->output().empty();
+    return !encrypted_;
+  }
   prefix_ = lengthPrefix(payload->size());
   const std::array<asio::const_buffer, 2> buffers{asio::buffer(prefix_), asio::buffer(*payload)};
   boost::system::error_code ec;
@@ -73,6 +154,11 @@ bool TcpChannel::writeNow(const SharedBytes& payload) noexcept {
 }
 
 asio::awaitable<bool> TcpChannel::write(SharedBytes payload) {
+  if (undecided_) co_return true;
+  if (tls_ != nullptr) {
+    if (!std::exchange(encrypted_, false) && !encrypt(payload)) co_return false;
+    co_return co_await flush();
+  }
   prefix_ = lengthPrefix(payload->size());
   const std::size_t done = std::exchange(written_, 0);
   const std::array<asio::const_buffer, 2> buffers{
@@ -101,6 +187,10 @@ asio::awaitable<void> TcpChannel::drain(std::size_t most_bytes) {
 }
 
 void TcpChannel::finishWriting() noexcept {
+  if (tls_ != nullptr) {
+    tls_->finish();
+    flushNow();
+  }
   boost::system::error_code ignored;  // the connection has ended already
   socket_.shutdown(asio::socket_base::shutdown_send, ignored);
 }

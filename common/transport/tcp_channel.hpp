@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: MIT
-// Channel over TCP. Each payload has a length prefix (framing.hpp). Thread: the one that runs the
-// channel's io_context.
+// Channel over TCP, with TLS or without it. Each payload has a length prefix (framing.hpp). Thread:
+// the one that runs the channel's io_context.
 #pragma once
 
 #include <array>
+#include <memory>
+#include <optional>
 #include <vector>
 
 #include "common/transport/channel.hpp"
+#include "common/transport/tls.hpp"
 
 namespace hapticast {
 
@@ -16,7 +19,15 @@ class TcpChannel final : public Channel {
   /// Owns `socket` from now on, which must be connected. Disables Nagle's algorithm (TCP_NODELAY),
   /// so that small payloads are sent at once. `read_limit_bytes` is the size of the longest payload
   /// that read() accepts.
-  TcpChannel(asio::ip::tcp::socket socket, std::size_t read_limit_bytes);
+  ///
+  /// `tls`: end of a TLS connection, or null. A server's end becomes plain TCP if the client begins
+  /// without TLS.
+  TcpChannel(asio::ip::tcp::socket socket, std::size_t read_limit_bytes,
+             std::unique_ptr<TlsEngine> tls = nullptr);
+
+  /// Completes the TLS handshake of a client's end. Returns the error in one line, or nullopt. Call
+  /// it before the first read() and write().
+  asio::awaitable<std::optional<Error>> completeHandshake();
 
   asio::awaitable<Result<std::optional<Payload>, WireError>> read() override;
   bool writeNow(const SharedBytes& payload) noexcept override;
@@ -26,8 +37,15 @@ class TcpChannel final : public Channel {
   bool delivered() noexcept override;
   void close() noexcept override;
   void abort() noexcept override;
+  [[nodiscard]] bool encrypted() const noexcept override { return tls_ && tls_->established(); }
 
  private:
+  /// Decrypts the first `size` bytes of chunk_ for the reader.
+  [[nodiscard]] std::optional<Error> receive(std::size_t size);
+  [[nodiscard]] bool encrypt(const SharedBytes& payload);
+  /// Sends as much of the encrypted bytes as possible without waiting.
+  void flushNow() noexcept;
+  [[nodiscard]] asio::awaitable<bool> flush();
   /// Reads bytes once into chunk_ and returns their number. Returns 0 at the end of the connection.
   asio::awaitable<std::size_t> readSome();
 
@@ -36,6 +54,14 @@ class TcpChannel final : public Channel {
   FrameReader reader_;
   LengthPrefix prefix_{};    // length prefix of the payload that is being written
   std::size_t written_ = 0;  // bytes of prefix and payload written by writeNow()
+
+  std::unique_ptr<TlsEngine> tls_;  // null: plain TCP
+  bool undecided_ = false;          // a server's end whose client has not begun yet
+  bool encrypted_ = false;          // writeNow() has encrypted the payload of the next write()
+  bool flushing_ = false;
+  std::vector<std::uint8_t> first_;    // first bytes of an undecided connection
+  std::vector<std::uint8_t> plain_;    // decrypted bytes
+  std::vector<std::uint8_t> sending_;  // encrypted bytes that flush() sends
 };
 
 }  // namespace hapticast

@@ -52,12 +52,14 @@ void requireReachable(const asio::ip::address& address) {
 
 /// State of the announcement. Avahi's thread uses it as soon as `session` has begun.
 struct Announcer::Service {
-  Service(std::string the_name, const asio::ip::tcp::endpoint& where, const std::string& what)
+  Service(std::string the_name, const asio::ip::tcp::endpoint& where, const std::string& what,
+          const std::string& fingerprint)
       : wanted(std::move(the_name)),
         name(wanted),
         listens(where),
         version(toText(kServiceVersionKey, std::to_string(kProtocolVersion))),
-        plays(toText(kTxtTitleKey, sanitizeUtf8(what, kMaxServicePlays_bytes))) {}
+        plays(toText(kTxtTitleKey, sanitizeUtf8(what, kMaxServicePlays_bytes))),
+        tls(fingerprint.empty() ? "" : toText(kTxtTlsKey, fingerprint)) {}
 
   void make(AvahiClient* client) {
     const auto settled = [](AvahiEntryGroup*, AvahiEntryGroupState state, void* self) {
@@ -78,7 +80,8 @@ struct Announcer::Service {
       error = avahi_entry_group_add_service(
           group, findNetwork(listens.address()), toAvahiProtocol(listens.address()),
           static_cast<AvahiPublishFlags>(0), name.c_str(), kServiceType, nullptr, nullptr,
-          listens.port(), version.c_str(), plays.c_str(), nullptr);
+          listens.port(), version.c_str(), plays.c_str(), tls.empty() ? nullptr : tls.c_str(),
+          nullptr);
       if (error == AVAHI_ERR_COLLISION) rename();
     } while (error == AVAHI_ERR_COLLISION);
     if (error == AVAHI_OK) error = avahi_entry_group_commit(group);
@@ -119,6 +122,7 @@ struct Announcer::Service {
   const asio::ip::tcp::endpoint listens;
   const std::string version;
   const std::string plays;
+  const std::string tls;
   LogRateLimiter limit;  // a host may claim each name again and again
   AvahiEntryGroup* group = nullptr;
   AvahiSession session{
@@ -132,8 +136,8 @@ struct Announcer::Service {
 };
 
 Announcer::Announcer(std::string name, const asio::ip::tcp::endpoint& listens,
-                     const std::string& plays)
-    : service_(std::make_unique<Service>(std::move(name), listens, plays)) {}
+                     const std::string& plays, const std::string& tls_fingerprint)
+    : service_(std::make_unique<Service>(std::move(name), listens, plays, tls_fingerprint)) {}
 
 Announcer::~Announcer() = default;
 
@@ -149,7 +153,7 @@ struct Announcer::Service {};
 void requireReachable(const asio::ip::address& /*address*/) {}
 
 Announcer::Announcer(std::string /*name*/, const asio::ip::tcp::endpoint& /*listens*/,
-                     const std::string& /*plays*/) {}
+                     const std::string& /*plays*/, const std::string& /*tls_fingerprint*/) {}
 
 Announcer::~Announcer() = default;
 

@@ -164,12 +164,57 @@ std::shared_ptr<Session> Broadcaster::evictionCandidate() const {
   });
 }
 
-std::optional<WireError> Broadcaster::refuse(const Hello& hello) const {
+void Broadcaster::setAccess(AccessList list, std::function<void()> removed) {
+  onIo([this, list = std::move(list), removed = std::move(removed)] {
+    access_ = list;
+    on_removed_ = removed;
+    checkAccess();
+  });
+}
+
+void Broadcaster::checkAccess() {
+  if (!access_) return;
+  const auto now = std::chrono::system_clock::now();
+  bool removed = false;
+  const Sessions all(viewers_.begin(), viewers_.end());  // close() changes the list
+  for (const auto& session : all) {
+    if (session->grant() && access_->permits(*session->grant(), now)) continue;
+    session->close({ErrorCode::kUnauthorized, "your access token is no longer valid"});
+    removed = true;
+  }
+  if (removed && on_removed_) on_removed_();
+}
+
+void Broadcaster::control(const Control& control) {
+  if (control_) control_(control);
+}
+
+std::optional<Grant> Broadcaster::grantOf(const Hello& hello) const {
+  return access_ ? access_->find(hello.access_token) : std::nullopt;
+}
+
+std::optional<WireError> Broadcaster::refuseToken(const Hello& hello,
+                                                  const Channel& channel) const {
+  if (!access_) return std::nullopt;
+  const auto& peer = channel.hosts().peer;
+  if (!channel.encrypted() && !peer.is_loopback() && !settings_.insecure)
+    return WireError{ErrorCode::kUnauthorized, "this server needs TLS: use hapticasts://HOST"};
+  if (hello.access_token.empty())
+    return WireError{ErrorCode::kUnauthorized, "this server needs an access token (--token-file)"};
+  const auto grant = access_->find(hello.access_token);
+  if (!grant) return WireError{ErrorCode::kUnauthorized, "the access token is unknown"};
+  if (grant->expired(std::chrono::system_clock::now()))
+    return WireError{ErrorCode::kUnauthorized, "the access token has expired"};
+  return std::nullopt;
+}
+
+std::optional<WireError> Broadcaster::refuse(const Hello& hello, const Channel& channel) const {
   if (hello.protocol_version != kProtocolVersion) {
     return WireError{ErrorCode::kVersion, "this server has protocol version " +
                                               std::to_string(kProtocolVersion) + ", the client " +
                                               std::to_string(hello.protocol_version)};
   }
+  if (auto refusal = refuseToken(hello, channel)) return refusal;
   if (viewers_.size() < settings_.max_clients) return std::nullopt;
   return WireError{ErrorCode::kServerFull,
                    "all " + std::to_string(settings_.max_clients) + " places are taken"};
@@ -259,6 +304,7 @@ asio::awaitable<void> Broadcaster::startTimer() {
     }
     if (now - counted_ < kCountEvery) continue;
     counted_ = now;
+    checkAccess();  // tokens expire
     if (datagrams_ != nullptr) datagrams_->check(now);
     logSlowViewers(now);
     logDatagrams(now);

@@ -16,6 +16,7 @@
 #include "common/log_rate_limiter.hpp"
 #include "common/protocol/messages.hpp"
 #include "common/transport/asio.hpp"
+#include "server/stream/access_list.hpp"
 #include "server/stream/datagram_sender.hpp"
 #include "server/stream/encoded.hpp"
 #include "server/stream/session.hpp"
@@ -47,6 +48,12 @@ class Broadcaster final : public StreamSink, private SessionHost {
   /// Enables delivery by UDP through `sender`. Call it before the first viewer connects. `sender`
   /// must outlive all sessions.
   void enableUdp(DatagramSender& sender) { datagrams_ = &sender; }
+  /// Requires tokens from now on, and closes the connections whose token is not in `list`. Thread:
+  /// any. `removed` is called if it closed one; thread: io.
+  void setAccess(AccessList list, std::function<void()> removed = nullptr);
+  /// Sets what carries out the requests of operators. Call it before the first viewer connects.
+  /// Thread of `control`: io.
+  void onControl(std::function<void(const Control&)> control) { control_ = std::move(control); }
   /// Sends a frame to every viewer. A viewer that joins later receives the newest frame at once.
   /// Thread: any.
   void publish(EncodedFrame frame) override;
@@ -96,7 +103,12 @@ class Broadcaster final : public StreamSink, private SessionHost {
   [[nodiscard]] const Clock& clock() const override { return clock_; }
   [[nodiscard]] const MediaClock& mediaClock() const override { return media_clock_; }
   [[nodiscard]] const StreamDescription& description() const override { return description_; }
-  [[nodiscard]] std::optional<WireError> refuse(const Hello& hello) const override;
+  [[nodiscard]] std::optional<WireError> refuse(const Hello& hello,
+                                                const Channel& channel) const override;
+  [[nodiscard]] std::optional<WireError> refuseToken(const Hello& hello,
+                                                     const Channel& channel) const;
+  [[nodiscard]] std::optional<Grant> grantOf(const Hello& hello) const override;
+  void control(const Control& control) override;
   void completeWelcome(const Hosts& hosts, Welcome& welcome) override;
   void deliver(std::uint64_t datagram_token, const Delivery& delivery) override;
   void onJoined(Session& session) override;
@@ -124,6 +136,8 @@ class Broadcaster final : public StreamSink, private SessionHost {
   bool tooLarge(const EncodedFrame& frame);
   static void check(const Sessions& sessions, LocalTime now);
   asio::awaitable<void> startTimer();
+  /// Closes the connections whose token is no longer valid.
+  void checkAccess();
   void logSlowViewers(LocalTime now);
   void logDatagrams(LocalTime now);
   /// Logs how many lines the limit suppressed, unless a later line has reported it.
@@ -136,6 +150,9 @@ class Broadcaster final : public StreamSink, private SessionHost {
   StreamDescription description_;
   StreamSettings settings_;
   std::optional<StreamIdentity> identity_;  // absent: frames are not signed
+  std::optional<AccessList> access_;        // absent: no tokens are needed
+  std::function<void()> on_removed_;
+  std::function<void(const Control&)> control_;
   DatagramSender* datagrams_ = nullptr;
   asio::steady_timer timer_;
   Sessions viewers_;           // welcomed and not closing; in the order in which frames are sent

@@ -60,8 +60,13 @@ std::string advice(const boost::system::error_code& ec) {
 
 }  // namespace
 
-Listener::Listener(asio::io_context& io, const Endpoint& address, Broadcaster& broadcaster)
-    : acceptor_(io), pause_(io), broadcaster_(broadcaster), address_(address) {
+Listener::Listener(asio::io_context& io, const Endpoint& address, Broadcaster& broadcaster,
+                   std::optional<TlsContext> tls)
+    : acceptor_(io),
+      pause_(io),
+      broadcaster_(broadcaster),
+      address_(address),
+      tls_(std::move(tls)) {
   const std::string complaint = "cannot listen on " + toString(address) + ": ";
   boost::system::error_code ec;
   const auto ip =
@@ -84,6 +89,10 @@ Listener::Listener(asio::io_context& io, const Endpoint& address, Broadcaster& b
 void Listener::start() {
   asio::co_spawn(
       acceptor_.get_executor(), [this] { return acceptAll(); }, asio::detached);
+}
+
+void Listener::setTls(TlsContext tls) {
+  asio::post(acceptor_.get_executor(), [this, tls = std::move(tls)] { tls_ = tls; });
 }
 
 void Listener::stop() {
@@ -113,7 +122,9 @@ void Listener::accept(asio::ip::tcp::socket socket) {
   boost::system::error_code ignored;  // without it a stalled viewer only buffers more
   socket.set_option(asio::socket_base::send_buffer_size(broadcaster_.settings().send_buffer_bytes),
                     ignored);
-  broadcaster_.accept(std::make_unique<TcpChannel>(std::move(socket), kMaxSmallMessageBytes));
+  auto tls = tls_ ? std::make_unique<TlsEngine>(*tls_) : nullptr;
+  broadcaster_.accept(
+      std::make_unique<TcpChannel>(std::move(socket), kMaxSmallMessageBytes, std::move(tls)));
 }
 
 }  // namespace hapticast::server

@@ -4,10 +4,12 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "common/endpoint.hpp"
 #include "common/transport/asio.hpp"
+#include "common/transport/tls.hpp"
 #include "server/stream/broadcaster.hpp"
 #include "server/stream/stream_settings.hpp"
 
@@ -26,13 +28,18 @@ class Listener {
   /// Opens the port of `address`; connections wait until start(). The host of `address` is numeric
   /// or localhost (127.0.0.1). Port 0 selects a free port. Throws AddressError or
   /// std::runtime_error. Their messages have one line with the address and the remedy.
-  Listener(asio::io_context& io, const Endpoint& address, Broadcaster& broadcaster);
+  /// `tls`: certificate of the server; nullopt: plain TCP only. With it, each connection uses TLS
+  /// if its client begins so.
+  Listener(asio::io_context& io, const Endpoint& address, Broadcaster& broadcaster,
+           std::optional<TlsContext> tls = std::nullopt);
 
   /// Starts to accept connections. Call once. Thread: any.
   void start();
   /// Returns the address at which viewers connect, with the actual port.
   [[nodiscard]] const Endpoint& address() const { return address_; }
   [[nodiscard]] asio::ip::tcp::endpoint endpoint() const { return acceptor_.local_endpoint(); }
+  /// Replaces the certificate for later connections. Thread: any.
+  void setTls(TlsContext tls);
   /// Stops accepting connections. Thread: any.
   void stop();
 
@@ -44,6 +51,7 @@ class Listener {
   asio::steady_timer pause_;
   Broadcaster& broadcaster_;
   Endpoint address_;
+  std::optional<TlsContext> tls_;
 };
 
 }  // namespace hapticast::server

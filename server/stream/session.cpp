@@ -191,8 +191,10 @@ bool Session::withinRate() {
 
 void Session::handle(const Hello& hello) {
   if (hello_) return close({ErrorCode::kUnexpected, "a second hello"});
-  if (const auto refusal = host_.refuse(hello)) return close(*refusal);
+  if (const auto refusal = host_.refuse(hello, *channel_)) return close(*refusal);
+  grant_ = host_.grantOf(hello);
   hello_ = hello;
+  hello_->access_token.clear();
   queueWelcome();
   host_.onJoined(*this);
   flush();
@@ -237,6 +239,18 @@ void Session::handle(const ReceiverReport& report) {
   if (!hello_) return close({ErrorCode::kUnexpected, "a report before the hello"});
   spdlog::debug("{}: {} frames, {} lost, {} late, delay {:.1f} ms", label(), report.frames_received,
                 report.frames_lost, report.frames_late, report.playout_delay_ms);
+}
+
+void Session::handle(const Control& control) {
+  if (!hello_) return close({ErrorCode::kUnexpected, "a request before the hello"});
+  if (!grant_ || grant_->role != Role::kOperator) {
+    return close({ErrorCode::kForbidden, grant_
+                                             ? "this access token is a viewer's, not an operator's"
+                                             : "this server has no operators (--tokens)"});
+  }
+  spdlog::info("{} controls the stream", label());
+  host_.control(control);
+  send(encodeShared(control));
 }
 
 template <class Other>

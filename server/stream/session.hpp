@@ -12,6 +12,7 @@
 
 #include "common/protocol/messages.hpp"
 #include "common/transport/channel.hpp"
+#include "server/stream/access_list.hpp"
 #include "server/stream/send_queue.hpp"
 #include "server/stream/stream_settings.hpp"
 
@@ -26,8 +27,13 @@ class SessionHost {
   [[nodiscard]] virtual const MediaClock& mediaClock() const = 0;
   [[nodiscard]] virtual const StreamSettings& settings() const = 0;
   [[nodiscard]] virtual const StreamDescription& description() const = 0;
-  /// Returns the reason to refuse the client of `hello`, or nullopt to welcome it.
-  [[nodiscard]] virtual std::optional<WireError> refuse(const Hello& hello) const = 0;
+  /// Returns the reason to refuse the client of `hello` on `channel`, or nullopt to welcome it.
+  [[nodiscard]] virtual std::optional<WireError> refuse(const Hello& hello,
+                                                        const Channel& channel) const = 0;
+  /// Returns the rights of the token in `hello`; nullopt if this server needs no tokens.
+  [[nodiscard]] virtual std::optional<Grant> grantOf(const Hello& hello) const = 0;
+  /// Carries out the request of an operator.
+  virtual void control(const Control& control) = 0;
   /// Writes the key of the stream into `welcome`, and the client's parameters for datagrams, if
   /// datagrams are available.
   virtual void completeWelcome(const Hosts& hosts, Welcome& welcome) = 0;
@@ -96,6 +102,9 @@ class Session : public std::enable_shared_from_this<Session> {
   [[nodiscard]] bool welcomed() const { return hello_.has_value() && !closing_since_; }
   [[nodiscard]] std::uint64_t datagramToken() const { return datagram_token_; }
   [[nodiscard]] bool isVideoSubscriber() const { return welcomed() && hello_->wants_video; }
+  /// Returns the rights of the client's token; nullopt if the server needs no tokens.
+  [[nodiscard]] const std::optional<Grant>& grant() const { return grant_; }
+  [[nodiscard]] bool encrypted() const { return channel_->encrypted(); }
   [[nodiscard]] std::string label() const;    ///< names the client in the log
   [[nodiscard]] std::string address() const;  ///< client's address, without its port
   [[nodiscard]] const SendCounts& counts() const { return queue_.counts(); }
@@ -108,6 +117,7 @@ class Session : public std::enable_shared_from_this<Session> {
   void handle(const Ping& ping);
   void handle(const Delivery& delivery);
   void handle(const ReceiverReport& report);
+  void handle(const Control& control);
   template <class Other>
   void handle(const Other& other);
   /// Adds a welcome to the queue, as its first item. Requires an empty queue.
@@ -133,9 +143,10 @@ class Session : public std::enable_shared_from_this<Session> {
   asio::steady_timer wake_;  // wakes the writer
   SessionHost& host_;
   std::uint32_t id_;
-  SharedBytes unfinished_;  // payload that is written in part; the writer continues with it
-  std::deque<Pong> pongs_;  // t2 and error are set when the pong is sent
-  std::optional<Hello> hello_;
+  SharedBytes unfinished_;      // payload that is written in part; the writer continues with it
+  std::deque<Pong> pongs_;      // t2 and error are set when the pong is sent
+  std::optional<Hello> hello_;  // without its token
+  std::optional<Grant> grant_;
   std::uint64_t datagram_token_ = 0;  // 0: none was offered
   LocalTime started_;
   LocalTime received_;  // time of the last message

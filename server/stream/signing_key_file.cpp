@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/private_file.hpp"
+#include "server/stream/key_file.hpp"
 
 namespace hapticast::server {
 
@@ -15,8 +16,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-SigningKeyError keyError(const std::string& file, const std::string& what) {
-  return SigningKeyError("--signing-key " + file + ": " + what);
+KeyFileError keyError(const std::string& file, const std::string& what) {
+  return KeyFileError("--signing-key " + file + ": " + what);
 }
 
 SigningKey createSigningKey(const std::string& file) {
@@ -25,17 +26,6 @@ SigningKey createSigningKey(const std::string& file) {
     throw keyError(file, error->message + "; name a file in a folder of yours");
   spdlog::info("--signing-key {}: created with a new key", file);
   return key;
-}
-
-void warnOfReaders(const std::string& file) {
-  std::error_code error;
-  const auto mode = static_cast<unsigned>(fs::status(file, error).permissions());
-  constexpr auto kOthers = static_cast<unsigned>(fs::perms::group_all | fs::perms::others_all);
-  if (error || (mode & kOthers) == 0) return;
-  spdlog::warn(
-      "--signing-key {}: other users may use this file (mode {:04o}) and sign as this server; "
-      "chmod 600 {}",
-      file, mode & 0777U, file);
 }
 
 }  // namespace
@@ -50,7 +40,7 @@ SigningKey loadSigningKey(const std::string& file) {
     throw keyError(file, key.error().message +
                              "; name a file that does not exist, and the server creates a key");
   }
-  warnOfReaders(file);
+  warnOfReaders("--signing-key", file, "sign as this server");
   return std::move(key).value();
 }
 

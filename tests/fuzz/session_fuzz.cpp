@@ -29,9 +29,16 @@ struct Host final : server::SessionHost {
   [[nodiscard]] const MediaClock& mediaClock() const override { return media; }
   [[nodiscard]] const server::StreamSettings& settings() const override { return stream_settings; }
   [[nodiscard]] const StreamDescription& description() const override { return stream; }
-  [[nodiscard]] std::optional<WireError> refuse(const Hello& hello) const override {
+  [[nodiscard]] std::optional<WireError> refuse(const Hello& hello, const Channel&) const override {
     if (hello.protocol_version == kProtocolVersion) return std::nullopt;
     return WireError{ErrorCode::kVersion, "another version"};
+  }
+  [[nodiscard]] std::optional<server::Grant> grantOf(const Hello& hello) const override {
+    if (hello.access_token.empty()) return std::nullopt;
+    return server::Grant{{}, server::Role::kOperator, std::nullopt};
+  }
+  void control(const Control& control) override {
+    require(!control.seek_s || *control.seek_s >= 0.0);
   }
   void completeWelcome(const Hosts&, Welcome&) override {}
   void deliver(std::uint64_t token, const Delivery& delivery) override {

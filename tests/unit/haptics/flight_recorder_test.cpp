@@ -14,6 +14,7 @@
 
 #include "client/report/fault_log.hpp"
 #include "client/report/tick_log.hpp"
+#include "common/private_file.hpp"
 
 namespace hapticast::client {
 namespace {

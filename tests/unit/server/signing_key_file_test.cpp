@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "server/stream/signing_key_file.hpp"
+#include "server/stream/key_file.hpp"
 
 #include <gtest/gtest.h>
 
@@ -20,7 +21,7 @@ namespace fs = std::filesystem;
 std::string refusal(const std::string& file) {
   try {
     (void)loadSigningKey(file);
-  } catch (const SigningKeyError& error) {
+  } catch (const KeyFileError& error) {
     return error.what();
   }
   return "accepted";

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: MIT
+// Access tokens (--tokens): who may connect, and as what. The file has the SHA-256 of each token,
+// so it does not contain the secrets themselves. Thread: one for each object.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/result.hpp"
+#include "common/transport/signature.hpp"
+
+namespace hapticast::server {
+
+/// Rights of a token.
+enum class Role : std::uint8_t {
+  kViewer,    ///< receives the stream
+  kOperator,  ///< may also pause, seek and change the material
+};
+
+/// A token of the list.
+struct Grant {
+  KeyBytes digest{};  ///< SHA-256 of the token
+  Role role = Role::kViewer;
+  std::optional<std::chrono::sys_days> last_day;  ///< last day of its validity, UTC; nullopt: none
+
+  [[nodiscard]] bool expired(std::chrono::system_clock::time_point now) const {
+    return last_day && now >= *last_day + std::chrono::days(1);
+  }
+};
+
+/// The tokens that a server accepts.
+class AccessList {
+ public:
+  /// Returns the list in `text`. Each line is `SHA256 viewer|operator YYYY-MM-DD|never`; text after
+  /// # is a comment. Returns an error "LINE: reason" for another text.
+  [[nodiscard]] static Result<AccessList> parse(std::string_view text);
+
+  /// Returns the grant of `token`, also of an expired one. Returns nullopt for an unknown token.
+  /// The duration does not depend on how much of the token is right.
+  [[nodiscard]] std::optional<Grant> find(std::string_view token) const;
+  /// Returns whether `grant` is in the list with the same role, and has not expired.
+  [[nodiscard]] bool permits(const Grant& grant, std::chrono::system_clock::time_point now) const;
+  [[nodiscard]] std::size_t size() const { return grants_.size(); }
+
+  static constexpr std::size_t kMostGrants = 10'000;
+
+ private:
+  std::vector<Grant> grants_;
+};
+
+/// Returns the list in `file`. Logs a warning if other users may read it. Throws KeyFileError.
+[[nodiscard]] AccessList loadAccessList(const std::string& file);
+
+}  // namespace hapticast::server
