@@ -10,6 +10,7 @@
 #include <string_view>
 #include <utility>
 
+#include "client/control_request.hpp"
 #include "client/device/open_device.hpp"
 #include "client/settings.hpp"
 #include "common/build_options.hpp"
@@ -100,6 +101,20 @@ void addServer(CLI::App& app, Settings& settings) {
   app.add_option("--token-file", settings.token_file,
                  "The file with the access token for the server")
       ->type_name("FILE");
+  const auto set_control = [&settings](const std::string& request) {
+    settings.control = parseControl(request);
+    if (!settings.control) {
+      throw CLI::ValidationError("--control", quote(request) +
+                                                  " is not pause, play, seek=SECONDS or "
+                                                  "stiffness|damping|texture-depth|mass=NUMBER or "
+                                                  "friction=STATIC:DYNAMIC, joined by commas");
+    }
+  };
+  app.add_option_function<std::string>(
+         "--control", set_control,
+         "As an operator (--token-file): send this request to the server, and end. pause, play, "
+         "seek=SECONDS, stiffness=, damping=, texture-depth=, mass=, friction=STATIC:DYNAMIC")
+      ->type_name("REQUEST[,...]");
   app.add_flag("--insecure", settings.insecure,
                "Send the access token to other machines without TLS, too");
   addList(app, "--origin-key", settings.origin_keys, parseOriginKey,

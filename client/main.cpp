@@ -7,6 +7,7 @@
 
 #include "client/app.hpp"
 #include "client/command_line.hpp"
+#include "client/control_command.hpp"
 #include "client/device/open_device.hpp"
 #include "client/device_commands.hpp"
 #include "client/discovery/find_server.hpp"
@@ -38,7 +39,17 @@ int runClient(const hapticast::client::Settings& settings) {
   return app->run() ? kDone : kFailed;
 }
 
+int runControl(const hapticast::client::Settings& settings) {
+  try {
+    return hapticast::client::controlServer(settings) ? kDone : kFailed;
+  } catch (const std::exception& error) {
+    spdlog::error("{}", hapticast::sanitizeUtf8(error.what()));
+    return kWrongInput;
+  }
+}
+
 int runCommand(const hapticast::client::Settings& settings) {
+  if (settings.control) return runControl(settings);
   if (settings.calibration_g > 0.0) return hapticast::client::runFalconCalibration(settings);
   if (!settings.check_device.empty()) return hapticast::client::runDeviceCheck(settings);
   return runClient(settings);

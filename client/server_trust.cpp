@@ -56,6 +56,11 @@ class TlsTrust {
 
 }  // namespace
 
+std::string nameServer(const Settings& settings) {
+  if (!settings.announced.empty()) return "mdns:" + settings.announced;
+  return (settings.tls ? "hapticasts://" : "") + toString(settings.server);
+}
+
 Dial chooseDial(const Settings& settings, const std::string& server) {
   if (!settings.tls && settings.announced.empty()) {
     if (!settings.tls_ca_file.empty())

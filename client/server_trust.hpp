@@ -10,6 +10,9 @@
 
 namespace hapticast::client {
 
+/// Returns the name of the server: [hapticasts://]HOST:PORT, or mdns:NAME.
+[[nodiscard]] std::string nameServer(const Settings& settings);
+
 /// Returns the dial function for the server of `settings`, whose name in messages and in the file
 /// of known servers is `server`. It uses TLS for hapticasts:// and for an announced server with
 /// TLS. Throws std::runtime_error (one line) if a file cannot be used.

@@ -23,11 +23,6 @@ namespace hapticast::client {
 
 namespace {
 
-std::string nameServer(const Settings& settings) {
-  if (!settings.announced.empty()) return "mdns:" + settings.announced;
-  return (settings.tls ? "hapticasts://" : "") + toString(settings.server);
-}
-
 ConnectionSettings connectionSettings(const Settings& settings, bool wants_video) {
   return {.server = settings.server,
           .dial = chooseDial(settings, nameServer(settings)),

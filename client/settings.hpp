@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,7 @@
 #include "client/net/origin_pin.hpp"
 #include "client/net/udp/transport_selector.hpp"
 #include "common/endpoint.hpp"
+#include "common/protocol/messages.hpp"
 
 namespace hapticast::client {
 
@@ -29,6 +31,7 @@ struct Settings {
   bool tls = false;                    ///< the user named it as hapticasts://
   std::string tls_ca_file;             ///< authorities of servers; empty: the first key counts
   std::string token_file;              ///< file with the access token; empty: none
+  std::optional<Control> control;      ///< request of --control; nullopt: no such request
   bool insecure = false;               ///< the token may travel without TLS
   std::vector<OriginKey> origin_keys;  ///< keys that the server may show; empty: any key or none
   bool list_servers = false;

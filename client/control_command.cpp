@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: MIT
+#include "client/control_command.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <chrono>
+#include <memory>
+#include <utility>
+
+#include "client/server_trust.hpp"
+
+namespace hapticast::client {
+
+namespace {
+
+constexpr auto kControlPatience = std::chrono::seconds(5);
+
+/// State of one request, which its coroutines share.
+struct Exchange {
+  explicit Exchange(asio::io_context& context) : io(context), timer(context, kControlPatience) {}
+  asio::io_context& io;
+  asio::steady_timer timer;
+  DialCancellation stop;
+  std::unique_ptr<Channel> channel;
+  bool done = false;
+  std::string problem = "the server did not answer in time";
+
+  void end(std::string why) {
+    problem = std::move(why);
+    timer.cancel();
+    if (channel) channel->close();
+  }
+};
+
+/// Handles a message of the server. Returns the next message to send, if there is one.
+std::optional<Control> answer(Exchange& exchange, const Message& message, const Control& control) {
+  if (std::holds_alternative<Welcome>(message)) return control;
+  if (std::holds_alternative<Control>(message)) {
+    exchange.done = true;
+    exchange.end("");
+  } else if (const auto* const error = std::get_if<WireError>(&message)) {
+    exchange.end(error->message);
+  }
+  return std::nullopt;
+}
+
+asio::awaitable<void> request(Exchange& exchange, Dial dial, Endpoint server, Hello hello,
+                              Control control) {
+  Dialled dialled = co_await dial(exchange.io, server, kControlPatience, exchange.stop);
+  if (!dialled.ok()) {
+    exchange.end(dialled.error().message);
+    co_return;
+  }
+  exchange.channel = std::move(dialled).value();
+  exchange.channel->setReadLimit(kMaxMessageBytes);
+  bool sending = co_await exchange.channel->write(encodeShared(hello));
+  while (sending && !exchange.done) {
+    const auto payload = co_await exchange.channel->read();
+    if (!payload.ok() || !payload.value()) break;
+    const auto message = decode(*payload.value());
+    if (!message.ok()) break;
+    if (const auto next = answer(exchange, message.value(), control))
+      sending = co_await exchange.channel->write(encodeShared(*next));
+  }
+  exchange.timer.cancel();
+}
+
+}  // namespace
+
+bool controlServer(const Settings& settings) {
+  const std::string server = nameServer(settings);
+  asio::io_context io;
+  Exchange exchange(io);
+  const Hello hello{kProtocolVersion, "hapticast-client --control", false, false,
+                    loadToken(settings.token_file)};
+  asio::co_spawn(
+      io,
+      request(exchange, chooseDial(settings, server), settings.server, hello, *settings.control),
+      asio::detached);
+  exchange.timer.async_wait([&exchange](const boost::system::error_code& cancelled) {
+    if (cancelled) return;
+    exchange.stop.stop();
+    if (exchange.channel) exchange.channel->close();
+  });
+  io.run();
+  if (!exchange.done) spdlog::error("{}: {}", server, exchange.problem);
+  return exchange.done;
+}
+
+}  // namespace hapticast::client
