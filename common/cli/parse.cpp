@@ -2,6 +2,7 @@
 #include "common/cli/parse.hpp"
 
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <iostream>
@@ -104,7 +105,9 @@ bool isFromConfig(const std::string& line, int argc, const char* const* argv) {
 std::string complaint(const CLI::App& app, const CLI::ParseError& error, int argc,
                       const char* const* argv) {
   const auto files = app.get_config_ptr()->results();  // several files are an error themselves
-  const std::string file = files.empty() ? app.get_config_ptr()->get_default_str() : files.back();
+  std::string file = files.empty() ? app.get_config_ptr()->get_default_str() : files.back();
+  // A default file becomes a result only after its lines were read.
+  if (files.empty() && ::access(file.c_str(), R_OK) != 0) file.clear();
   const std::string config = "--config " + file;
   if (is<ConfigFileError>(error)) return config + error.what();
   if (is<CLI::FileError>(error)) return config + ": cannot be read";
