@@ -23,6 +23,9 @@ namespace hapticast::client {
 
 namespace {
 
+// The package hapticast-client installs it.
+constexpr const char* kSystemConfig = "/etc/hapticast/client.conf";
+
 const std::map<std::string, SurfaceKind> kSurfaceKinds{{"proxy", SurfaceKind::kProxy},
                                                        {"normal", SurfaceKind::kNormal},
                                                        {"perturbed", SurfaceKind::kPerturbed}};
@@ -151,13 +154,15 @@ void addDeviceOptions(CLI::App& app, Settings& settings) {
   app.add_option("--profile", settings.profile,
                  "The limits of the device: omni (default), falcon, or a file "
                  "of KEY = VALUE lines (keys: client/README.md, Profiles)")
-      ->type_name("NAME|FILE");
+      ->type_name("NAME|FILE")
+      ->default_str(settings.profile);
   app.add_option("--hand", settings.hand,
                  "The motion of the virtual hand: press (default; push with 1 N, hold, release, "
                  "repeat), slide (over the object, 1 mm deep), follow (move with the object), or a "
                  "CSV file of t_s,x_mm,y_mm,z_mm targets in nominal mm")
       ->each([&settings](const std::string& /*name*/) { settings.hand_given = true; })
-      ->type_name("press|slide|follow|FILE.csv");
+      ->type_name("press|slide|follow|FILE.csv")
+      ->default_str(settings.hand);
   addNumber(app, "--stiffness-limit", settings.stiffness_limit_N_mm, 0.01, 1000.0, "N/MM",
             "The largest stiffness that an author may request; default: three times the profile's "
             "stiffness");
@@ -208,7 +213,8 @@ void addDeliveryOptions(CLI::App& app, DeliverySettings& delivery) {
   app.add_option_function<std::string>("--redundancy", set,
                                        "The number of sends of each datagram, one frame apart: "
                                        "auto (default; follows the network's loss), or 1..4")
-      ->type_name("auto|N");
+      ->type_name("auto|N")
+      ->default_str("auto");
   app.add_option("--interface", delivery.interface_name,
                  "The network interface that joins a multicast group, by name or address; default: "
                  "the interface of the route to the server")
@@ -272,14 +278,15 @@ std::unique_ptr<CLI::App> commandLine(Settings& settings) {
             "interpolated by cubics");
   addViewOptions(*app, settings);
   addOutputOptions(*app, settings);
-  addConfigFile(*app);
+  addConfigFile(*app, kSystemConfig);
   return app;
 }
 
 std::optional<int> readCommandLine(Settings& settings, int argc, const char* const* argv) {
   const auto app = commandLine(settings);
   const auto exit_code = parseCommandLine(*app, argc, argv);
-  if (!exit_code) settings.config_file = app->get_config_ptr()->as<std::string>();
+  const std::string config = app->get_config_ptr()->as<std::string>();
+  if (!exit_code && config != kSystemConfig) settings.config_file = config;
   return exit_code;
 }
 

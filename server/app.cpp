@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <atomic>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
@@ -64,7 +65,7 @@ std::vector<KeyBytes> trustedOrigins(const Settings& settings, const FrameSigner
 
 class App::Impl {
  public:
-  Impl(Settings settings, const Clock& clock);
+  Impl(Settings settings, const Clock& clock, ReadSettings reread);
 
   void run();
   void stop() noexcept { stop_ = true; }
@@ -80,14 +81,21 @@ class App::Impl {
   /// silence these frames would be so late that viewers would raise their playout delay for them.
   void publishHeldBack(EncoderThread& encoder);
   void publish(VisionResult result, EncoderThread& encoder);
+  /// Reads the settings again. Thread: the network's.
+  void reload();
+  /// Applies the materials of the last reload(), if there was one.
+  void adoptMaterials(EncoderThread& encoder);
   void logSkippedFrames(const Pacer& pacer);
-  void waitUntil(MediaTime due) const;
+  void waitUntil(MediaTime due);
 
   Settings settings_;
   LocalMediaClock media_clock_;
   std::unique_ptr<RgbdSource> source_;
   Vision vision_;
   FrameSigner signer_;  // outlives all encoded frames
+  Reloader reloader_;   // used by the network thread only
+  std::mutex mutex_;
+  std::optional<VisionSettings> reloaded_;  // guarded by mutex_
   StreamService service_;
   std::optional<RelayPublisher> relay_;
   PlanLog plan_teller_;
@@ -100,7 +108,7 @@ class App::Impl {
   MediaTime last_logged_{};
 };
 
-App::Impl::Impl(Settings settings, const Clock& clock)
+App::Impl::Impl(Settings settings, const Clock& clock, ReadSettings reread)
     : settings_(std::move(settings)),
       media_clock_(clock),
       source_(openFor(settings_)),
@@ -108,6 +116,7 @@ App::Impl::Impl(Settings settings, const Clock& clock)
               settings_.vision = preparePoints(settings_.vision, source_->info()), &clock),
       signer_(settings_.signing_key_file.empty() ? SigningKey()
                                                  : loadSigningKey(settings_.signing_key_file)),
+      reloader_(settings_, std::move(reread)),
       service_(settings_, clock, media_clock_, vision_.description(), signer_.identity()) {
   // Viewers of relays need the key: a relay could show another one.
   if (settings_.publish || !settings_.signing_key_file.empty())
@@ -118,7 +127,7 @@ App::Impl::Impl(Settings settings, const Clock& clock)
 }
 
 void App::Impl::run() {
-  service_.start([this] { stop(); });
+  service_.start([this] { stop(); }, [this] { reload(); });
   browse();
   const SliceSettings slices{.error_mm = heightError_mm(settings_.vision)};
   if (settings_.explain)
@@ -141,6 +150,7 @@ void App::Impl::browse() {
   MediaTime told{};
   const auto tell = [&](double share) {
     service_.open(vision_.description().name);
+    service_.manager().reportAlive();
     const MediaTime now = media_clock_.now();
     if (told != MediaTime{} && now - told < kPrepareEvery) return;
     told = now;
@@ -171,6 +181,8 @@ void App::Impl::play(EncoderThread& encoder) {
   Pacer pacer(info.fps, media_clock_.now());
   std::uint64_t frames = 0;
   while (!stop_ && (settings_.frames == 0 || frames < settings_.frames)) {
+    service_.manager().reportAlive();
+    adoptMaterials(encoder);
     const auto frame = nextFrame(pacer);
     if (!frame && info.live) {
       publishHeldBack(encoder);
@@ -214,6 +226,20 @@ void App::Impl::publish(VisionResult result, EncoderThread& encoder) {
   encoder.push(vision_.description(), std::move(result));
 }
 
+void App::Impl::reload() {
+  auto vision = reloader_.reload();
+  const std::lock_guard lock(mutex_);
+  if (vision) reloaded_ = std::move(vision);
+}
+
+void App::Impl::adoptMaterials(EncoderThread& encoder) {
+  const std::lock_guard lock(mutex_);
+  if (!reloaded_) return;
+  vision_.setMaterials(*reloaded_);
+  encoder.setSlices({.error_mm = heightError_mm(*reloaded_)});
+  reloaded_.reset();
+}
+
 void App::Impl::logSkippedFrames(const Pacer& pacer) {
   const MediaTime now = media_clock_.now();
   // First after a second, then once a minute with the sum.
@@ -225,16 +251,17 @@ void App::Impl::logSkippedFrames(const Pacer& pacer) {
   last_logged_ = now;
 }
 
-void App::Impl::waitUntil(MediaTime due) const {
+void App::Impl::waitUntil(MediaTime due) {
   while (!stop_) {
+    service_.manager().reportAlive();
     const Duration left = due - media_clock_.now();
     if (left <= Duration::zero()) return;
     std::this_thread::sleep_for(std::min(left, kSlice));
   }
 }
 
-App::App(Settings settings, const Clock& clock)
-    : impl_(std::make_unique<Impl>(std::move(settings), clock)) {}
+App::App(Settings settings, const Clock& clock, ReadSettings reread)
+    : impl_(std::make_unique<Impl>(std::move(settings), clock, std::move(reread))) {}
 
 App::~App() = default;
 

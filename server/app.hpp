@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "common/time.hpp"
+#include "server/reload.hpp"
 #include "server/settings.hpp"
 
 namespace hapticast::server {
@@ -14,8 +15,9 @@ namespace hapticast::server {
 class App {
  public:
   /// Opens the source and the port. Throws SourceError, AddressError or std::runtime_error; each
-  /// message has one line. `clock` must outlive App.
-  App(Settings settings, const Clock& clock);
+  /// message has one line. `clock` must outlive App. `reread`: reads the settings again at SIGHUP;
+  /// null: SIGHUP changes nothing.
+  App(Settings settings, const Clock& clock, ReadSettings reread = nullptr);
   ~App();
   App(const App&) = delete;
   App& operator=(const App&) = delete;

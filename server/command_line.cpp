@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "server/command_line.hpp"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <filesystem>
 #include <map>
@@ -183,6 +185,16 @@ void addRelayOptions(CLI::App& app, Settings& settings) {
       ->type_name("FILE");
 }
 
+/// Returns the flags that were set.
+FlagTexts listFlags(const CLI::App& app) {
+  FlagTexts flags;
+  for (const CLI::Option* const option : app.get_options()) {
+    for (const std::string& text : option->results())
+      flags.emplace_back(option->get_lnames().front(), text);
+  }
+  return flags;
+}
+
 std::optional<KeyBytes> parseOriginKey(const std::string& text) { return parseKey(text); }
 
 void addOriginKey(CLI::App& app, std::vector<KeyBytes>& keys) {
@@ -239,10 +251,14 @@ std::unique_ptr<CLI::App> commandLine(Settings& settings) {
   addConfigFile(*app);
   app->final_callback([&settings, parsed = app.get()] {
     requireTlsFlags(settings);
-    if (isEdge(settings)) return requireEdgeFlags(*parsed);
-    if (!settings.origin_keys.empty() && !settings.publish)
-      throw CLI::ValidationError("--origin-key", "needs --source nats://... or --publish");
-    mergeScene(*parsed, settings);
+    if (!isEdge(settings)) {
+      if (!settings.origin_keys.empty() && !settings.publish)
+        throw CLI::ValidationError("--origin-key", "needs --source nats://... or --publish");
+      mergeScene(*parsed, settings);
+    } else {
+      requireEdgeFlags(*parsed);
+    }
+    settings.flags = listFlags(*parsed);
   });
   return app;
 }
@@ -250,6 +266,15 @@ std::unique_ptr<CLI::App> commandLine(Settings& settings) {
 std::optional<int> readCommandLine(Settings& settings, int argc, const char* const* argv) {
   const auto app = commandLine(settings);
   return parseCommandLine(*app, argc, argv);
+}
+
+std::optional<Settings> rereadCommandLine(int argc, const char* const* argv) {
+  Settings settings;
+  const auto app = commandLine(settings);
+  const auto problem = parseArguments(*app, argc, argv);
+  if (!problem) return settings;
+  spdlog::error("{}; the settings stay as they are", *problem);
+  return std::nullopt;
 }
 
 bool isEdge(const Settings& settings) { return settings.source.starts_with(kNatsScheme); }

@@ -4,12 +4,14 @@
 #pragma once
 
 #include "common/time.hpp"
+#include "server/reload.hpp"
 #include "server/settings.hpp"
 
 namespace hapticast::server {
 
 /// Runs the edge of the channel `settings.source` until a signal ends it. It waits for an origin
-/// before it accepts viewers. Throws SourceError, AddressError or std::runtime_error with one line.
-void runEdge(const Settings& settings, const Clock& clock);
+/// before it accepts viewers. `reread`: reads the settings again at SIGHUP. Throws SourceError,
+/// AddressError or std::runtime_error with one line.
+void runEdge(const Settings& settings, const Clock& clock, ReadSettings reread);
 
 }  // namespace hapticast::server

@@ -2,7 +2,9 @@
 #include <spdlog/spdlog.h>
 
 #include <exception>
+#include <memory>
 #include <string>
+#include <utility>
 
 #include "common/cli/run_program.hpp"
 #include "common/text.hpp"
@@ -20,7 +22,7 @@ using hapticast::kDone;
 using hapticast::kFailed;
 using hapticast::kWrongInput;
 
-int serve(const hapticast::server::Settings& settings) {
+int serve(const hapticast::server::Settings& settings, hapticast::server::ReadSettings reread) {
   const hapticast::SteadyClock clock;
   std::unique_ptr<hapticast::server::App> app;
   try {
@@ -29,10 +31,10 @@ int serve(const hapticast::server::Settings& settings) {
       return kDone;
     }
     if (hapticast::server::isEdge(settings)) {
-      hapticast::server::runEdge(settings, clock);
+      hapticast::server::runEdge(settings, clock, std::move(reread));
       return kDone;
     }
-    app = std::make_unique<hapticast::server::App>(settings, clock);
+    app = std::make_unique<hapticast::server::App>(settings, clock, std::move(reread));
     app->run();
   } catch (const hapticast::server::SourceError& error) {
     const std::string what = hapticast::sanitizeUtf8(error.what());
@@ -56,5 +58,6 @@ int main(int argc, char** argv) {
   hapticast::server::Settings settings;
   if (const auto exit_code = hapticast::server::readCommandLine(settings, argc, argv))
     return *exit_code;
-  return hapticast::runProgram(settings.quiet, [&settings] { return serve(settings); });
+  const auto reread = [argc, argv] { return hapticast::server::rereadCommandLine(argc, argv); };
+  return hapticast::runProgram(settings.quiet, [&] { return serve(settings, reread); });
 }

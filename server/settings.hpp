@@ -48,6 +48,7 @@ struct Settings {
   std::string preview;  ///< output of the preview: FILE.png or a folder; empty: no preview
   bool explain = false;
   bool quiet = false;
+  FlagTexts flags;  ///< all flags that were set, in any way, with their texts
 };
 
 /// Returns whether the source is the channel of an origin, so that this server is an edge.

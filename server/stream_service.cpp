@@ -23,6 +23,7 @@ StreamService::StreamService(const Settings& settings, const Clock& clock,
                              const MediaClock& media_clock, const StreamDescription& description,
                              const StreamIdentity& identity)
     : settings_(settings),
+      manager_(clock),
       broadcaster_(io_, clock, media_clock, description,
                    StreamSettings{.max_clients = raiseFileLimit(settings.max_clients),
                                   .insecure = settings.insecure}),
@@ -53,9 +54,11 @@ StreamService::Datagrams::Datagrams(asio::io_context& io, const Clock& clock,
 
 StreamService::~StreamService() { end(); }
 
-void StreamService::start(std::function<void()> on_signal) {
+void StreamService::start(std::function<void()> on_signal, std::function<void()> on_reload) {
   signals_.emplace(io_, SIGINT, SIGTERM);
-  if (!sighupIgnored()) signals_->add(SIGHUP);
+  reload_signal_.emplace(io_);
+  if (!sighupIgnored()) (sighupReloads() ? *reload_signal_ : *signals_).add(SIGHUP);
+  awaitReload(std::move(on_reload));
   signals_->async_wait(
       [this, on_signal = std::move(on_signal)](const boost::system::error_code& error, int) {
         if (error) return;
@@ -65,6 +68,17 @@ void StreamService::start(std::function<void()> on_signal) {
   status_signal_.emplace(io_, SIGUSR1);
   awaitStatusRequest();
   network_ = std::jthread([this] { io_.run(); });
+}
+
+void StreamService::awaitReload(std::function<void()> on_reload) {
+  reload_signal_->async_wait([this, on_reload = std::move(on_reload)](
+                                 const boost::system::error_code& error, int) mutable {
+    if (error) return;
+    manager_.reportReload();
+    on_reload();
+    manager_.reportReloaded();
+    awaitReload(std::move(on_reload));
+  });
 }
 
 void StreamService::awaitStatusRequest() {
@@ -84,15 +98,18 @@ void StreamService::open(const std::string& name) {
   if (!settings_.announce.empty())
     announcer_.emplace(settings_.announce, listener_.endpoint(), name,
                        tls_ ? toHex(tls_->fingerprint()) : "");
+  manager_.reportReady(name + ": listening on " + toString(listener_.address()));
 }
 
 void StreamService::end() {
   if (!network_.joinable()) return;
+  manager_.reportStop();
   announcer_.reset();
   listener_.stop();
   broadcaster_.stop();
   asio::post(io_, [this] {
     signals_->cancel();
+    reload_signal_->cancel();
     status_signal_->cancel();
   });
   network_.join();

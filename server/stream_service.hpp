@@ -11,6 +11,7 @@
 
 #include "common/time.hpp"
 #include "common/transport/asio.hpp"
+#include "server/service_manager.hpp"
 #include "server/settings.hpp"
 #include "server/stream/announce.hpp"
 #include "server/stream/broadcaster.hpp"
@@ -32,16 +33,18 @@ class StreamService {
   StreamService(const StreamService&) = delete;
   StreamService& operator=(const StreamService&) = delete;
 
-  /// Starts the network thread. `on_signal` is called at SIGINT, SIGTERM and SIGHUP; thread: the
-  /// network's. At SIGUSR1 the log receives one line of status.
-  void start(std::function<void()> on_signal);
-  /// Begins to accept viewers. A second call does nothing. `name`: the stream's name, for the
-  /// announcement.
+  /// Starts the network thread. `on_signal` is called at SIGINT and SIGTERM, and `on_reload` at
+  /// each SIGHUP; thread: the network's. SIGHUP of a terminal calls `on_signal` instead
+  /// (sighupReloads()). At SIGUSR1 the log receives one line of status.
+  void start(std::function<void()> on_signal, std::function<void()> on_reload);
+  /// Begins to accept viewers, and reports to the service manager that the server is ready. A
+  /// second call does nothing. `name`: the stream's name, for the announcement.
   void open(const std::string& name);
   /// Sends a goodbye to all viewers and ends the network thread. A second call does nothing.
   void end();
 
   [[nodiscard]] Broadcaster& broadcaster() { return broadcaster_; }
+  [[nodiscard]] ServiceManager& manager() { return manager_; }
 
  private:
   /// Members of UDP delivery.
@@ -52,9 +55,11 @@ class StreamService {
     DatagramSender sender;
   };
 
+  void awaitReload(std::function<void()> on_reload);
   void awaitStatusRequest();
 
   const Settings& settings_;
+  ServiceManager manager_;
   asio::io_context io_;
   Broadcaster broadcaster_;
   std::optional<TlsContext> tls_;
@@ -62,6 +67,7 @@ class StreamService {
   std::optional<Datagrams> datagrams_;
   std::optional<Announcer> announcer_;  // once open() was called
   std::optional<asio::signal_set> signals_;
+  std::optional<asio::signal_set> reload_signal_;
   std::optional<asio::signal_set> status_signal_;
   bool open_ = false;
   std::jthread network_;  // last member: it runs io_

@@ -43,7 +43,14 @@ CLI::Option* addEndpoint(CLI::App& app, const std::string& name, Endpoint& value
     value = parseEndpointOr(text, otherwise, name, least_port, form);
   };
   return app.add_option_function<std::string>(name, set, help)
-      ->type_name(form.substr(0, form.find_first_of(" ,")));
+      ->type_name(form.substr(0, form.find_first_of(" ,")))
+      ->default_str(value.host.empty() ? "" : toString(value));
+}
+
+void showDefault(CLI::Option& option, double value) {
+  std::ostringstream text;
+  text << std::setprecision(12) << value;
+  option.default_str(text.str());
 }
 
 template <class Number>
@@ -90,6 +97,27 @@ void addVersion(CLI::App& app, const std::string& built_in) {
 
 namespace {
 
+/// Returns the key of an option in a config file.
+std::string keyOf(const CLI::Option& option) {
+  return option.get_lnames().empty() ? option.get_name() : option.get_lnames().front();
+}
+
+/// Returns `text` as comment lines of at most 100 columns.
+std::string makeComment(const std::string& text) {
+  constexpr std::size_t kColumns = 100;
+  std::string lines = "#";
+  std::size_t column = lines.size();
+  std::istringstream words(text);
+  for (std::string word; words >> word; column += 1 + word.size()) {
+    if (column > 1 && column + 1 + word.size() > kColumns) {
+      lines += "\n#";
+      column = 1;
+    }
+    lines += " " + word;
+  }
+  return lines + "\n";
+}
+
 /// Replaces CLI11's own reader, which accepts sections, nests them without a limit, and loses a key
 /// that occurs again further down.
 class KeyValueConfig : public CLI::ConfigBase {
@@ -121,8 +149,7 @@ class KeyValueConfig : public CLI::ConfigBase {
     for (const CLI::Option* const option : app_.get_options()) {
       if (!option->get_configurable()) continue;
       if (option->check_lname(pair.key) || option->check_name(pair.key)) return;
-      keys.push_back(option->get_lnames().empty() ? option->get_name()
-                                                  : option->get_lnames().front());
+      keys.push_back(keyOf(*option));
     }
     if (const auto owner = ownerOfFlag(pair.key, app_.get_name()); !owner.empty())
       complain(quote(pair.key) + " is a flag of " + std::string(owner));
@@ -134,11 +161,34 @@ class KeyValueConfig : public CLI::ConfigBase {
 
 }  // namespace
 
-void addConfigFile(CLI::App& app) {
-  app.set_config("--config", "", "File of KEY = VALUE lines; every flag is a key of the same name")
-      ->type_name("FILE");
+void addConfigFile(CLI::App& app, const std::string& default_file) {
+  std::string help = "File of KEY = VALUE lines; every flag is a key of the same name";
+  if (!default_file.empty()) help += "; default: " + default_file + ", if it exists";
+  app.set_config("--config", default_file, help)->type_name("FILE");
   app.allow_config_extras(CLI::config_extras_mode::error);
   app.config_formatter(std::make_shared<KeyValueConfig>(app));
+  const auto print = [&app] {
+    throw CLI::CallForVersion(writeConfig(app), CLI::ExitCodes::Success);
+  };
+  app.add_flag_callback("--print-config", print,
+                        "Print a config file with every flag and its default as a comment, and end")
+      ->configurable(false);
+}
+
+std::string writeConfig(const CLI::App& app) {
+  std::string text = makeComment("Configuration of " + app.get_name() +
+                                 ": KEY = VALUE lines. Each key is a flag of the command line, "
+                                 "which wins over this file. A line without a value has no fixed "
+                                 "default. Remove the # in front of a key to set it.");
+  for (const CLI::Option* const option : app.get_options()) {
+    if (!option->get_configurable()) continue;
+    const bool is_switch = option->get_items_expected_max() == 0;
+    const std::string value = is_switch ? "false" : option->get_default_str();
+    text += "\n" + makeComment(option->get_description());
+    if (!is_switch) text += makeComment("Value: " + option->get_type_name());
+    text += "#" + keyOf(*option) + " =" + (value.empty() ? "" : " " + value) + "\n";
+  }
+  return text;
 }
 
 }  // namespace hapticast

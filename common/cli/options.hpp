@@ -8,6 +8,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "common/cli/cli11.hpp"
@@ -47,6 +48,9 @@ template <class Number>
 CLI::ValidationError notANumber(const std::string& name, const std::string& text, Number least,
                                 Number most);
 
+/// Sets the default that writeConfig() shows for `option`.
+void showDefault(CLI::Option& option, double value);
+
 /// Adds an option to `app` that parses a finite number from `least` to `most` into `value`. `unit`
 /// is the unit for --help. Value must be assignable from Number.
 template <class Value, class Number>
@@ -57,7 +61,11 @@ CLI::Option* addNumber(CLI::App& app, const std::string& name, Value& value, Num
     if (!number) throw notANumber(name, text, least, most);
     value = *number;
   };
-  return app.add_option_function<std::string>(name, set, help)->type_name(unit);
+  CLI::Option* const option = app.add_option_function<std::string>(name, set, help);
+  if constexpr (std::is_arithmetic_v<Value>) {  // a value outside the range stands for "not set"
+    if (value >= least && value <= most) showDefault(*option, static_cast<double>(value));
+  }
+  return option->type_name(unit);
 }
 
 /// Adds an option to `app` that the user may repeat, with one value each time. All values together
@@ -86,8 +94,12 @@ template <class Value>
 CLI::Option* addChoice(CLI::App& app, const std::string& name, Value& value,
                        const std::map<std::string, Value>& choices, const std::string& help) {
   std::vector<std::string> words;
+  std::string present;
   words.reserve(choices.size());
-  for (const auto& choice : choices) words.push_back(choice.first);
+  for (const auto& choice : choices) {
+    words.push_back(choice.first);
+    if (choice.second == value) present = choice.first;
+  }
   const std::string names = join(words, "|");
   const auto set = [&value, &choices, name, names, words](const std::string& text) {
     const auto found = choices.find(text);
@@ -97,7 +109,9 @@ CLI::Option* addChoice(CLI::App& app, const std::string& name, Value& value,
     }
     value = found->second;
   };
-  return app.add_option_function<std::string>(name, set, help)->type_name(names);
+  return app.add_option_function<std::string>(name, set, help)
+      ->type_name(names)
+      ->default_str(present);
 }
 
 /// Adds an option to `app` for the name of a file with the ending `ending` (hasEnding()).
@@ -121,8 +135,12 @@ class ConfigFileError : public CLI::ParseError {
       : CLI::ParseError("ConfigFileError", what, CLI::ExitCodes::ConfigError) {}
 };
 
-/// Adds the flag `--config FILE`. The file may set every flag of `app`. An unknown key causes a
-/// ConfigFileError.
-void addConfigFile(CLI::App& app);
+/// Adds the flags `--config FILE` and `--print-config`. The file may set every flag of `app`. An
+/// unknown key causes a ConfigFileError. Without the flag the program reads the file
+/// `default_file`, if it exists. Call it after all other flags were added.
+void addConfigFile(CLI::App& app, const std::string& default_file = "");
+
+/// Returns the text of a config file with each flag of `app` and its default as a comment.
+[[nodiscard]] std::string writeConfig(const CLI::App& app);
 
 }  // namespace hapticast

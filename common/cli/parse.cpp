@@ -2,6 +2,7 @@
 #include "common/cli/parse.hpp"
 
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <iostream>
@@ -104,7 +105,9 @@ bool isFromConfig(const std::string& line, int argc, const char* const* argv) {
 std::string complaint(const CLI::App& app, const CLI::ParseError& error, int argc,
                       const char* const* argv) {
   const auto files = app.get_config_ptr()->results();  // several files are an error themselves
-  const std::string file = files.empty() ? "" : files.back();
+  std::string file = files.empty() ? app.get_config_ptr()->get_default_str() : files.back();
+  // A default file becomes a result only after its lines were read.
+  if (files.empty() && ::access(file.c_str(), R_OK) != 0) file.clear();
   const std::string config = "--config " + file;
   if (is<ConfigFileError>(error)) return config + error.what();
   if (is<CLI::FileError>(error)) return config + ": cannot be read";
@@ -137,23 +140,34 @@ void requireValues(const CLI::App& app, int argc, const char* const* argv) {
 
 }  // namespace
 
-std::optional<int> parseCommandLine(CLI::App& app, int argc, const char* const* argv) {
-  startLog(app.get_name());
+std::optional<std::string> parseArguments(CLI::App& app, int argc, const char* const* argv) {
   try {
     requireValues(app, argc, argv);
     app.parse(argc, argv);
+  } catch (const CLI::Success&) {
+    throw;
+  } catch (const CLI::ParseError& error) {
+    return sanitizeUtf8(complaint(app, error, argc, argv));
+  }
+  return std::nullopt;
+}
+
+std::optional<int> parseCommandLine(CLI::App& app, int argc, const char* const* argv) {
+  startLog(app.get_name());
+  try {
+    const auto problem = parseArguments(app, argc, argv);
+    if (!problem) return std::nullopt;
+    spdlog::error("{} (--help lists the flags and their values)", *problem);
+    return kWrongInput;
   } catch (const CLI::CallForHelp&) {
+    // The descriptions state the defaults.
+    for (CLI::Option* const option : app.get_options()) option->default_str("");
     std::cout << app.help();
     return 0;
   } catch (const CLI::CallForVersion& version) {
     std::cout << version.what() << "\n";
     return 0;
-  } catch (const CLI::ParseError& error) {
-    spdlog::error("{} (--help lists the flags and their values)",
-                  sanitizeUtf8(complaint(app, error, argc, argv)));
-    return kWrongInput;
   }
-  return std::nullopt;
 }
 
 void requireDiscovery(const std::string& flag) {

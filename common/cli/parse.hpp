@@ -14,6 +14,12 @@ namespace hapticast {
 /// in the log), or 0 after the help.
 std::optional<int> parseCommandLine(CLI::App& app, int argc, const char* const* argv);
 
+/// Parses the arguments of the program, and returns nullopt, or the error as one line. Logs
+/// nothing. Throws CLI::Success if the arguments ask for the help, the version or a config file.
+/// Thread: any.
+[[nodiscard]] std::optional<std::string> parseArguments(CLI::App& app, int argc,
+                                                        const char* const* argv);
+
 // Names of servers on the command line, and the check whether this build supports discovery
 // (DNS-SD). Thread: main, at start-up.
 

@@ -3,17 +3,33 @@
 
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
+#include <csignal>
+#include <cstdlib>
 #include <exception>
 
 #include "common/text.hpp"
 
 namespace hapticast {
 
+namespace {
+
+/// Returns whether systemd's journal reads stderr, and adds a time to each line itself.
+bool journalReadsLog() {
+  const char* const stream = std::getenv("JOURNAL_STREAM");
+  struct stat file {};
+  if (stream == nullptr || ::fstat(STDERR_FILENO, &file) != 0) return false;
+  return stream == std::to_string(file.st_dev) + ":" + std::to_string(file.st_ino);
+}
+
+}  // namespace
+
 void startLog(const std::string& name) {
   spdlog::drop(name);
   spdlog::set_default_logger(spdlog::stderr_color_mt(name));
-  spdlog::set_pattern("%H:%M:%S.%e %^%l%$ %v");
+  spdlog::set_pattern(journalReadsLog() ? "%l %v" : "%H:%M:%S.%e %^%l%$ %v");
 }
 
 int runProgram(bool quiet, const std::function<int()>& run) {
@@ -25,5 +41,12 @@ int runProgram(bool quiet, const std::function<int()>& run) {
     return kFailed;
   }
 }
+
+bool sighupIgnored() {
+  struct sigaction before {};
+  return ::sigaction(SIGHUP, nullptr, &before) == 0 && before.sa_handler == SIG_IGN;
+}
+
+bool sighupReloads() { return !sighupIgnored() && ::isatty(STDIN_FILENO) == 0; }
 
 }  // namespace hapticast

@@ -3,7 +3,6 @@
 // determines the exit code. Thread: main.
 #pragma once
 
-#include <csignal>
 #include <functional>
 #include <string>
 
@@ -12,7 +11,8 @@ namespace hapticast {
 enum ExitCode : int { kDone = 0, kFailed = 1, kWrongInput = 2 };
 
 /// Starts the log with the name `name`. Its lines go to stderr: "HH:MM:SS.mmm LEVEL TEXT", where
-/// LEVEL is info, warning or error.
+/// LEVEL is info, warning or error. If systemd's journal reads stderr ($JOURNAL_STREAM), the lines
+/// have no time, because the journal adds one.
 void startLog(const std::string& name);
 
 /// Calls `run`, and returns the exit code of `run`. If `quiet` is true, only warnings and errors
@@ -24,9 +24,11 @@ int runProgram(bool quiet, const std::function<int()>& run);
 
 /// Returns true if the program was started with SIGHUP ignored, as nohup arranges. The program then
 /// has to ignore it as well.
-inline bool sighupIgnored() {
-  struct sigaction before {};
-  return ::sigaction(SIGHUP, nullptr, &before) == 0 && before.sa_handler == SIG_IGN;
-}
+[[nodiscard]] bool sighupIgnored();
+
+/// Returns true if SIGHUP asks the program to read its configuration again: standard input is no
+/// terminal, and the program was not started with SIGHUP ignored. On a terminal SIGHUP means that
+/// the terminal closed.
+[[nodiscard]] bool sighupReloads();
 
 }  // namespace hapticast

@@ -102,7 +102,8 @@ void addPlan(CLI::App& app, PlanSettings& plan) {
          "The stages of the scene plan: auto leaves out the stages that a scene does not need, "
          "everything keeps every stage, and STAGE=on|off sets segment, clean, smooth, motion, grid "
          "or heights")
-      ->type_name("auto|everything|STAGE=on|off,...");
+      ->type_name("auto|everything|STAGE=on|off,...")
+      ->default_str("auto");
 }
 
 void addPoints(CLI::App& app, VisionSettings& vision) {

@@ -27,6 +27,11 @@ void EncoderThread::push(StreamDescription description, VisionResult result) {
   changed_.notify_all();
 }
 
+void EncoderThread::setSlices(const SliceSettings& slices) {
+  const std::lock_guard lock(mutex_);
+  slices_ = slices;
+}
+
 void EncoderThread::finish() {
   stop();
   if (failure_) std::rethrow_exception(failure_);
@@ -53,10 +58,11 @@ void EncoderThread::run() {
     if (jobs_.empty()) return;
     Job job = std::move(jobs_.front());
     jobs_.pop_front();
+    const SliceSettings slices = slices_;
     changed_.notify_all();
     lock.unlock();
     try {
-      encode(std::move(job));
+      encode(std::move(job), slices);
     } catch (...) {
       lock.lock();
       failure_ = std::current_exception();
@@ -66,7 +72,7 @@ void EncoderThread::run() {
   }
 }
 
-void EncoderThread::encode(Job job) {
+void EncoderThread::encode(Job job, const SliceSettings& slices) {
   if (described_ != job.description) {
     described_ = std::move(job.description);
     for (StreamSink* sink : sinks_) sink->describe(*described_);
@@ -74,7 +80,7 @@ void EncoderThread::encode(Job job) {
   VideoFrame picture{job.result.frame.epoch, job.result.frame.id, job.result.frame.media_time, {}};
   const bool datagrams =
       std::any_of(sinks_.begin(), sinks_.end(), [](auto* sink) { return sink->datagramsWanted(); });
-  const EncodedFrame frame = encoder_.encode(job.result.frame, slices_, signer_, datagrams);
+  const EncodedFrame frame = encoder_.encode(job.result.frame, slices, signer_, datagrams);
   {
     const std::lock_guard lock(mutex_);
     relief_bytes_ = encoder_.reliefBytes();

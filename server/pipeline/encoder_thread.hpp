@@ -32,6 +32,8 @@ class EncoderThread {
   /// while two frames wait in the queue. Rethrows an exception that the encoder has thrown. Thread:
   /// the pipeline's.
   void push(StreamDescription description, VisionResult result);
+  /// Replaces the settings of the height codec, from the next encoded frame on. Thread: any.
+  void setSlices(const SliceSettings& slices);
   /// Encodes the frames that wait, and ends the thread. Then rethrows an exception that the encoder
   /// has thrown. Thread: the pipeline's.
   void finish();
@@ -44,15 +46,15 @@ class EncoderThread {
     VisionResult result;
   };
   void run();
-  void encode(Job job);
+  void encode(Job job, const SliceSettings& slices);
   void stop() noexcept;
 
   std::vector<StreamSink*> sinks_;
   FrameSigner* signer_;
-  SliceSettings slices_;
   FrameEncoder encoder_;                        // used by the thread only
   std::optional<StreamDescription> described_;  // used by the thread only
   mutable std::mutex mutex_;
+  SliceSettings slices_;  // guarded by mutex_
   std::condition_variable changed_;
   std::deque<Job> jobs_;        // guarded by mutex_
   ReliefBytes relief_bytes_;    // guarded by mutex_

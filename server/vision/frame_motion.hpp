@@ -8,6 +8,7 @@
 #include <deque>
 #include <map>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "server/source/rgbd_source.hpp"
@@ -59,6 +60,8 @@ class FrameMotion {
   /// and of `lookahead` frames after it must have been added, or the stream must have ended. Call
   /// it in order of the frames. `clip_frame`: index of the frame in the clip.
   void complete(HapticFrame& frame, std::uint64_t clip_frame, const NominalFrame& nominal);
+  /// Replaces the mass of objects without a mass of their own.
+  void setMass(std::optional<double> mass_kg) { settings_.mass_kg = mass_kg; }
   /// Begins a new epoch: forgets all poses, so that no window contains frames of the old epoch.
   void forget();
 

@@ -135,6 +135,14 @@ class Vision::Impl {
     return onReady();
   }
 
+  void setMaterials(const VisionSettings& from) {
+    settings_.material = from.material;
+    settings_.mass_kg = from.mass_kg;
+    settings_.objects = from.objects;
+    description_.mass_kg = from.mass_kg;
+    motion_.setMass(from.mass_kg);
+  }
+
   std::vector<VisionResult> flush() {
     while (!pending_.empty()) complete();
     std::vector<VisionResult> out;
@@ -312,6 +320,7 @@ bool Vision::scan(RgbdSource& source, const Progress& progress) {
 std::optional<VisionResult> Vision::push(const RgbdFrame& frame, MediaTime media_time) {
   return impl_->push(frame, media_time);
 }
+void Vision::setMaterials(const VisionSettings& from) { impl_->setMaterials(from); }
 std::vector<VisionResult> Vision::flush() { return impl_->flush(); }
 std::map<std::uint32_t, std::vector<PlanLine>> Vision::plan() const { return impl_->plan(); }
 std::string Vision::name(std::uint32_t id) const { return impl_->name(id); }

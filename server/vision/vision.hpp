@@ -50,6 +50,10 @@ class Vision {
   /// It also begins at a new epoch of the source, unless all objects continue there unchanged.
   /// Throws SourceError.
   [[nodiscard]] std::optional<VisionResult> push(const RgbdFrame& frame, MediaTime media_time);
+  /// Replaces material and mass, of all objects and of each object that the author described, by
+  /// those of `from`. The next push() is the first with them. `from` must describe the same objects
+  /// as the settings of the constructor.
+  void setMaterials(const VisionSettings& from);
   /// Returns the frames that push() has not returned yet, oldest first. Call it at the end of the
   /// stream.
   [[nodiscard]] std::vector<VisionResult> flush();

@@ -212,7 +212,7 @@ TEST_F(ProgramsLifeTest, AClientStartedBeforeItsServerWaitsForIt) {
   {
     const auto first = startServer({"--source", clip, "--loop"});
     address = addressOf(*first);
-    interrupt(*first, SIGHUP);
+    interrupt(*first, SIGTERM);
   }
   const auto client = startClient({address, "--seconds", "60"});
   ASSERT_TRUE(client->says("waiting for a server at " + address + " (connection refused)", kSoon))

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -44,6 +45,35 @@ struct CommandLineProbe {
       lines.append(key).append(" = ").append(value).append("\n");
     arguments.insert(arguments.end(), {"--config", folder.write("program.conf", lines)});
     return CommandLineProbe(arguments);
+  }
+
+  /// --print-config has each flag of --help once, and its defaults are those of the program: set
+  /// in a config file, they change nothing. `required`: arguments without which nothing starts.
+  static void expectConfigOfDefaults(const std::vector<std::string>& required) {
+    const std::string config = CommandLineProbe({"--print-config"}).output;
+    std::istringstream help(CommandLineProbe({"--help"}).output);
+    std::size_t flags = 0;
+    for (std::string flag; help >> flag;) {
+      const bool is_flag = flag.starts_with("--") && flag.size() > 2;
+      if (!is_flag || config.find("\n#" + flag.substr(2) + " =") == std::string::npos) continue;
+      ++flags;
+    }
+    std::vector<std::pair<std::string, std::string>> keys;
+    std::istringstream lines(config);
+    std::size_t count = 0;
+    for (std::string line; std::getline(lines, line);) {
+      if (line.size() < 2 || line[0] != '#' || line[1] == ' ') continue;
+      ++count;
+      const std::size_t equals = line.find(" =");
+      const std::string key = line.substr(1, equals - 1);
+      EXPECT_EQ(config.find("\n#" + key + " ="), config.rfind("\n#" + key + " =")) << key;
+      if (equals + 2 < line.size()) keys.emplace_back(key, line.substr(equals + 3));
+    }
+    EXPECT_GT(keys.size(), 5U) << config;
+    EXPECT_GE(flags, count - 1) << "one key may be an argument without a flag";
+    CommandLineProbe run = withConfig(keys, required);
+    EXPECT_EQ(run.exit_code, std::nullopt) << run.error;
+    EXPECT_EQ(writeConfig(*kCommandLine(run.settings)) + "\n", config);
   }
 
   /// One line on stderr that holds all of `parts`.

@@ -226,6 +226,14 @@ TEST(ClientSettings, WhatIsUnknownIsTold) {
   unknown.expectErrorWith({"--forse"});
 }
 
+TEST(ClientSettings, APrintedConfigFileHasEachFlagAndItsDefault) {
+  Probe::expectConfigOfDefaults({});
+  const Probe config({"--print-config"});
+  EXPECT_EQ(config.exit_code, 0);
+  for (const char* line : {"\n#server =\n", "\n#device = auto\n", "\n#surface = proxy\n"})
+    EXPECT_NE(config.output.find(line), std::string::npos) << line << config.output;
+}
+
 TEST(ClientSettings, HelpAndVersionEndWithZero) {
   const Probe help({"--help"});
   EXPECT_EQ(help.exit_code, 0);

@@ -193,5 +193,53 @@ TEST_F(CommandLineTest, MissingConfigFileIsNamed) {
   EXPECT_NE(testing::internal::GetCapturedStderr().find("/nowhere/x.conf"), std::string::npos);
 }
 
+class DefaultConfigTest : public testing::Test {
+ protected:
+  DefaultConfigTest() {
+    addNumber(app_, "--fps", fps_, 1.0, 240.0, "1..240", "rate");
+    addConfigFile(app_, (folder_ / "default.conf").string());
+  }
+  std::optional<int> parse(std::vector<const char*> arguments) {
+    arguments.insert(arguments.begin(), "program");
+    return parseCommandLine(app_, static_cast<int>(arguments.size()), arguments.data());
+  }
+
+  const TempFolder folder_;
+  CLI::App app_{"test", "program"};
+  double fps_ = 25.0;
+};
+
+TEST_F(DefaultConfigTest, IsReadIfItExists) {
+  EXPECT_EQ(parse({}), std::nullopt);
+  EXPECT_EQ(fps_, 25.0);
+  (void)folder_.write("default.conf", "fps = 50\n");
+  EXPECT_EQ(parse({}), std::nullopt);
+  EXPECT_EQ(fps_, 50.0);
+}
+
+TEST_F(DefaultConfigTest, AFileOnTheCommandLineReplacesIt) {
+  (void)folder_.write("default.conf", "fps = 50\nspeed = 1\n");
+  const std::string other = folder_.write("other.conf", "fps = 60\n");
+  EXPECT_EQ(parse({"--config", other.c_str()}), std::nullopt);
+  EXPECT_EQ(fps_, 60.0);
+}
+
+TEST_F(DefaultConfigTest, AnErrorInItNamesIt) {
+  for (const char* wrong : {"fps = 50\nspeed = 1\n", "fps = 900\n"}) {
+    const std::string file = folder_.write("default.conf", wrong);
+    testing::internal::CaptureStderr();
+    EXPECT_EQ(parse({}), 2);
+    const std::string line = testing::internal::GetCapturedStderr();
+    EXPECT_NE(line.find("--config " + file), std::string::npos) << line;
+  }
+}
+
+TEST_F(DefaultConfigTest, AnErrorOnTheCommandLineDoesNotNameAMissingFile) {
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(parse({"--fps", "900"}), 2);
+  const std::string line = testing::internal::GetCapturedStderr();
+  EXPECT_EQ(line.find("default.conf"), std::string::npos) << line;
+}
+
 }  // namespace
 }  // namespace hapticast

@@ -224,6 +224,17 @@ TEST(ServerSettings, HelpAndVersionEndWithZero) {
   EXPECT_NE(version.output.find("optional packages"), std::string::npos) << version.output;
 }
 
+TEST(ServerSettings, APrintedConfigFileHasEachFlagAndItsDefault) {
+  Probe::expectConfigOfDefaults({"--source", "synthetic:still"});
+  const Probe config({"--print-config"});
+  EXPECT_EQ(config.exit_code, 0) << "without --source, too";
+  for (const char* line : {"\n#source =\n", "\n#listen = 0.0.0.0:7447\n", "\n#transport = udp\n",
+                           "\n#max-clients = 64\n", "\n#fps =\n", "\n#loop = false\n"})
+    EXPECT_NE(config.output.find(line), std::string::npos) << line << config.output;
+  for (const std::string_view flag : ownFlags(kServerProgram))
+    EXPECT_NE(config.output.find(fmt::format("\n#{} =", flag)), std::string::npos) << flag;
+}
+
 TEST(ServerSettings, TheBudgetOfForceSaysHowExactHeightsAre) {
   VisionSettings vision;
   EXPECT_DOUBLE_EQ(heightError_mm(vision), kDefaultHeightError_mm);

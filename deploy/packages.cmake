@@ -1,0 +1,76 @@
+# Packages for Debian 12: hapticast-server and hapticast-client. deploy/package makes them. The target package_files makes
+# what the programs print themselves: man pages (--help, by help2man) and configuration files (--print-config).
+find_program(HELP2MAN help2man)
+find_program(SHLIBDEPS dpkg-shlibdeps)
+if(NOT HELP2MAN OR NOT SHLIBDEPS)
+  message(STATUS "help2man or dpkg-dev was not found: left out: packages")
+  return()
+endif()
+set(source ${PROJECT_SOURCE_DIR}/deploy/debian)
+set(made ${PROJECT_BINARY_DIR}/package_files)
+file(MAKE_DIRECTORY ${made})
+configure_file(${source}/changelog.in ${made}/changelog @ONLY)
+add_custom_command(OUTPUT ${made}/changelog.gz COMMAND gzip -9nkf changelog DEPENDS ${made}/changelog
+  WORKING_DIRECTORY ${made} VERBATIM)
+set(made_files ${made}/changelog.gz)
+
+# The files of both packages. `section`: of the man page.
+function(hapticast_package name section description)
+  set(program hapticast-${name})
+  set(page ${program}.${section})
+  add_custom_command(OUTPUT ${made}/${page}.gz ${made}/${name}.conf
+    COMMAND ${HELP2MAN} --no-info --section=${section} --name=${description}
+      --version-string=${PROJECT_VERSION} --output=${page} $<TARGET_FILE:${program}>
+    COMMAND gzip -9nf ${page}
+    COMMAND sh -c "\"$0\" --print-config >${name}.conf" $<TARGET_FILE:${program}>
+    DEPENDS ${program} WORKING_DIRECTORY ${made} VERBATIM)
+  set(made_files ${made_files} ${made}/${page}.gz ${made}/${name}.conf PARENT_SCOPE)
+  install(TARGETS ${program} DESTINATION usr/bin COMPONENT ${name})
+  install(FILES ${made}/${page}.gz DESTINATION usr/share/man/man${section} COMPONENT ${name})
+  install(FILES ${made}/${name}.conf DESTINATION etc/hapticast COMPONENT ${name})
+  install(FILES ${made}/changelog.gz ${source}/copyright ${PROJECT_SOURCE_DIR}/${name}/README.md
+    DESTINATION usr/share/doc/${program} COMPONENT ${name})
+  file(GLOB scripts ${source}/${name}/*)
+  string(TOUPPER ${name} upper)
+  set(CPACK_DEBIAN_${upper}_PACKAGE_NAME ${program} PARENT_SCOPE)
+  set(CPACK_DEBIAN_${upper}_PACKAGE_CONTROL_EXTRA "${scripts}" PARENT_SCOPE)
+endfunction()
+
+hapticast_package(server 8 "streams video that viewers can touch")
+install(FILES ${source}/hapticast-server.service DESTINATION lib/systemd/system COMPONENT server)
+set(CPACK_DEBIAN_SERVER_DESCRIPTION "server of video that viewers can touch
+hapticast-server reads video with a depth for every pixel, finds an object
+and its motion, and streams both to hapticast-client.")
+set(CPACK_DEBIAN_SERVER_PACKAGE_SECTION video)
+set(CPACK_DEBIAN_SERVER_PACKAGE_DEPENDS procps)  # the unit's ExecReload
+set(CPACK_DEBIAN_SERVER_PACKAGE_RECOMMENDS avahi-daemon)
+set(CPACK_DEBIAN_SERVER_PACKAGE_SUGGESTS "hapticast-client, nats-server")
+
+hapticast_package(client 1 "touch a video that hapticast-server streams")
+install(TARGETS hapticast-device DESTINATION usr/lib/hapticast COMPONENT client)
+install(FILES ${PROJECT_SOURCE_DIR}/client/device/hapticast_device.h DESTINATION usr/include COMPONENT client)
+install(FILES ${PROJECT_SOURCE_DIR}/deploy/70-hapticast-falcon.rules DESTINATION lib/udev/rules.d COMPONENT client)
+install(FILES ${source}/hapticast-limits.conf DESTINATION etc/security/limits.d RENAME hapticast.conf COMPONENT client)
+set(CPACK_DEBIAN_CLIENT_DESCRIPTION "touch video that hapticast-server streams
+hapticast-client drives a haptic device 1,000 times a second, so that its user
+touches the objects of a video. Without a device it has a mouse, a gamepad and
+a virtual hand.")
+set(CPACK_DEBIAN_CLIENT_PACKAGE_SECTION video)
+set(CPACK_DEBIAN_CLIENT_PACKAGE_DEPENDS adduser)  # the group for real-time rights
+set(CPACK_DEBIAN_CLIENT_PACKAGE_RECOMMENDS fonts-dejavu-core)
+set(CPACK_DEBIAN_CLIENT_PACKAGE_SUGGESTS avahi-daemon)
+
+add_custom_target(package_files DEPENDS ${made_files})
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME hapticast)
+set(CPACK_PACKAGE_CONTACT "the hapticast authors <hapticast@localhost>")
+set(CPACK_PACKAGING_INSTALL_PREFIX /)
+set(CPACK_COMPONENTS_ALL server client)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
+set(CPACK_DEBIAN_COMPRESSION_TYPE xz)
+include(CPack)
