@@ -39,7 +39,7 @@ set(doors
   "^common/transport/asio\\.hpp$"              "^((common/transport|server/stream|server/relay|client/net|client/discovery|tests)/|(server|client)/[^/]*$)"
   "\\.pb\\.h$"                       "^common/protocol/(decode|encode|read_frame|write_frame|fragment|relay)\\.[ch]pp$"
   "^google/protobuf"                 "^common/protocol/(decode|encode|scan)\\.cpp$"
-  "^openssl/"                        "^common/transport/signature\\.cpp$"
+  "^openssl/"                        "^common/transport/(signature|seal)\\.cpp$"
   "^opencv2/"                        "^((server/(source|vision)|client/view|tests)/|server/preview)"
   "^lib(av[a-z]+|swscale)/"           "^server/source/video_file\\.cpp$"
   "^turbojpeg\\.h$"                  "^client/view/picture\\.cpp$"
