@@ -28,9 +28,9 @@ class SessionHost {
   [[nodiscard]] virtual const StreamDescription& description() const = 0;
   /// Returns the reason to refuse the client of `hello`, or nullopt to welcome it.
   [[nodiscard]] virtual std::optional<WireError> refuse(const Hello& hello) const = 0;
-  /// Writes the key of the stream into `welcome`, and the client's parameters for datagrams, if
-  /// datagrams are available.
-  virtual void completeWelcome(const Hosts& hosts, Welcome& welcome) = 0;
+  /// Writes the key of the stream into `welcome`, and the parameters for datagrams, if datagrams
+  /// are available to the client of `channel`.
+  virtual void completeWelcome(const Channel& channel, Welcome& welcome) = 0;
   /// Sets how the client with this token wants its frames (transport and redundancy).
   virtual void deliver(std::uint64_t datagram_token, const Delivery& delivery) = 0;
   /// The session calls this after its welcome: its client is a viewer now.

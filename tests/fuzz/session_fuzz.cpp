@@ -33,7 +33,7 @@ struct Host final : server::SessionHost {
     if (hello.protocol_version == kProtocolVersion) return std::nullopt;
     return WireError{ErrorCode::kVersion, "another version"};
   }
-  void completeWelcome(const Hosts&, Welcome&) override {}
+  void completeWelcome(const Channel&, Welcome&) override {}
   void deliver(std::uint64_t token, const Delivery& delivery) override {
     require(token == 0 && delivery.copies >= 1 && delivery.copies <= 4);
   }
