@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <random>
 #include <set>
+#include <vector>
 
 #include "client/net/udp/udp_socket.hpp"
 #include "tests/support/datagram_bytes.hpp"
@@ -73,7 +74,9 @@ class DatagramKeyRingTest : public ::testing::Test {
   bool takes(const std::vector<std::uint8_t>& bytes, double now_s = 1.0) {
     const auto taken = verifier.verify(bytes, localTime(now_s),
                                        [](const auto&) { return FrameAssembler::Want::kNew; });
-    if (taken) EXPECT_EQ(std::vector(taken->payload.begin(), taken->payload.end()), kPayload);
+    if (taken) {
+      EXPECT_EQ(std::vector(taken->payload.begin(), taken->payload.end()), kPayload);
+    }
     return taken.has_value();
   }
 
