@@ -39,7 +39,7 @@ set(doors
   "^common/transport/asio\\.hpp$"              "^((common/transport|server/stream|server/relay|client/net|client/discovery|tests)/|(server|client)/[^/]*$)"
   "\\.pb\\.h$"                       "^common/protocol/(decode|encode|read_frame|write_frame|fragment|relay)\\.[ch]pp$"
   "^google/protobuf"                 "^common/protocol/(decode|encode|scan)\\.cpp$"
-  "^openssl/"                        "^(common/transport/(signature|tls|seal)\\.cpp$|server/stream/access\\.cpp$|tests/)"
+  "^openssl/"                        "^(common/transport/(signature|tls|seal)\\.cpp|server/stream/access_list\\.cpp)$"
   "^opencv2/"                        "^((server/(source|vision)|client/view|tests)/|server/preview)"
   "^lib(av[a-z]+|swscale)/"           "^server/source/video_(file\\.cpp|format\\.[ch]pp)$"
   "^turbojpeg\\.h$"                  "^client/view/picture\\.cpp$"

@@ -249,6 +249,8 @@ std::optional<WireError> Connection::handleWelcome(Session& session, const Welco
                                               std::to_string(welcome.protocol_version) +
                                               ", this client " + std::to_string(kProtocolVersion)};
   }
+  if (welcome.datagram_key && !session.channel->encrypted())
+    return WireError{ErrorCode::kUnexpected, "a key of datagrams arrived without TLS"};
   auto key = readKey(welcome);
   if (!key.ok()) return key.error();
   if (auto refusal = settings_.origin.refuse(welcome.verifying_key)) {
@@ -264,6 +266,7 @@ std::optional<WireError> Connection::handleWelcome(Session& session, const Welco
   const bool is_new = !session.welcomed || !(session.description == welcome.description);
   session.key = std::move(key).value();
   session.stream = welcome.stream;
+  keys_.begin(welcome.datagram_key);
   session.description = welcome.description;
   session.welcomed = true;
   session.unanswered_since = session.next_ping = now;
@@ -295,16 +298,17 @@ void Connection::openLink(Session& session, const Welcome& welcome) {
   const auto server = parseEndpoint(session.channel->peer(), {});
   if (!server) return;  // a channel that is no connection between hosts
   // The session closes its link before its own end.
-  session.link = UdpReceiver::open(io_, clock_, receiver_, settings_.delivery, welcome, *server,
-                                   {.order =
-                                        [&session](const Delivery& order) {
-                                          session.order = order;
-                                          session.pinger.cancel();
-                                        },
-                                    .on_message =
-                                        [this](const std::string& line) {
-                                          if (events_.delivery) events_.delivery(line);
-                                        }});
+  session.link =
+      UdpReceiver::open(io_, clock_, receiver_, keys_, settings_.delivery, welcome, *server,
+                        {.order =
+                             [&session](const Delivery& order) {
+                               session.order = order;
+                               session.pinger.cancel();
+                             },
+                         .on_message =
+                             [this](const std::string& line) {
+                               if (events_.delivery) events_.delivery(line);
+                             }});
 }
 
 std::optional<WireError> Connection::handle(Session& session, Message message) {
@@ -325,6 +329,8 @@ std::optional<WireError> Connection::handle(Session& session, Message message) {
     if (events_.video) events_.video(std::move(*video));
   } else if (const auto* const preparing = std::get_if<Preparing>(&message)) {
     if (events_.preparing) events_.preparing(preparing->share);
+  } else if (const auto* const key = std::get_if<DatagramKey>(&message)) {
+    failure = handleKey(*key);
   } else if (const auto* const description = std::get_if<StreamDescription>(&message)) {
     session.description = *description;
     receiver_.describe(*description, now);
@@ -334,6 +340,13 @@ std::optional<WireError> Connection::handle(Session& session, Message message) {
   session.deadline = now + settings_.silence_limit;
   session.overdue = "the server stopped sending";
   return failure;
+}
+
+std::optional<WireError> Connection::handleKey(const DatagramKey& key) {
+  if (!keys_.sealed())
+    return WireError{ErrorCode::kUnexpected, "a key of datagrams for a stream without them"};
+  keys_.add(key, clock_.now());
+  return std::nullopt;
 }
 
 void Connection::handlePong(Session& session, const Pong& pong) {

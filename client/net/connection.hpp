@@ -17,6 +17,7 @@
 #include "client/net/dial.hpp"
 #include "client/net/origin_pin.hpp"
 #include "client/net/receiver.hpp"
+#include "client/net/udp/datagram_key_ring.hpp"
 #include "client/net/udp/udp_receiver.hpp"
 #include "common/protocol/messages.hpp"
 #include "common/transport/asio.hpp"
@@ -127,6 +128,7 @@ class Connection {
   [[nodiscard]] std::optional<WireError> handleWelcome(Session& session, const Welcome& welcome);
   /// Ends the stream of the welcome before, but not the session.
   void leaveOrigin(Session& session);
+  [[nodiscard]] std::optional<WireError> handleKey(const DatagramKey& key);
   void handlePong(Session& session, const Pong& pong);
   [[nodiscard]] ReceiverReport report() const;
 
@@ -135,6 +137,7 @@ class Connection {
   ConnectionSettings settings_;
   Receiver& receiver_;
   ConnectionEvents events_;
+  DatagramKeyRing keys_;  // of the newest welcome
   asio::steady_timer retry_;
   DialCancellation dial_stop_;
   ConversationPtr session_;

@@ -62,9 +62,10 @@ Json toJson(const ReceiverCounts& frames) {
 }
 
 Json toJson(const DatagramCounts& datagrams) {
-  return {{"received", datagrams.received}, {"repeated", datagrams.repeated},
-          {"foreign", datagrams.foreign},   {"astray", datagrams.astray},
-          {"forged", datagrams.forged},     {"over_budget", datagrams.over_budget}};
+  return {{"received", datagrams.received},    {"repeated", datagrams.repeated},
+          {"foreign", datagrams.foreign},      {"astray", datagrams.astray},
+          {"forged", datagrams.forged},        {"over_budget", datagrams.over_budget},
+          {"not_opened", datagrams.not_opened}};
 }
 
 /// Returns null without a window.

@@ -4,7 +4,6 @@
 // is in proto/README.md. Thread: any.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -15,6 +14,7 @@
 #include "common/codec/coded_frame.hpp"
 #include "common/result.hpp"
 #include "common/transport/framing.hpp"
+#include "common/transport/seal.hpp"
 #include "common/transport/signature.hpp"
 #include "common/wire_error.hpp"
 
@@ -35,7 +35,7 @@ struct Hello {
 /// Key of the sealed datagrams (proto/README.md, section 13).
 struct DatagramKey {
   std::uint8_t id = 1;  ///< 1..255
-  std::array<std::uint8_t, 16> bytes{};
+  SealKeyBytes bytes{};
   Duration grace{};  ///< how long datagrams under the keys before stay valid
   bool operator==(const DatagramKey&) const = default;
 };

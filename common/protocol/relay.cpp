@@ -48,6 +48,8 @@ void writeRelay(const RelayState& from, proto::RelayContent& content) {
   to.set_stream(from.stream);
   setBytes(*to.mutable_verifying_key(), from.verifying_key);
   setBytes(*to.mutable_probe(), from.probe);
+  to.set_sealed(from.sealed);
+  if (from.datagram_key) setBytes(*to.mutable_datagram_key(), encode(*from.datagram_key));
 }
 
 void writeRelay(const RelayFrame& from, proto::RelayContent& content) {
@@ -84,6 +86,15 @@ SharedBytes shareMessage(const std::string& from, Check& check) {
   return std::make_shared<const RelayBytes>(from.begin(), from.end());
 }
 
+/// Returns the message of the type `Kind` in `bytes`; nullopt for other bytes.
+template <class Kind>
+std::optional<Kind> readMessage(const std::string& bytes) {
+  const auto* const begin = reinterpret_cast<const std::uint8_t*>(bytes.data());
+  auto message = decode(std::span(begin, bytes.size()));
+  if (!message.ok() || !std::holds_alternative<Kind>(message.value())) return std::nullopt;
+  return std::get<Kind>(std::move(message).value());
+}
+
 RelayContent readRelay(const proto::RelayState& from, Check& check) {
   RelayState to;
   check.require(from.protocol_version() == kProtocolVersion,
@@ -92,13 +103,16 @@ RelayContent readRelay(const proto::RelayState& from, Check& check) {
   check.require(from.probe().size() == kMostDatagramBytes - kTokenBytes,
                 "a probe does not have the size of the largest datagram");
   if (check.error()) return to;
-  const auto* const bytes = reinterpret_cast<const std::uint8_t*>(from.description().data());
-  const auto description = decode(std::span(bytes, from.description().size()));
-  const bool described =
-      description.ok() && std::holds_alternative<StreamDescription>(description.value());
-  check.require(described, "a state without a description");
-  if (!described) return to;
-  to.description = std::get<StreamDescription>(description.value());
+  auto description = readMessage<StreamDescription>(from.description());
+  check.require(description.has_value(), "a state without a description");
+  if (!description) return to;
+  to.description = std::move(*description);
+  to.sealed = from.sealed();
+  if (!from.datagram_key().empty()) {
+    to.datagram_key = readMessage<DatagramKey>(from.datagram_key());
+    check.require(to.sealed && to.datagram_key.has_value(),
+                  "a state with an invalid key of datagrams");
+  }
   to.stream = from.stream();
   std::copy(from.verifying_key().begin(), from.verifying_key().end(), to.verifying_key.begin());
   to.probe.assign(from.probe().begin(), from.probe().end());

@@ -48,6 +48,9 @@ struct RelayState {
   std::uint32_t stream = 0;
   KeyBytes verifying_key{};
   std::vector<std::uint8_t> probe;  ///< body of a probe, without a token
+  bool sealed = false;              ///< whether all datagrams with frames are sealed
+  /// Newest key of the sealed datagrams; absent: the origin does not send it.
+  std::optional<DatagramKey> datagram_key = std::nullopt;
 };
 /// A frame in all encoded forms.
 struct RelayFrame {

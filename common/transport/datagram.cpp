@@ -10,8 +10,7 @@ namespace hapticast {
 
 namespace {
 
-/// Id of the key that seals a datagram. No other id exists yet.
-constexpr std::uint8_t kPlain = 0;
+constexpr std::size_t kBodyHeaderBytes = kDatagramHeaderBytes - kTokenBytes;
 
 /// Reads successive little-endian numbers.
 struct Reader {
@@ -25,6 +24,16 @@ struct Reader {
     return static_cast<Number>(bits);
   }
 };
+
+/// Splits the content of a sealed datagram: `content` begins with the counter. Returns false if it
+/// is too short, or if the datagram is a probe.
+bool readSeal(Datagram& datagram, std::span<const std::uint8_t> content) noexcept {
+  if (content.size() < kSealBytes || datagram.header.probe()) return false;
+  datagram.counter = Reader{content}.next<std::uint64_t>();
+  datagram.readable = datagram.signed_bytes.first(kBodyHeaderBytes + kSealCounterBytes);
+  datagram.sealed = content.subspan(kSealCounterBytes);
+  return true;
+}
 
 template <class Number>
 std::uint8_t* write(Number number, std::uint8_t* out) noexcept {
@@ -51,34 +60,45 @@ std::optional<Datagram> readDatagram(std::span<const std::uint8_t> bytes) noexce
   datagram.token = in.next<std::uint64_t>();
   DatagramHeader& header = datagram.header;
   header.stream = in.next<std::uint32_t>();
-  if (in.next<std::uint8_t>() != kPlain) return std::nullopt;
+  datagram.key_id = in.next<std::uint8_t>();
   header.epoch = in.next<std::uint32_t>();
   header.frame = in.next<std::uint64_t>();
   header.media_time = MediaTime(Duration(in.next<std::int64_t>()));
   header.part = in.next<std::uint16_t>();
   header.parts = in.next<std::uint16_t>();
   if (!sensible(header, bytes.size())) return std::nullopt;
-  datagram.payload = bytes.subspan(kDatagramHeaderBytes, bytes.size() - kBeside);
   datagram.signed_bytes = bytes.subspan(kTokenBytes, bytes.size() - kTokenBytes - kSignatureBytes);
   datagram.signature = bytes.last(kSignatureBytes);
+  const auto content = bytes.subspan(kDatagramHeaderBytes, bytes.size() - kBeside);
+  if (datagram.key_id == kPlainKeyId) {
+    datagram.payload = content;
+  } else if (!readSeal(datagram, content)) {
+    return std::nullopt;
+  }
   return datagram;
 }
 
 std::vector<std::uint8_t> signedBody(const DatagramHeader& header,
-                                     std::span<const std::uint8_t> payload, SigningKey& key) {
-  const std::size_t to_sign = kDatagramHeaderBytes - kTokenBytes + payload.size();
-  std::vector<std::uint8_t> body(to_sign + kSignatureBytes);
+                                     std::span<const std::uint8_t> payload, SigningKey& key,
+                                     SealingKey* seal) {
+  std::vector<std::uint8_t> body;
+  body.reserve(kBodyHeaderBytes + payload.size() + kSealBytes + kSignatureBytes);
+  body.resize(kBodyHeaderBytes);
   std::uint8_t* out = body.data();
   out = write(header.stream, out);
-  out = write(kPlain, out);
+  out = write(seal != nullptr ? seal->id() : kPlainKeyId, out);
   out = write(header.epoch, out);
   out = write(header.frame, out);
   out = write(header.media_time.time_since_epoch().count(), out);
   out = write(header.part, out);
-  out = write(header.parts, out);
-  out = std::copy(payload.begin(), payload.end(), out);
-  const Signature signature = key.sign(std::span(body).first(to_sign));
-  std::copy(signature.begin(), signature.end(), out);
+  write(header.parts, out);
+  if (seal != nullptr) {
+    seal->seal(body, payload);
+  } else {
+    body.insert(body.end(), payload.begin(), payload.end());
+  }
+  const Signature signature = key.sign(body);
+  body.insert(body.end(), signature.begin(), signature.end());
   return body;
 }
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Format of the datagrams (proto/README.md). A datagram is the receiver's token and a body. The
-// server signs the body once for all receivers. An echo is a datagram from a viewer: it returns the
-// token, and so registers the viewer's address. The functions are pure. Thread: any.
+// server seals (if it has TLS) and signs the body once for all receivers. An echo is a datagram
+// from a viewer: it returns the token, and so registers the viewer's address. The functions are
+// pure. Thread: any.
 #pragma once
 
 #include <array>
@@ -12,6 +13,7 @@
 #include <vector>
 
 #include "common/time.hpp"
+#include "common/transport/seal.hpp"
 #include "common/transport/signature.hpp"
 
 namespace hapticast {
@@ -21,8 +23,7 @@ namespace hapticast {
 inline constexpr std::size_t kMostDatagramBytes = 1232;
 inline constexpr std::size_t kTokenBytes = 8;
 inline constexpr std::size_t kDatagramHeaderBytes = 37;  ///< includes the token
-/// Bytes that a sealed datagram needs in addition: a counter and a tag. No datagram is sealed yet.
-inline constexpr std::size_t kSealBytes = 8 + 16;
+inline constexpr std::uint8_t kPlainKeyId = 0;  ///< key id of a datagram that is not sealed
 inline constexpr std::size_t kMostPieceBytes =
     kMostDatagramBytes - kDatagramHeaderBytes - kSealBytes - kSignatureBytes;
 inline constexpr std::size_t kMostParts = 65'535;
@@ -48,7 +49,12 @@ struct DatagramHeader {
 struct Datagram {
   std::uint64_t token = 0;
   DatagramHeader header;
-  std::span<const std::uint8_t> payload;  ///< the fragment of a frame
+  std::uint8_t key_id = kPlainKeyId;  ///< number of the key that seals the payload
+  std::uint64_t counter = 0;          ///< of a sealed datagram: different for each one of a key
+  /// Of a sealed datagram: the bytes that its tag protects but does not encrypt.
+  std::span<const std::uint8_t> readable;
+  std::span<const std::uint8_t> sealed;   ///< encrypted payload and tag
+  std::span<const std::uint8_t> payload;  ///< the fragment of a frame; empty while it is sealed
   std::span<const std::uint8_t> signed_bytes;
   std::span<const std::uint8_t> signature;  ///< signature of signed_bytes, not verified yet
 };
@@ -57,12 +63,13 @@ struct Datagram {
 /// function is fast, because it does not verify the signature.
 [[nodiscard]] std::optional<Datagram> readDatagram(std::span<const std::uint8_t> bytes) noexcept;
 
-/// Returns the bytes that follow the token: header, payload and signature. Requires a payload of at
-/// most kMostPieceBytes.
+/// Returns the bytes that follow the token: header, payload and signature. If `seal` is not null,
+/// it seals the payload. Requires a payload of at most kMostPieceBytes.
 [[nodiscard]] std::vector<std::uint8_t> signedBody(const DatagramHeader& header,
                                                    std::span<const std::uint8_t> payload,
-                                                   SigningKey& key);
-/// Returns the bytes of a probe that follow the token. A probe has the size of the largest
+                                                   SigningKey& key, SealingKey* seal = nullptr);
+/// Returns the bytes of a probe that follow the token. A probe is never sealed, because it has no
+/// content. It has the size of the largest
 /// datagram, the reserved bytes included. So if a probe arrives, datagrams of every size can
 /// arrive.
 [[nodiscard]] std::vector<std::uint8_t> probeBody(std::uint32_t stream, SigningKey& key);

@@ -4,15 +4,19 @@
 shares no code with hapticast's own and needs no protobuf library; numpy, and to check signatures (--udp must)
 python3-cryptography.
 
-    read_stream.py [HOST[:PORT]] [--udp] [--frames N] [--out DIR]
+    read_stream.py [HOST[:PORT]] [--tls [--fingerprint SHA256]] [--udp] [--frames N] [--out DIR]
 
 takes N frames (25), over TCP or by signed datagrams, prints what is in the last one and writes each of its objects'
 reliefs as DIR/object_ID_LAYER.png: the whole picture in 16 bits of grey, a thousandth of a mm each, 0 outside.
+--tls encrypts the connection, and then datagrams are sealed. --fingerprint is the SHA-256 of the server's certificate
+in hex. Without it any certificate will do, and whoever is on the way can read and change everything.
 """
 import argparse
+import hashlib
 import os
 import select
 import socket
+import ssl
 import struct
 import sys
 import time
@@ -123,11 +127,25 @@ def write_png(path, grey):
                   + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
 
 
+def encrypt(plain, fingerprint):
+    """TLS 1.3 over a connection. The certificate is judged by its fingerprint alone."""
+    context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
+    context.minimum_version = ssl.TLSVersion.TLSv1_3
+    context.check_hostname, context.verify_mode = False, ssl.CERT_NONE
+    tls = context.wrap_socket(plain)
+    seen = hashlib.sha256(tls.getpeercert(binary_form=True)).hexdigest()
+    if fingerprint and seen != fingerprint.lower().replace(":", ""):
+        sys.exit(f"the server's certificate has another fingerprint: {seen}")
+    return tls
+
+
 class Connection:
     """The TCP connection: messages behind their lengths."""
 
-    def __init__(self, host, port, on_tcp):
+    def __init__(self, host, port, on_tcp, tls=False, fingerprint=None):
         self.socket = socket.create_connection((host, port), timeout=GIVE_UP_S)
+        if tls:
+            self.socket = encrypt(self.socket, fingerprint)
         self.buffer, self.pinged = b"", 0.0
         self.send(1, field(1, 3) + field(2, b"read_stream.py") + field(4, int(on_tcp)))
 
@@ -179,10 +197,53 @@ class Connection:
         return True
 
     def receive(self):
-        data = self.socket.recv(1 << 16)
-        if not data:
-            sys.exit("the server has closed the connection")
-        self.buffer += data
+        while True:
+            data = self.socket.recv(1 << 16)
+            if not data:
+                sys.exit("the server has closed the connection")
+            self.buffer += data
+            if not (isinstance(self.socket, ssl.SSLSocket) and self.socket.pending()):
+                return  # what TLS has decrypted already would not wake select()
+
+
+class Keys:
+    """The keys of sealed datagrams by id, each with its expiry and the counters that have come."""
+
+    WINDOW = 32768
+
+    def __init__(self, welcome):
+        self.known = {}
+        if 9 in welcome:
+            self.add(one(welcome, 9))
+
+    def add(self, message):
+        from cryptography.hazmat.primitives.ciphers.aead import AESGCM
+        content = fields(message)
+        expires = time.monotonic() + one(content, 3) / 1000
+        self.known = {id: (key, min(until, expires), seen) for id, (key, until, seen) in self.known.items()}
+        self.known[one(content, 1)] = AESGCM(one(content, 2)), float("inf"), set()
+
+    def open(self, data):
+        """The payload of a datagram whose signature is valid, None where it has to be dropped."""
+        from cryptography.exceptions import InvalidTag
+        id, parts = data[12], data[35:37]
+        if id == 0:  # plain: a probe, or a stream that is not sealed
+            return data[37:-64] if not self.known or parts == bytes(2) else None
+        if id not in self.known or parts == bytes(2) or len(data) < 125:
+            return None
+        key, until, seen = self.known[id]
+        counter = struct.unpack("<Q", data[37:45])[0]
+        newest = max(seen, default=counter)
+        if time.monotonic() >= until or counter in seen or counter + self.WINDOW <= newest:
+            return None
+        try:
+            payload = key.decrypt(bytes(4) + data[37:45], data[45:-64], data[8:45])
+        except InvalidTag:
+            return None
+        seen.add(counter)
+        if len(seen) > 2 * self.WINDOW:
+            seen.intersection_update(range(newest - self.WINDOW, newest + self.WINDOW))
+        return payload
 
 
 class Datagrams:
@@ -195,6 +256,7 @@ class Datagrams:
             sys.exit("this server sends no datagrams")
         self.stream = struct.unpack("<I", one(welcome, 6, bytes(4)))[0]
         self.key = Ed25519PublicKey.from_public_bytes(one(welcome, 7))
+        self.keys = Keys(welcome)
         host, port, *zone = connection.socket.getpeername()
         self.server = (host, one(welcome, 5) or port, *zone)
         local = connection.socket.getsockname()
@@ -222,8 +284,11 @@ class Datagrams:
         if not 101 <= len(data) <= 1232:
             self.refused += 1
             return None
-        token, stream, sealed, _, frame, _, part, parts = struct.unpack("<QIBIQqHH", data[:37])
-        if token != self.token or stream != self.stream or sealed or not self.genuine(data):
+        token, stream, _, _, frame, _, part, parts = struct.unpack("<QIBIQqHH", data[:37])
+        payload = None
+        if token == self.token and stream == self.stream and self.genuine(data):
+            payload = self.keys.open(data)
+        if payload is None:
             self.refused += 1
             return None
         self.verified += 1
@@ -233,7 +298,7 @@ class Datagrams:
         had, objects = self.frames.setdefault(frame, (set(), Objects()))
         if part not in had:
             had.add(part)
-            for message in fields(data[37:-64]).get(4, []):
+            for message in fields(payload).get(4, []):
                 objects.add(message)
         if len(had) < parts:
             return None
@@ -262,6 +327,8 @@ def receive(connection, udp, wanted):
                 reliefs = Reliefs()
             if kind == 2 and udp:
                 datagrams = Datagrams(connection, fields(content))
+            if kind == 13 and datagrams:
+                datagrams.keys.add(content)
             if kind in (2, 5):
                 description = fields(content if kind == 5 else one(fields(content), 4))
                 size = one(description, 2), one(description, 3)
@@ -283,6 +350,8 @@ def receive(connection, udp, wanted):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("server", nargs="?", default="127.0.0.1:7447")
+    parser.add_argument("--tls", action="store_true")
+    parser.add_argument("--fingerprint")
     parser.add_argument("--udp", action="store_true")
     parser.add_argument("--frames", type=int, default=25)
     parser.add_argument("--out")
@@ -294,7 +363,7 @@ def main():
             print("skipped: cryptography is missing (python3-cryptography)")
             sys.exit(77)
     host, _, port = arguments.server.rpartition(":") if ":" in arguments.server else (arguments.server, "", "7447")
-    connection = Connection(host.strip("[]"), int(port), not arguments.udp)
+    connection = Connection(host.strip("[]"), int(port), not arguments.udp, arguments.tls, arguments.fingerprint)
     (width, height), objects, touchable, reliefs = receive(connection, arguments.udp, arguments.frames)
     for key in touchable:
         heights, mask = reliefs.picture(key, width, height)

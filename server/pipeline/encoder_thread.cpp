@@ -2,6 +2,7 @@
 #include "server/pipeline/encoder_thread.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "server/vision/describe.hpp"
@@ -76,6 +77,9 @@ void EncoderThread::encode(Job job, const SliceSettings& slices) {
   if (described_ != job.description) {
     described_ = std::move(job.description);
     for (StreamSink* sink : sinks_) sink->describe(*described_);
+  }
+  if (const auto key = signer_ != nullptr ? signer_->rotateKey() : std::nullopt) {
+    for (StreamSink* sink : sinks_) sink->changeKey(*key);
   }
   VideoFrame picture{job.result.frame.epoch, job.result.frame.id, job.result.frame.media_time, {}};
   const bool datagrams =

@@ -29,9 +29,10 @@ std::uint64_t leastTerm() {
   return static_cast<std::uint64_t>(std::max<std::time_t>(0, std::time(nullptr)));
 }
 
-RelayFrame relayFrame(const EncodedFrame& frame) {
-  RelayFrame relayed{frame.epoch, frame.id,        frame.media_time,        frame.delta,
-                     nullptr,     frame.datagrams, frame.too_many_datagrams};
+RelayFrame relayFrame(const EncodedFrame& frame, bool with_datagrams) {
+  RelayFrame relayed{frame.epoch, frame.id, frame.media_time,        frame.delta,
+                     nullptr,     nullptr,  frame.too_many_datagrams};
+  if (with_datagrams) relayed.datagrams = frame.datagrams;
   if (SharedBytes key = frame.key_frame->payload(); key != frame.delta)
     relayed.key_frame = std::move(key);
   return relayed;
@@ -45,6 +46,7 @@ RelayPublisher::RelayPublisher(const NatsAddress& address, const NatsCredentials
     : clock_(clock),
       media_clock_(media_clock),
       signer_(signer),
+      shares_datagrams_(!signer.identity().sealed || !credentials.ca_file.empty()),
       keys_(std::move(keys)),
       channel_(address.channel),
       subjects_(address.channel),
@@ -52,6 +54,11 @@ RelayPublisher::RelayPublisher(const NatsAddress& address, const NatsCredentials
       datagrams_wanted_ns_(pictures_wanted_ns_.load()),
       election_(numberOrigin(signer.identity().stream), leastTerm(), clock.now()),
       nats_("--publish", address, credentials) {
+  if (shares_datagrams_) datagram_key_ = signer.identity().datagram_key;
+  if (!shares_datagrams_)
+    spdlog::warn(
+        "--publish: viewers of edges receive frames by TCP only; the key of the sealed datagrams "
+        "travels only with --nats-ca");
   nats_.subscribe(subjects_.state, [this](auto bytes, const auto&) { onHeartbeat(bytes); });
   nats_.subscribe(subjects_.pings, [this](auto bytes, const auto& reply) { onPing(bytes, reply); });
   thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
@@ -63,7 +70,15 @@ void RelayPublisher::describe(const StreamDescription& description) {
   const std::lock_guard lock(mutex_);
   description_ = description;
   waiting_ = {};
-  waiting_.description = true;
+  waiting_.state = true;
+  changed_.notify_all();
+}
+
+void RelayPublisher::changeKey(const DatagramKey& key) {
+  if (!shares_datagrams_) return;
+  const std::lock_guard lock(mutex_);
+  datagram_key_ = key;
+  waiting_.state = true;  // the state leaves before the frames, which may need the key
   changed_.notify_all();
 }
 
@@ -94,7 +109,7 @@ void RelayPublisher::run(const std::stop_token& stop) {
     {
       std::unique_lock lock(mutex_);
       changed_.wait_for(lock, stop, OriginElection::kHeartbeat / 2, [this] {
-        return !waiting_.frames.empty() || waiting_.picture || waiting_.description;
+        return !waiting_.frames.empty() || waiting_.picture || waiting_.state;
       });
       items = std::exchange(waiting_, {});
     }
@@ -111,6 +126,7 @@ std::optional<RelayHead> RelayPublisher::checkElection(LocalTime now) {
   const bool active = description_ && election_.check(now);
   if (active && !logged_active_) {
     spdlog::info("origin of the channel {}: active (term {})", channel_, election_.term());
+    signer_.revokeKey();  // datagrams that it made before must not be valid again
   } else if (!active && logged_active_) {
     spdlog::warn("origin of the channel {}: standby, because another origin is active", channel_);
   }
@@ -120,17 +136,17 @@ std::optional<RelayHead> RelayPublisher::checkElection(LocalTime now) {
 }
 
 void RelayPublisher::send(const Waiting& items, RelayHead head, LocalTime now) {
-  if (items.description || !heartbeat_ || now - *heartbeat_ >= OriginElection::kHeartbeat) {
+  if (items.state || !heartbeat_ || now - *heartbeat_ >= OriginElection::kHeartbeat) {
     heartbeat_ = now;
     std::unique_lock lock(mutex_);
-    const StreamDescription description = *description_;
-    lock.unlock();
     const StreamIdentity& identity = signer_.identity();
-    sendContent(subjects_.state, head,
-                RelayState{description, identity.stream, identity.verifying_key, identity.probe});
+    const RelayState state{*description_,  identity.stream, identity.verifying_key,
+                           identity.probe, identity.sealed, datagram_key_};
+    lock.unlock();
+    sendContent(subjects_.state, head, state);
   }
   for (const EncodedFrame& frame : items.frames)
-    sendContent(subjects_.frames, head, relayFrame(frame));
+    sendContent(subjects_.frames, head, relayFrame(frame, shares_datagrams_));
   if (!items.picture) return;
   const EncodedVideo& picture = *items.picture;
   sendContent(subjects_.frames, head,

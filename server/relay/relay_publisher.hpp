@@ -38,18 +38,23 @@ class RelayPublisher final : public StreamSink {
   ~RelayPublisher() override;
 
   void describe(const StreamDescription& description) override;
+  /// Edges receive the key with the next state. Without TLS to NATS they receive none.
+  void changeKey(const DatagramKey& key) override;
   void publish(EncodedFrame frame) override;
   void publish(EncodedVideo video) override;
-  /// Return whether an edge asked for pictures or datagrams in the last seconds. Thread: any.
+  /// Return whether an edge asked for pictures or datagrams in the last seconds, and whether
+  /// viewers of edges can read them. Thread: any.
   [[nodiscard]] bool videoWanted() const override { return isRecent(pictures_wanted_ns_); }
-  [[nodiscard]] bool datagramsWanted() const override { return isRecent(datagrams_wanted_ns_); }
+  [[nodiscard]] bool datagramsWanted() const override {
+    return shares_datagrams_ && isRecent(datagrams_wanted_ns_);
+  }
 
  private:
   /// Items that wait for the thread. Newer ones replace older ones.
   struct Waiting {
     std::deque<EncodedFrame> frames;
     std::optional<EncodedVideo> picture;
-    bool description = false;
+    bool state = false;  ///< the description or the key is new
   };
   void run(const std::stop_token& stop);
   /// Updates the election. Returns the head of the next message if this origin is active.
@@ -63,6 +68,7 @@ class RelayPublisher final : public StreamSink {
   const Clock& clock_;
   const MediaClock& media_clock_;
   FrameSigner& signer_;
+  bool shares_datagrams_;  // false: they are sealed, and their key may not travel to edges
   std::vector<KeyBytes> keys_;
   std::string channel_;
   Subjects subjects_;
@@ -72,6 +78,7 @@ class RelayPublisher final : public StreamSink {
   std::condition_variable_any changed_;
   OriginElection election_;                       // guarded by mutex_
   std::optional<StreamDescription> description_;  // guarded by mutex_
+  std::optional<DatagramKey> datagram_key_;       // newest one for edges; guarded by mutex_
   Waiting waiting_;                               // guarded by mutex_
   std::uint64_t number_ = 0;                      // of the last message; guarded by mutex_
   LogInterval same_number_;                       // guarded by mutex_

@@ -36,6 +36,7 @@ RelaySubscriber::RelaySubscriber(const NatsAddress& address, const NatsCredentia
       channel_(address.channel),
       subjects_(address.channel),
       inbox_(NatsConnection::makeInbox()),
+      has_tls_(!credentials.ca_file.empty()),
       follower_(address.channel, std::move(keys)),
       nats_("--source", address, credentials) {
   nats_.subscribe(inbox_, [this](auto bytes, const auto&) {
@@ -79,11 +80,22 @@ void RelaySubscriber::onNewOrigin() {
   changed_.notify_all();
 }
 
-void RelaySubscriber::onContent(const RelayState& state) {
+void RelaySubscriber::onContent(const RelayState& received) {
   last_state_ = clock_.now();
+  RelayState state = received;
+  if (state.datagram_key && !has_tls_) {
+    if (!state_)
+      spdlog::warn(
+          "channel {}: viewers receive frames by TCP only; an edge uses the key of the sealed "
+          "datagrams only with --nats-ca",
+          channel_);
+    state.datagram_key.reset();
+  }
   const bool changed = !state_ || state_->description != state.description;
+  const bool new_key = state_ && state.datagram_key && state_->datagram_key != state.datagram_key;
   state_ = state;
   if (changed && synchronised_) broadcaster_.describe(state.description);
+  if (new_key && synchronised_) broadcaster_.changeKey(*state.datagram_key);
 }
 
 void RelaySubscriber::onContent(const RelayFrame& frame) {
@@ -128,9 +140,9 @@ void RelaySubscriber::synchronise(LocalTime now) {
   synchronised_ = true;
   spdlog::info("channel {}: the origin's clock is known to {:.2f} ms", channel_,
                1e3 * toSeconds(error));
-  broadcaster_.changeOrigin({state_->stream, state_->verifying_key, state_->probe},
-                            state_->description,
-                            [&clock = media_clock_, offset, error] { clock.set(offset, error); });
+  broadcaster_.changeOrigin(
+      {state_->stream, state_->verifying_key, state_->probe, state_->sealed, state_->datagram_key},
+      state_->description, [&clock = media_clock_, offset, error] { clock.set(offset, error); });
   if (last_frame_) broadcaster_.publish(*last_frame_);
 }
 

@@ -50,7 +50,7 @@ class RelaySubscriber {
 
  private:
   void onPiece(std::span<const std::uint8_t> piece, RelayJoiner& joiner);
-  void onContent(const RelayState& state);
+  void onContent(const RelayState& received);
   void onContent(const RelayFrame& frame);
   void onContent(const RelayPicture& picture);
   void onContent(const RelayPong& pong);
@@ -67,6 +67,7 @@ class RelaySubscriber {
   std::string channel_;
   Subjects subjects_;
   std::string inbox_;
+  bool has_tls_;              // of this edge's connection to NATS
   mutable std::mutex mutex_;  // guards all members below but nats_
   std::condition_variable changed_;
   RelayJoiner joiner_;

@@ -109,6 +109,17 @@ void Broadcaster::describe(const StreamDescription& description) {
   });
 }
 
+void Broadcaster::changeKey(const DatagramKey& key) {
+  onIo([this, key] {
+    if (!identity_ || !identity_->sealed) return;
+    identity_->datagram_key = key;
+    const SharedBytes payload = encodeShared(key);
+    for (const auto& viewer : viewers_) {
+      if (viewer->datagramToken() != 0) viewer->send(payload);
+    }
+  });
+}
+
 void Broadcaster::changeOrigin(StreamIdentity identity, const StreamDescription& description,
                                std::function<void()> change_clock) {
   onIo([this, identity = std::move(identity), description, change = std::move(change_clock)] {
@@ -220,12 +231,17 @@ std::optional<WireError> Broadcaster::refuse(const Hello& hello, const Channel& 
                    "all " + std::to_string(settings_.max_clients) + " places are taken"};
 }
 
-void Broadcaster::completeWelcome(const Hosts& hosts, Welcome& welcome) {
+void Broadcaster::completeWelcome(const Channel& channel, Welcome& welcome) {
   if (identity_) {
     welcome.stream = identity_->stream;
     welcome.verifying_key = identity_->verifying_key;
   }
-  if (datagrams_ != nullptr) datagrams_->offer(hosts, welcome);
+  const bool sealed = identity_ && identity_->sealed;
+  // A viewer that cannot open datagrams receives none.
+  if (datagrams_ == nullptr || (sealed && !(identity_->datagram_key && channel.encrypted())))
+    return;
+  datagrams_->offer(channel.hosts(), welcome);
+  if (sealed && welcome.datagram_token != 0) welcome.datagram_key = identity_->datagram_key;
 }
 
 void Broadcaster::deliver(std::uint64_t datagram_token, const Delivery& delivery) {

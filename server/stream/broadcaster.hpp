@@ -65,6 +65,9 @@ class Broadcaster final : public StreamSink, private SessionHost {
   /// Sends the description of another stream to all viewers. If the workspace differs from that of
   /// the present stream, frames that still wait are removed. Thread: any.
   void describe(const StreamDescription& description) override;
+  /// Sends a new key of the sealed datagrams to all viewers to which datagrams were offered.
+  /// Thread: any.
+  void changeKey(const DatagramKey& key) override;
   /// Another server makes the stream from now on. Frames and pictures that wait are removed. Every
   /// viewer receives a second welcome with the stream number, the key, the description and a new
   /// datagram token. Frames of publish() before this call belong to the server before, and frames
@@ -109,7 +112,7 @@ class Broadcaster final : public StreamSink, private SessionHost {
                                                      const Channel& channel) const;
   [[nodiscard]] std::optional<Grant> grantOf(const Hello& hello) const override;
   void control(const Control& control) override;
-  void completeWelcome(const Hosts& hosts, Welcome& welcome) override;
+  void completeWelcome(const Channel& channel, Welcome& welcome) override;
   void deliver(std::uint64_t datagram_token, const Delivery& delivery) override;
   void onJoined(Session& session) override;
   void onClosing(const std::shared_ptr<Session>& session,

@@ -9,10 +9,21 @@
 
 namespace hapticast::server {
 
-FrameSigner::FrameSigner(SigningKey key) : key_(std::move(key)) {
+FrameSigner::FrameSigner(SigningKey key, std::unique_ptr<DatagramSealer> sealer)
+    : key_(std::move(key)), sealer_(std::move(sealer)) {
   identity_.stream = static_cast<std::uint32_t>(unguessable());
   identity_.verifying_key = key_.verifyingKey();
   identity_.probe = probeBody(identity_.stream, key_);
+  identity_.sealed = sealer_ != nullptr;
+  if (sealer_) identity_.datagram_key = sealer_->firstKey();
+}
+
+std::optional<DatagramKey> FrameSigner::rotateKey() {
+  return sealer_ ? sealer_->rotate() : std::nullopt;
+}
+
+void FrameSigner::revokeKey() {
+  if (sealer_) sealer_->revoke();
 }
 
 SignedDatagrams FrameSigner::signDatagrams(const CodedFrame& frame) {
@@ -22,9 +33,10 @@ SignedDatagrams FrameSigner::signDatagrams(const CodedFrame& frame) {
   bodies->reserve(payloads.size());
   DatagramHeader header{identity_.stream, frame.epoch, frame.id,
                         frame.media_time, 0,           static_cast<std::uint16_t>(payloads.size())};
+  SealingKey* const seal = sealer_ ? &sealer_->key() : nullptr;
   const std::lock_guard lock(mutex_);
   for (const auto& payload : payloads) {
-    bodies->push_back(signedBody(header, payload, key_));
+    bodies->push_back(signedBody(header, payload, key_, seal));
     ++header.part;
   }
   return bodies;

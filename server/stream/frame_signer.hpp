@@ -1,17 +1,20 @@
 // SPDX-License-Identifier: MIT
 // Signs the frames of one run of the server (Ed25519), each once for all receivers: as datagrams,
-// and as a message for TCP. Thread: any.
+// and as a message for TCP. A server with TLS also seals the datagrams. Thread: any, except where a
+// function says otherwise.
 #pragma once
 
 #include <cstdint>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "common/codec/coded_frame.hpp"
 #include "common/transport/framing.hpp"
 #include "common/transport/signature.hpp"
+#include "server/stream/datagram_sealer.hpp"
 #include "server/stream/stream_identity.hpp"
 
 namespace hapticast::server {
@@ -23,22 +26,30 @@ using SignedDatagrams = std::shared_ptr<const std::vector<std::vector<std::uint8
 class FrameSigner {
  public:
   /// Signs with `key`, under a random stream number. Without a key it creates a random one. Random
-  /// values are unpredictable.
-  explicit FrameSigner(SigningKey key = SigningKey());
+  /// values are unpredictable. `sealer`: seals all datagrams; null: they are not sealed.
+  explicit FrameSigner(SigningKey key = SigningKey(),
+                       std::unique_ptr<DatagramSealer> sealer = nullptr);
 
+  /// Replaces the key of sealed datagrams if it is due. Returns a key that viewers must receive
+  /// before the next frame. Thread: the encoder's.
+  [[nodiscard]] std::optional<DatagramKey> rotateKey();
+  /// Replaces the key of sealed datagrams before the next frame, because some viewers may no longer
+  /// read the stream (DatagramSealer::revoke()). Does nothing if datagrams are not sealed.
+  void revokeKey();
   /// Returns the signed datagrams of a frame, without the receivers' tokens. Returns null if the
-  /// frame is too large for datagrams.
+  /// frame is too large for datagrams. Thread: the encoder's.
   [[nodiscard]] SignedDatagrams signDatagrams(const CodedFrame& frame);
   /// Returns the bytes of a signed message with the frame.
   [[nodiscard]] SharedBytes signMessage(const CodedFrame& frame);
   /// Returns the signature of `bytes`, which are no frame (messages to edges).
   [[nodiscard]] Signature sign(std::span<const std::uint8_t> bytes);
-  /// Returns what viewers need to recognise the frames.
+  /// Returns what viewers need to recognise the frames, with the first key of sealed datagrams.
   [[nodiscard]] const StreamIdentity& identity() const { return identity_; }
 
  private:
   std::mutex mutex_;  // of key_: the encoder's thread signs frames, the network's key frames
   SigningKey key_;
+  std::unique_ptr<DatagramSealer> sealer_;  // null: datagrams are not sealed
   StreamIdentity identity_;
 };
 

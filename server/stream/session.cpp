@@ -203,7 +203,7 @@ void Session::handle(const Hello& hello) {
 void Session::queueWelcome() {
   frames_on_tcp_ = hello_->wants_frames_on_tcp;
   Welcome welcome{kProtocolVersion, id_, 0, host_.description()};
-  host_.completeWelcome(channel_->hosts(), welcome);
+  host_.completeWelcome(*channel_, welcome);
   datagram_token_ = welcome.datagram_token;
   idle_ = false;
   (void)queue_.pushControl(encodeShared(welcome));  // an empty queue has room

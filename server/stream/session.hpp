@@ -34,9 +34,9 @@ class SessionHost {
   [[nodiscard]] virtual std::optional<Grant> grantOf(const Hello& hello) const = 0;
   /// Carries out the request of an operator.
   virtual void control(const Control& control) = 0;
-  /// Writes the key of the stream into `welcome`, and the client's parameters for datagrams, if
-  /// datagrams are available.
-  virtual void completeWelcome(const Hosts& hosts, Welcome& welcome) = 0;
+  /// Writes the key of the stream into `welcome`, and the parameters for datagrams, if datagrams
+  /// are available to the client of `channel`.
+  virtual void completeWelcome(const Channel& channel, Welcome& welcome) = 0;
   /// Sets how the client with this token wants its frames (transport and redundancy).
   virtual void deliver(std::uint64_t datagram_token, const Delivery& delivery) = 0;
   /// The session calls this after its welcome: its client is a viewer now.

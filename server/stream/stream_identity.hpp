@@ -3,8 +3,10 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
+#include "common/protocol/messages.hpp"
 #include "common/transport/signature.hpp"
 
 namespace hapticast::server {
@@ -14,6 +16,9 @@ struct StreamIdentity {
   std::uint32_t stream = 0;         ///< number of this run, in every datagram and signature
   KeyBytes verifying_key{};         ///< key with which viewers verify the signatures
   std::vector<std::uint8_t> probe;  ///< signed body of a probe, without a token
+  bool sealed = false;              ///< whether all datagrams with frames are sealed
+  /// Newest key of the sealed datagrams. Without it nobody can open them.
+  std::optional<DatagramKey> datagram_key = std::nullopt;
 };
 
 }  // namespace hapticast::server

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "common/haptic_frame.hpp"
+#include "common/protocol/messages.hpp"
 #include "server/stream/encoded.hpp"
 
 namespace hapticast::server {
@@ -17,6 +18,8 @@ class StreamSink {
   /// Receives the description of the stream to which the next items belong. It is called before the
   /// first frame and at every change.
   virtual void describe(const StreamDescription& description) = 0;
+  /// Receives a new key of the sealed datagrams. It is called before the first frame under the key.
+  virtual void changeKey(const DatagramKey& key) = 0;
   /// Receives the next frame of the stream.
   virtual void publish(EncodedFrame frame) = 0;
   /// Receives the next picture.

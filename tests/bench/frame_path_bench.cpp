@@ -92,6 +92,35 @@ void verifyOneDatagram(benchmark::State& state) {
 }
 BENCHMARK(verifyOneDatagram)->Unit(benchmark::kMicrosecond);
 
+/// A sealed datagram, without its signature.
+void sealOneDatagram(benchmark::State& state) {
+  SealingKey key(1);
+  const std::vector<std::uint8_t> payload(kMostPieceBytes, 7);
+  for (auto _ : state) {
+    std::vector<std::uint8_t> body(kDatagramHeaderBytes - kTokenBytes);
+    body.reserve(kMostDatagramBytes);
+    key.seal(body, payload);
+    benchmark::DoNotOptimize(body.data());
+  }
+}
+BENCHMARK(sealOneDatagram)->Unit(benchmark::kMicrosecond);
+
+void openOneDatagram(benchmark::State& state) {
+  SigningKey signer;
+  SealingKey seal(1);
+  const OpeningKey key(seal.bytes());
+  std::vector<std::uint8_t> payload(kMostPieceBytes, 7);
+  std::vector<std::uint8_t> bytes =
+      signedBody({1, 1, 1, mediaTime(1.0), 0, 1}, payload, signer, &seal);
+  bytes.insert(bytes.begin(), kTokenBytes, 0);
+  for (auto _ : state) {
+    const auto datagram = readDatagram(bytes);
+    if (!key.open(datagram->counter, datagram->readable, datagram->sealed, payload))
+      state.SkipWithError("the seal does not open");
+  }
+}
+BENCHMARK(openOneDatagram)->Unit(benchmark::kMicrosecond);
+
 void joinDatagrams(benchmark::State& state) {
   const CodedFrame frame = FrameCoder().code(visionResult().frame);
   const auto payloads = packFrame(frame);

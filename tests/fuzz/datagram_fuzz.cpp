@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Datagrams: no bytes crash who reads them, and what is accepted can be felt and sent on. The input
 // is bodies of one frame, each behind two bytes that say how long it is; what is mutated is signed
-// here, so that it gets beyond the signature.
+// here, so that it gets beyond the signature. No mutation opens a seal, and what is sealed here is
+// opened unchanged.
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>
@@ -32,6 +33,27 @@ Bytes datagramOf(std::span<const std::uint8_t> body, SigningKey& key) {
   return bytes;
 }
 
+/// A seal is a guess of 128 bits.
+void expectShut(const Datagram& datagram, const OpeningKey& key) {
+  require(datagram.payload.empty() && datagram.sealed.size() >= kSealTagBytes);
+  Bytes payload(datagram.sealed.size() - kSealTagBytes);
+  require(!key.open(datagram.counter, datagram.readable, datagram.sealed, payload));
+}
+
+/// Whatever has been read is the same behind a seal.
+void sealAndOpen(const Datagram& datagram, SigningKey& signer) {
+  static SealingKey seal(1);
+  static const OpeningKey key(seal.bytes());
+  if (datagram.header.probe() || datagram.payload.size() > kMostPieceBytes) return;
+  Bytes bytes = signedBody(datagram.header, datagram.payload, signer, &seal);
+  bytes.insert(bytes.begin(), kTokenBytes, 7);
+  const auto sealed = readDatagram(bytes);
+  require(sealed && sealed->key_id == 1 && sealed->header == datagram.header);
+  Bytes payload(datagram.payload.size());
+  require(key.open(sealed->counter, sealed->readable, sealed->sealed, payload));
+  require(std::equal(payload.begin(), payload.end(), datagram.payload.begin()));
+}
+
 /// What has been joined is a frame like any other, once reliefs of which nothing came are left out.
 void sendOn(CodedFrame frame) {
   for (CodedObject& object : frame.objects) {
@@ -55,6 +77,7 @@ void sendOn(CodedFrame frame) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static SigningKey key(KeyBytes{});
+  static const OpeningKey shut(SealKeyBytes{});
   static const VerifyingKey verifying = VerifyingKey::from(key.verifyingKey()).value();
   std::span<const std::uint8_t> rest(data, size);
   (void)readDatagram(rest);
@@ -70,6 +93,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (!datagram) continue;
     require(body.size() >= kBeforePayload);
     require(verifying.verify(datagram->signed_bytes, datagram->signature));
+    if (datagram->key_id != kPlainKeyId) {
+      expectShut(*datagram, shut);
+      continue;
+    }
+    sealAndOpen(*datagram, key);
     if (datagram->header.probe()) continue;
     if (!joined) joined.emplace(datagram->header);
     if (!joined->lacks(datagram->header)) continue;

@@ -40,7 +40,7 @@ struct Host final : server::SessionHost {
   void control(const Control& control) override {
     require(!control.seek_s || *control.seek_s >= 0.0);
   }
-  void completeWelcome(const Hosts&, Welcome&) override {}
+  void completeWelcome(const Channel&, Welcome&) override {}
   void deliver(std::uint64_t token, const Delivery& delivery) override {
     require(token == 0 && delivery.copies >= 1 && delivery.copies <= 4);
   }

@@ -4,10 +4,12 @@
 
 #include <unistd.h>
 
+#include <memory>
 #include <optional>
 
 #include "server/stream/datagram_sender.hpp"
 #include "tests/integration/stream_fixture.hpp"
+#include "tests/support/manual_clock.hpp"
 
 namespace hapticast::testing {
 
@@ -20,8 +22,10 @@ inline server::MulticastChoice loopbackGroup(const std::string& host) {
 struct DatagramServer : TestServer {
   DatagramServer(asio::io_context& io, const Clock& clock,
                  const std::optional<server::MulticastChoice>& multicast = std::nullopt,
-                 const std::string& host = "127.0.0.1")
-      : TestServer(io, clock, {}, 0, host) {
+                 const std::string& host = "127.0.0.1", bool seals = false)
+      : TestServer(io, clock, {}, 0, host),
+        signer(SigningKey(), makeSealer(seals)),
+        other(SigningKey(), makeSealer(seals)) {
     if (multicast) group.emplace(io, *multicast, 1);
     sender.emplace(io, clock, listener.endpoint(), signer.identity(), group ? &*group : nullptr);
     broadcaster.introduce(signer.identity());
@@ -35,6 +39,7 @@ struct DatagramServer : TestServer {
     frame.media_time = media.now();
     frame.objects.push_back({1, 0, id, noise(side), {}, nullptr, {}, {}});
     last = frame;
+    if (const auto key = origin->rotateKey()) broadcaster.changeKey(*key);
     broadcaster.publish(encoder.encode(frame, {}, origin, broadcaster.datagramsWanted()));
   }
   /// The other signer makes the stream from now on.
@@ -47,6 +52,11 @@ struct DatagramServer : TestServer {
     return sender->counts().of(verdict);
   }
 
+  [[nodiscard]] std::unique_ptr<server::DatagramSealer> makeSealer(bool seals) const {
+    return seals ? std::make_unique<server::DatagramSealer>(key_clock) : nullptr;
+  }
+
+  ManualClock key_clock;  // of the rotation of keys
   server::FrameSigner signer;
   server::FrameSigner other;
   server::FrameSigner* origin = &signer;

@@ -56,6 +56,14 @@ class MemoryChannel final : public Channel {
       in_->waiting.pop_front();
     }
   }
+  /// Passes for an encrypted connection between the hosts `hosts`, as TLS is. `peer`: address of
+  /// the other end.
+  void pretendTls(const Hosts& hosts, std::string peer) {
+    hosts_ = hosts;
+    peer_ = std::move(peer);
+    encrypted_ = true;
+  }
+  bool encrypted() const noexcept override { return encrypted_; }
   void finishWriting() noexcept override { out_->end(); }
   bool delivered() noexcept override { return true; }
   void close() noexcept override {
@@ -88,6 +96,7 @@ class MemoryChannel final : public Channel {
  private:
   std::shared_ptr<Transport> out_, in_;
   SharedBytes current_;
+  bool encrypted_ = false;
 };
 
 }  // namespace hapticast::testing

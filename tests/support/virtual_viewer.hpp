@@ -223,7 +223,7 @@ class VirtualViewer {
       token_ = welcome->datagram_token;
       if (welcome->verifying_key)
         verifier_.emplace(token_, welcome->stream,
-                          VerifyingKey::from(*welcome->verifying_key).value());
+                          VerifyingKey::from(*welcome->verifying_key).value(), keys_);
       receiver_.connected(welcome->description, clock_.now());
       return true;
     }
@@ -281,6 +281,7 @@ class VirtualViewer {
   bool welcomed_ = false;
   int welcomes_ = 0;
   WelcomeRateLimiter welcome_limit_;
+  DatagramKeyRing keys_;                      // none: its datagrams are not sealed
   std::optional<DatagramVerifier> verifier_;  // where the welcome offers datagrams
   std::uint64_t token_ = 0;
   std::optional<double> datagram_loss_;

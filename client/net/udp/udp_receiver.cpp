@@ -29,7 +29,8 @@ std::vector<Transport> listTransports(const DeliverySettings& settings, const We
 }  // namespace
 
 std::shared_ptr<UdpReceiver> UdpReceiver::open(asio::io_context& io, const Clock& clock,
-                                               Receiver& receiver, const DeliverySettings& settings,
+                                               Receiver& receiver, DatagramKeyRing& keys,
+                                               const DeliverySettings& settings,
                                                const Welcome& welcome, const Endpoint& server,
                                                Events events) {
   if (settings.best == Transport::kTcp) return nullptr;
@@ -40,17 +41,18 @@ std::shared_ptr<UdpReceiver> UdpReceiver::open(asio::io_context& io, const Clock
   if (settings.best == Transport::kGroup && !welcome.group)
     events.on_message("this server sends to no multicast group: the client receives frames by UDP");
   std::shared_ptr<UdpReceiver> link(
-      new UdpReceiver(io, clock, receiver, settings, welcome, server, std::move(events)));
+      new UdpReceiver(io, clock, receiver, keys, settings, welcome, server, std::move(events)));
   link->start();
   return link;
 }
 
 UdpReceiver::UdpReceiver(asio::io_context& io, const Clock& clock, Receiver& receiver,
-                         const DeliverySettings& settings, const Welcome& welcome,
-                         const Endpoint& server, Events events)
+                         DatagramKeyRing& keys, const DeliverySettings& settings,
+                         const Welcome& welcome, const Endpoint& server, Events events)
     : io_(io),
       clock_(clock),
       receiver_(receiver),
+      keys_(keys),
       settings_(settings),
       welcome_(welcome),
       server_(server),
@@ -101,7 +103,18 @@ const char* UdpReceiver::flood(LocalTime now) {
   return nullptr;
 }
 
+void UdpReceiver::reportUnopened(LocalTime now) {
+  const std::uint64_t unopened = counts().not_opened;
+  if (unopened == reported_unopened_ || !unopened_interval_.isDue(now)) return;
+  events_.on_message(std::to_string(unopened - reported_unopened_) +
+                     " datagrams were dropped: their key is unknown or has expired, or they are "
+                     "not sealed as this stream is");
+  reported_unopened_ = unopened;
+  unopened_interval_.onLogged(now);
+}
+
 void UdpReceiver::update(LocalTime now) {
+  reportUnopened(now);
   if (const char* const why = flood(now)) choice_.markFailed(why, now);
   copies_ = meter_.copies(now);
   choice_.update(now, copies_, receiver_.stream().frame_interval);
@@ -132,7 +145,7 @@ void UdpReceiver::applySelection(LocalTime now) {
     if (!key.ok()) return choice_.markFailed(key.error().message, now);
     const bool group = transport == Transport::kGroup;
     DatagramVerifier verifier(group ? welcome_.group->token : welcome_.datagram_token,
-                              welcome_.stream, std::move(key).value());
+                              welcome_.stream, std::move(key).value(), keys_);
     auto path =
         group ? UdpSocket::ofGroup(io_, clock_, {welcome_.group->address, welcome_.group->port},
                                    settings_.interface_name, server_, std::move(verifier))

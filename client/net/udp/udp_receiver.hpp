@@ -12,10 +12,12 @@
 #include <string>
 
 #include "client/net/receiver.hpp"
+#include "client/net/udp/datagram_key_ring.hpp"
 #include "client/net/udp/loss_estimator.hpp"
 #include "client/net/udp/transport_selector.hpp"
 #include "client/net/udp/udp_socket.hpp"
 #include "common/endpoint.hpp"
+#include "common/log_rate_limiter.hpp"
 #include "common/protocol/messages.hpp"
 #include "common/transport/asio.hpp"
 
@@ -30,12 +32,12 @@ class UdpReceiver : public std::enable_shared_from_this<UdpReceiver> {
     std::function<void(const std::string&)> on_message;  ///< a message for the user, one line
   };
   /// Opens the UDP side of a session. Returns null if the server or the settings allow TCP only.
-  /// `welcome` is the server's welcome, and `server` is the address of the TCP connection. `clock`
-  /// and `receiver` must outlive the work on `io`.
+  /// `keys` opens sealed datagrams. `welcome` is the server's welcome, and `server` is the address
+  /// of the TCP connection. `clock`, `receiver` and `keys` must outlive the work on `io`.
   static std::shared_ptr<UdpReceiver> open(asio::io_context& io, const Clock& clock,
-                                           Receiver& receiver, const DeliverySettings& settings,
-                                           const Welcome& welcome, const Endpoint& server,
-                                           Events events);
+                                           Receiver& receiver, DatagramKeyRing& keys,
+                                           const DeliverySettings& settings, const Welcome& welcome,
+                                           const Endpoint& server, Events events);
 
   /// Registers a frame that arrived over TCP.
   void tcpFrame(std::uint64_t id);
@@ -46,7 +48,7 @@ class UdpReceiver : public std::enable_shared_from_this<UdpReceiver> {
   [[nodiscard]] DeliveryStats state() const;
 
  private:
-  UdpReceiver(asio::io_context& io, const Clock& clock, Receiver& receiver,
+  UdpReceiver(asio::io_context& io, const Clock& clock, Receiver& receiver, DatagramKeyRing& keys,
               const DeliverySettings& settings, const Welcome& welcome, const Endpoint& server,
               Events events);
   void start();
@@ -54,6 +56,8 @@ class UdpReceiver : public std::enable_shared_from_this<UdpReceiver> {
   void update(LocalTime now);
   /// Returns the reason if too many unauthentic datagrams arrive, else null.
   [[nodiscard]] const char* flood(LocalTime now);
+  /// Reports datagrams that could not be opened, at most once a minute.
+  void reportUnopened(LocalTime now);
   /// Opens and closes sockets until they match the selected transport.
   void applySelection(LocalTime now);
   void onDatagram(Transport transport, const Datagram& datagram, LocalTime now);
@@ -61,6 +65,7 @@ class UdpReceiver : public std::enable_shared_from_this<UdpReceiver> {
   asio::io_context& io_;
   const Clock& clock_;
   Receiver& receiver_;
+  DatagramKeyRing& keys_;
   DeliverySettings settings_;
   Welcome welcome_;
   Endpoint server_;
@@ -75,6 +80,8 @@ class UdpReceiver : public std::enable_shared_from_this<UdpReceiver> {
   DatagramCounts counted_;  // counters of path_ at counted_at_
   LocalTime counted_at_{};
   DatagramCounts counts_;  // of closed sockets
+  std::uint64_t reported_unopened_ = 0;
+  LogInterval unopened_interval_;
   std::uint64_t bytes_ = 0;
   bool closed_ = false;
 };

@@ -11,16 +11,18 @@
 namespace hapticast::client {
 
 DatagramCounts DatagramCounts::operator+(const DatagramCounts& other) const {
-  return {received + other.received, repeated + other.repeated, foreign + other.foreign,
-          astray + other.astray,     forged + other.forged,     over_budget + other.over_budget};
+  return {received + other.received,    repeated + other.repeated, foreign + other.foreign,
+          astray + other.astray,        forged + other.forged,     over_budget + other.over_budget,
+          not_opened + other.not_opened};
 }
 
-DatagramVerifier::DatagramVerifier(std::uint64_t token, std::uint32_t stream, VerifyingKey key)
-    : token_(token), stream_(stream), key_(std::move(key)) {}
+DatagramVerifier::DatagramVerifier(std::uint64_t token, std::uint32_t stream, VerifyingKey key,
+                                   DatagramKeyRing& keys)
+    : token_(token), stream_(stream), key_(std::move(key)), keys_(&keys) {}
 
 std::optional<Datagram> DatagramVerifier::verify(std::span<const std::uint8_t> bytes, LocalTime now,
                                                  const IsWanted& want) {
-  const auto datagram = readDatagram(bytes);
+  auto datagram = readDatagram(bytes);
   if (!datagram || datagram->token != token_ || datagram->header.stream != stream_) {
     ++counts_.foreign;
     return std::nullopt;
@@ -31,12 +33,22 @@ std::optional<Datagram> DatagramVerifier::verify(std::span<const std::uint8_t> b
     ++(wanted == Want::kHad ? counts_.repeated : counts_.astray);
     return std::nullopt;
   }
+  using Check = DatagramKeyRing::Check;
+  const Check check = keys_->check(*datagram, now);
+  if (check != Check::kOpenable) {
+    ++(check == Check::kRepeated ? counts_.repeated : counts_.not_opened);
+    return std::nullopt;
+  }
   if (!mayVerify(now)) {
     ++counts_.over_budget;
     return std::nullopt;
   }
   if (!key_.verify(datagram->signed_bytes, datagram->signature)) {
     ++counts_.forged;
+    return std::nullopt;
+  }
+  if (!keys_->open(*datagram)) {
+    ++counts_.not_opened;
     return std::nullopt;
   }
   ++counts_.received;

@@ -13,6 +13,7 @@
 #include <string>
 
 #include "client/net/frame_assembler.hpp"
+#include "client/net/udp/datagram_key_ring.hpp"
 #include "common/endpoint.hpp"
 #include "common/result.hpp"
 #include "common/time.hpp"
@@ -22,19 +23,22 @@
 
 namespace hapticast::client {
 
-// Authentication of datagrams. Cheap checks are first (token, stream, duplicate), and the signature
-// is last. A token bucket limits the number of verifications per second, so that a flood uses a
-// bounded computing time. Times are arguments. The code opens no sockets.
+// Authentication of datagrams. Cheap checks are first (token, stream, duplicate, key), then the
+// signature, and last the seal. A token bucket limits the number of verifications per second, so
+// that a flood uses a bounded computing time. Times are arguments. The code opens no sockets.
 // Thread: network.
 
 /// Number of datagrams by the result of their verification.
 struct DatagramCounts {
-  std::uint64_t received = 0;     ///< datagrams that are new and have a valid signature
+  std::uint64_t received = 0;     ///< datagrams that are new, authentic and readable
   std::uint64_t repeated = 0;     ///< duplicates of datagrams that have arrived already
   std::uint64_t foreign = 0;      ///< another token or stream, or a datagram of another protocol
   std::uint64_t astray = 0;       ///< the id of the frame is too far from the present frames
   std::uint64_t forged = 0;       ///< the signature is invalid
   std::uint64_t over_budget = 0;  ///< not verified, because the token bucket was empty
+  /// Sealed with a key that the client does not have (any more), with a wrong tag, or not sealed
+  /// although the stream is.
+  std::uint64_t not_opened = 0;
 
   DatagramCounts operator+(const DatagramCounts& other) const;
 };
@@ -48,13 +52,14 @@ class DatagramVerifier {
   static constexpr double kBurst = 400.0;
 
   /// `token` is the token of the session or of the multicast group. `stream` and `key` are from the
-  /// server's welcome.
-  DatagramVerifier(std::uint64_t token, std::uint32_t stream, VerifyingKey key);
+  /// server's welcome. `keys` opens sealed datagrams and must outlive this object.
+  DatagramVerifier(std::uint64_t token, std::uint32_t stream, VerifyingKey key,
+                   DatagramKeyRing& keys);
 
   using IsWanted = std::function<FrameAssembler::Want(const DatagramHeader&)>;
   /// Returns the datagram in `bytes` if the server has signed it and it is new. Otherwise returns
   /// nullopt and counts the reason. `want` returns the class of a fragment, such as a duplicate. A
-  /// probe always counts as new.
+  /// probe always counts as new. The payload is valid until the next call.
   std::optional<Datagram> verify(std::span<const std::uint8_t> bytes, LocalTime now,
                                  const IsWanted& want);
 
@@ -66,6 +71,7 @@ class DatagramVerifier {
   std::uint64_t token_;
   std::uint32_t stream_;
   VerifyingKey key_;
+  DatagramKeyRing* keys_;
   double budget_ = kBurst;
   std::optional<LocalTime> budget_at_;
   DatagramCounts counts_;

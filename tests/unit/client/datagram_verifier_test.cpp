@@ -28,7 +28,8 @@ class DatagramInboxTest : public ::testing::Test {
   }
 
   SigningKey key{KeyBytes{5}};
-  DatagramVerifier verifier{kToken, kStream, VerifyingKey::from(key.verifyingKey()).value()};
+  DatagramKeyRing keys;
+  DatagramVerifier verifier{kToken, kStream, VerifyingKey::from(key.verifyingKey()).value(), keys};
 };
 
 TEST_F(DatagramInboxTest, TakesWhatTheServerHasSigned) {

@@ -62,7 +62,7 @@ RunResult eventful() {
   result.frames.contradictions = 12;
   result.frames.slices_lost = 12;
   result.frames.slices_refused = 13;
-  result.datagrams = {14, 15, 16, 17, 18, 19};
+  result.datagrams = {14, 15, 16, 17, 18, 19, 26};
   result.delivery = {Transport::kGroup, 0.25, 2};
   result.bytes_received = 12'345'678'901ULL;
   result.playout_delay_ms = 41.5;
@@ -83,7 +83,7 @@ TEST(Summary, EveryKeyWithItsNumber) {
                "reliefs_refused": 10, "malformed": 11, "contradictions": 12},
     "slices": {"lost": 12, "refused": 13},
     "datagrams": {"received": 14, "repeated": 15, "foreign": 16, "astray": 17, "forged": 18,
-                  "over_budget": 19},
+                  "over_budget": 19, "not_opened": 26},
     "delivery": {"way": "multicast", "loss": 0.25, "copies": 2},
     "bytes_received": 12345678901,
     "lookup": {"none": 1, "interpolated": 2, "extrapolated": 3, "held": 4, "faded": 5},

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The datagram that proto/README.md takes apart, byte by byte: HAPTICAST_UPDATE_GOLDEN=1
-// unit_common
-// --gtest_filter='DatagramGolden*' writes golden/datagram.hex and the fuzzer's seed anew.
+// The datagrams that proto/README.md takes apart, byte by byte: HAPTICAST_UPDATE_GOLDEN=1
+// unit_common --gtest_filter='DatagramGolden*' writes golden/datagram.hex and
+// golden/sealed_datagram.hex anew. proto/examples/open_datagram.py reads them, too.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -44,13 +44,26 @@ SigningKey exampleKey() {
   return SigningKey(seed);
 }
 
-std::vector<std::uint8_t> exampleDatagram() {
+SealKeyBytes exampleSealKey() {
+  SealKeyBytes bytes{};
+  std::iota(bytes.begin(), bytes.end(), std::uint8_t{0xA0});
+  return bytes;
+}
+
+std::vector<std::uint8_t> exampleDatagram(SealingKey* seal = nullptr) {
   SigningKey key = exampleKey();
   const CodedFrame frame = exampleFrame();
   const auto payloads = packFrame(frame);
   EXPECT_EQ(payloads.size(), 1U);
   const DatagramHeader header{0x89ABCDEF, frame.epoch, frame.id, frame.media_time, 0, 1};
-  return testing::datagramBytes(0x0123456789ABCDEF, signedBody(header, payloads[0], key));
+  return testing::datagramBytes(0x0123456789ABCDEF, signedBody(header, payloads[0], key, seal));
+}
+
+/// The second datagram under its key, so that its counter is 1.
+std::vector<std::uint8_t> sealedExample() {
+  SealingKey seal(7, exampleSealKey());
+  (void)exampleDatagram(&seal);
+  return exampleDatagram(&seal);
 }
 
 /// The pairs of digits that a line begins with.
@@ -80,9 +93,8 @@ std::vector<std::uint8_t> blockBehind(const std::filesystem::path& file, const s
   return bytes;
 }
 
-TEST(DatagramGoldenTest, BytesStayAsTheyAre) {
-  const auto file = kTests / "unit/common/golden/datagram.hex";
-  const auto bytes = exampleDatagram();
+void expectGolden(const std::vector<std::uint8_t>& bytes, const std::string& name) {
+  const auto file = kTests / "unit/common/golden" / name;
   if (std::getenv("HAPTICAST_UPDATE_GOLDEN") != nullptr) {
     std::ofstream out(file);
     for (std::size_t i = 0; i < bytes.size(); ++i) {
@@ -97,12 +109,19 @@ TEST(DatagramGoldenTest, BytesStayAsTheyAre) {
     const auto more = bytesOfLine(line);
     golden.insert(golden.end(), more.begin(), more.end());
   }
-  EXPECT_EQ(bytes, golden);
+  EXPECT_EQ(bytes, golden) << name;
+}
+
+TEST(DatagramGoldenTest, BytesStayAsTheyAre) {
+  expectGolden(exampleDatagram(), "datagram.hex");
+  expectGolden(sealedExample(), "sealed_datagram.hex");
 }
 
 TEST(DatagramGoldenTest, ThePageShowsThem) {
   EXPECT_EQ(blockBehind(kTests / "../proto/README.md", "### A datagram, byte by byte"),
             exampleDatagram());
+  EXPECT_EQ(blockBehind(kTests / "../proto/README.md", "### A sealed datagram, byte by byte"),
+            sealedExample());
   std::ostringstream key;
   const KeyBytes verifying = exampleKey().verifyingKey();
   for (const std::uint8_t byte : verifying)
@@ -124,6 +143,19 @@ TEST(DatagramGoldenTest, ItIsReadAsItWasMeant) {
   ASSERT_EQ(frame.objects.size(), 1U);
   EXPECT_EQ(frame.objects[0].motion.position_mm, Vec3(1.5, -2.5, 12.0));
   EXPECT_EQ(*frame.objects[0].relief, *exampleFrame().objects[0].relief);
+}
+
+TEST(DatagramGoldenTest, TheSealedOneHasTheSamePayload) {
+  const auto plain = exampleDatagram(), bytes = sealedExample();
+  const auto datagram = readDatagram(bytes);
+  ASSERT_TRUE(datagram);
+  EXPECT_EQ(datagram->key_id, 7);
+  EXPECT_EQ(datagram->counter, 1U);
+  std::vector<std::uint8_t> payload(datagram->sealed.size() - kSealTagBytes);
+  ASSERT_TRUE(OpeningKey(exampleSealKey())
+                  .open(datagram->counter, datagram->readable, datagram->sealed, payload));
+  const auto expected = readDatagram(plain)->payload;
+  EXPECT_EQ(payload, std::vector<std::uint8_t>(expected.begin(), expected.end()));
 }
 
 }  // namespace

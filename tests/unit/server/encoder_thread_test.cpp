@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
 #include <stdexcept>
+#include <utility>
 
 namespace hapticast::server {
 namespace {
@@ -14,6 +16,7 @@ class CountingSink final : public StreamSink {
   void describe(const StreamDescription& description) override {
     names.push_back(description.name);
   }
+  void changeKey(const DatagramKey& key) override { keys.push_back({frames.size(), key}); }
   void publish(EncodedFrame frame) override {
     if (fails_at == frame.id) throw std::runtime_error("the disk is full");
     frames.push_back(std::move(frame));
@@ -23,6 +26,7 @@ class CountingSink final : public StreamSink {
   [[nodiscard]] bool datagramsWanted() const override { return wants_datagrams; }
 
   std::vector<std::string> names;
+  std::vector<std::pair<std::size_t, DatagramKey>> keys;  ///< frames before each key, and the key
   std::vector<EncodedFrame> frames;
   std::vector<std::uint64_t> videos;
   bool wants_video = false;
@@ -69,6 +73,26 @@ TEST(EncoderThread, SignsDatagramsOnlyForWhoWantsThem) {
     encoder.finish();
     ASSERT_EQ(sink.frames.size(), 1U);
     EXPECT_EQ(sink.frames[0].datagrams != nullptr, wanted);
+  }
+}
+
+TEST(EncoderThread, AnnouncesAKeyBeforeTheFirstFrameUnderIt) {
+  const SteadyClock clock;
+  FrameSigner signer(SigningKey(), std::make_unique<DatagramSealer>(clock));
+  CountingSink sink;
+  sink.wants_datagrams = true;
+  EncoderThread encoder({&sink}, &signer);
+  encoder.push(named("a"), result(1));
+  signer.revokeKey();
+  encoder.push(named("a"), result(2));
+  encoder.finish();
+  ASSERT_EQ(sink.frames.size(), 2U);
+  ASSERT_EQ(sink.keys.size(), 1U);
+  constexpr std::size_t kKeyIdAt = 4;
+  const auto& [frames_before, key] = sink.keys[0];
+  for (std::size_t i = 0; i < 2; ++i) {
+    for (const auto& body : *sink.frames[i].datagrams)
+      EXPECT_EQ(body[kKeyIdAt] == key.id, i >= frames_before);
   }
 }
 

@@ -216,6 +216,26 @@ TEST_F(OriginFollowerTest, FollowsOnlyAnExpectedKey) {
   EXPECT_TRUE(follower.onMessage(message(key_, {5, kOrigin, 1}, state(key_))).new_origin);
 }
 
+TEST_F(OriginFollowerTest, AStateHasTheKeyOfSealedDatagramsOrSaysThatThereIsNone) {
+  RelayState sealed = state(key_);
+  sealed.sealed = true;
+  std::uint64_t number = 0;
+  const auto pass = [&](const RelayState& each) {
+    const auto followed = follower_.onMessage(message(key_, {5, kOrigin, ++number}, each));
+    return followed.content ? std::optional(std::get<RelayState>(*followed.content)) : std::nullopt;
+  };
+  const auto without = pass(sealed);
+  ASSERT_TRUE(without);
+  EXPECT_TRUE(without->sealed);
+  EXPECT_FALSE(without->datagram_key);
+  sealed.datagram_key = DatagramKey{7, SealKeyBytes{1, 2, 3}, 10s};
+  const auto with = pass(sealed);
+  ASSERT_TRUE(with);
+  EXPECT_EQ(with->datagram_key, sealed.datagram_key);
+  sealed.sealed = false;
+  EXPECT_FALSE(pass(sealed)) << "a key of a stream that is not sealed";
+}
+
 TEST_F(OriginFollowerTest, NoByteOfAMessageCanChange) {
   ASSERT_TRUE(follower_.onMessage(message(key_, {5, kOrigin, 1}, state(key_))).content);
   const auto whole = message(key_, {5, kOrigin, 2}, frame(1));

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+// Keys of the sealed datagrams of one stream, on the client's side (proto/README.md, section 13).
+// Each key has an expiry and a sliding window of the counters that it has opened (as in RFC 6479),
+// so that no sealed datagram counts twice. Times are arguments. Thread: network.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "common/protocol/messages.hpp"
+#include "common/time.hpp"
+#include "common/transport/datagram.hpp"
+#include "common/transport/seal.hpp"
+
+namespace hapticast::client {
+
+/// Sliding window of counters: which of the last ones have come.
+class CounterWindow {
+ public:
+  /// Size of the window. The value is a choice: the parts of four frames of 8 MiB, so that all
+  /// copies of a datagram lie in it.
+  static constexpr std::uint64_t kCounters = 32'768;
+
+  /// Returns whether `counter` has come already, or is too old for the window.
+  [[nodiscard]] bool has(std::uint64_t counter) const noexcept;
+  /// Registers `counter`. Requires !has(counter).
+  void add(std::uint64_t counter) noexcept;
+
+ private:
+  static constexpr std::uint64_t kWordBits = 64;
+  /// One word more than the window has, so that the newest word can be incomplete.
+  static constexpr std::uint64_t kWords = kCounters / kWordBits + 1;
+
+  std::array<std::uint64_t, kWords> words_{};
+  std::uint64_t newest_ = 0;
+};
+
+/// The keys of one stream.
+class DatagramKeyRing {
+ public:
+  /// Largest number of keys. The oldest one is dropped. An hourly rotation needs two.
+  static constexpr std::size_t kMostKeys = 4;
+
+  /// Begins a stream with the key of its welcome, or one without sealed datagrams (nullopt). If the
+  /// ring already has this key as its newest one (the client has reconnected), the counters that
+  /// have come stay known. Throws std::runtime_error if OpenSSL fails.
+  void begin(const std::optional<DatagramKey>& key);
+  /// Adds a new key of the stream. The keys before expire after `key.grace`, or as they would have
+  /// anyway. Throws std::runtime_error if OpenSSL fails.
+  void add(const DatagramKey& key, LocalTime now);
+  /// Returns whether datagrams with frames must be sealed.
+  [[nodiscard]] bool sealed() const { return !keys_.empty(); }
+
+  /// Result of the cheap check of a datagram.
+  enum class Check : std::uint8_t {
+    kOpenable,  ///< its key is valid and its counter is new, or nothing has to be opened
+    kRepeated,  ///< its counter has come already, or is too old
+    kNoKey,     ///< its key is unknown or expired, or it is not sealed though it must be
+  };
+  /// Checks the key and the counter of a datagram. It changes nothing, so call it before the
+  /// signature is verified.
+  [[nodiscard]] Check check(const Datagram& datagram, LocalTime now) const;
+  /// Opens a datagram of the result kOpenable, with a valid signature: its payload becomes
+  /// readable. Returns false if its tag is wrong. The payload is valid until the next call.
+  [[nodiscard]] bool open(Datagram& datagram);
+
+ private:
+  struct Entry {
+    explicit Entry(const DatagramKey& key) : of(key), opening(key.bytes) {}
+    DatagramKey of;
+    OpeningKey opening;
+    CounterWindow window;
+    std::optional<LocalTime> expires;
+  };
+
+  /// Returns the index of the key `id`; the number of keys if there is none.
+  [[nodiscard]] std::size_t find(std::uint8_t id) const;
+
+  std::vector<Entry> keys_;  // the oldest first; empty: datagrams are not sealed
+  std::array<std::uint8_t, kMostDatagramBytes> payload_{};
+};
+
+}  // namespace hapticast::client

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+// Keys of the sealed datagrams of one run of the server (proto/README.md, section 13). Each key is
+// random. A new key replaces the present one every hour, and after revoke(). Viewers receive each
+// new key before the first datagram under it. Thread: see each function.
+#pragma once
+
+#include <cstdint>
+#include <mutex>
+#include <optional>
+
+#include "common/protocol/messages.hpp"
+#include "common/time.hpp"
+#include "common/transport/seal.hpp"
+
+namespace hapticast::server {
+
+/// Owns the present key and the next one.
+class DatagramSealer {
+ public:
+  /// Time after which a key is replaced.
+  static constexpr Duration kKeyLife = std::chrono::hours(1);
+  /// Time from the announcement of a new key to its use: for slow TCP connections.
+  static constexpr Duration kAnnouncedBefore = std::chrono::seconds(1);
+  /// Time in which viewers accept datagrams of the key before, from the announcement on.
+  static constexpr Duration kGrace = std::chrono::seconds(10);
+  /// The same after revoke(). It covers datagrams under way and their copies.
+  static constexpr Duration kRevokedGrace = std::chrono::seconds(1);
+
+  /// Creates the first key. `clock` must outlive the object. Throws std::runtime_error if the
+  /// system has no random numbers.
+  explicit DatagramSealer(const Clock& clock);
+
+  /// Replaces the key if it is due. Returns a key that viewers do not have yet, at most once for
+  /// each key. Call it before each frame, and announce the key before the frame. Thread: the
+  /// encoder's.
+  [[nodiscard]] std::optional<DatagramKey> rotate();
+  /// Replaces the key at the next rotate(), which uses the new key at once. Call it after the
+  /// sessions of the revoked viewers have begun to close, because all others receive the new key.
+  /// Thread: any.
+  void revoke();
+  /// Returns the present key. Thread: the encoder's.
+  [[nodiscard]] SealingKey& key() { return present_; }
+  /// Returns the first key, for the first viewers. Thread: any, before the first rotate().
+  [[nodiscard]] DatagramKey firstKey() const { return {present_.id(), present_.bytes(), kGrace}; }
+
+ private:
+  [[nodiscard]] SealingKey makeKey();
+
+  const Clock& clock_;
+  SealingKey present_;
+  LocalTime used_since_;
+  std::optional<SealingKey> next_;  // announced
+  LocalTime use_next_at_;
+  std::uint8_t last_id_;
+  std::mutex mutex_;
+  bool revoked_ = false;  // guarded by mutex_
+};
+
+}  // namespace hapticast::server
