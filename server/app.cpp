@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -37,6 +38,7 @@ constexpr Duration kPrepareEvery = std::chrono::seconds(1);
 constexpr Duration kHoldBack = std::chrono::milliseconds(200);
 // Interval in which waiting code checks stop(); chosen.
 constexpr Duration kSlice = std::chrono::milliseconds(20);
+constexpr std::size_t kMostRequests = 100;  // chosen: of operators, in one frame time
 
 SourceInfo describeSource(const RgbdSource& source, const std::string& name) {
   SourceInfo info = source.info();
@@ -59,6 +61,19 @@ std::vector<KeyBytes> trustedOrigins(const Settings& settings, const FrameSigner
   if (!keys.empty() || !settings.signing_key_file.empty())
     keys.push_back(signer.identity().verifying_key);
   return keys;
+}
+
+/// Replaces the values of all objects by those that `change` has.
+void changeMaterials(const Material& change, VisionSettings& vision) {
+  const auto replace = [&change](Material& material) {
+    for (const auto field :
+         {&Material::stiffness_N_mm, &Material::damping_Ns_m, &Material::static_friction,
+          &Material::dynamic_friction, &Material::texture_K_mm, &Material::mass_kg}) {
+      if (change.*field) material.*field = change.*field;
+    }
+  };
+  replace(vision.material);
+  for (AuthorObject& object : vision.objects) replace(object.material);
 }
 
 }  // namespace
@@ -85,6 +100,13 @@ class App::Impl {
   void reload();
   /// Applies the materials of the last reload(), if there was one.
   void adoptMaterials(EncoderThread& encoder);
+  /// Carries out what operators requested since the last call.
+  void carryOutRequests(EncoderThread& encoder);
+  /// Continues with the frame at `time_s` of the clip. Vision processes all frames before it again,
+  /// without publishing them, because it follows the objects from the first frame on.
+  void seek(double time_s, EncoderThread& encoder);
+  /// Waits a moment, or drops a frame of a live source.
+  void idle();
   void logSkippedFrames(const Pacer& pacer);
   void waitUntil(MediaTime due);
 
@@ -96,6 +118,8 @@ class App::Impl {
   Reloader reloader_;   // used by the network thread only
   std::mutex mutex_;
   std::optional<VisionSettings> reloaded_;  // guarded by mutex_
+  std::vector<Control> requests_;           // of operators; guarded by mutex_
+  bool paused_ = false;
   StreamService service_;
   std::optional<RelayPublisher> relay_;
   PlanLog plan_teller_;
@@ -115,7 +139,8 @@ App::Impl::Impl(Settings settings, const Clock& clock, ReadSettings reread)
       vision_(describeSource(*source_, settings_.name),
               settings_.vision = preparePoints(settings_.vision, source_->info()), &clock),
       signer_(settings_.signing_key_file.empty() ? SigningKey()
-                                                 : loadSigningKey(settings_.signing_key_file)),
+                                                 : loadSigningKey(settings_.signing_key_file),
+              settings_.tls.wanted() ? std::make_unique<DatagramSealer>(clock) : nullptr),
       reloader_(settings_, std::move(reread)),
       service_(settings_, clock, media_clock_, vision_.description(), signer_.identity()) {
   // Viewers of relays need the key: a relay could show another one.
@@ -127,6 +152,11 @@ App::Impl::Impl(Settings settings, const Clock& clock, ReadSettings reread)
 }
 
 void App::Impl::run() {
+  service_.broadcaster().onRemoved([this] { signer_.revokeKey(); });
+  service_.broadcaster().onControl([this](const Control& control) {
+    const std::lock_guard lock(mutex_);
+    if (requests_.size() < kMostRequests) requests_.push_back(control);
+  });
   service_.start([this] { stop(); }, [this] { reload(); });
   browse();
   const SliceSettings slices{.error_mm = heightError_mm(settings_.vision)};
@@ -183,6 +213,11 @@ void App::Impl::play(EncoderThread& encoder) {
   while (!stop_ && (settings_.frames == 0 || frames < settings_.frames)) {
     service_.manager().reportAlive();
     adoptMaterials(encoder);
+    carryOutRequests(encoder);
+    if (paused_) {
+      idle();
+      continue;
+    }
     const auto frame = nextFrame(pacer);
     if (!frame && info.live) {
       publishHeldBack(encoder);
@@ -235,9 +270,62 @@ void App::Impl::reload() {
 void App::Impl::adoptMaterials(EncoderThread& encoder) {
   const std::lock_guard lock(mutex_);
   if (!reloaded_) return;
-  vision_.setMaterials(*reloaded_);
-  encoder.setSlices({.error_mm = heightError_mm(*reloaded_)});
+  settings_.vision.material = reloaded_->material;
+  settings_.vision.mass_kg = reloaded_->mass_kg;
+  settings_.vision.objects = reloaded_->objects;
   reloaded_.reset();
+  vision_.setMaterials(settings_.vision);
+  encoder.setSlices({.error_mm = heightError_mm(settings_.vision)});
+}
+
+void App::Impl::carryOutRequests(EncoderThread& encoder) {
+  std::vector<Control> requests;
+  {
+    const std::lock_guard lock(mutex_);
+    requests.swap(requests_);
+  }
+  for (const Control& request : requests) {
+    if (request.paused && *request.paused != paused_)
+      spdlog::info("an operator {} the stream", *request.paused ? "pauses" : "continues");
+    paused_ = request.paused.value_or(paused_);
+    if (request.material != Material{}) {
+      changeMaterials(request.material, settings_.vision);
+      vision_.setMaterials(settings_.vision);
+      encoder.setSlices({.error_mm = heightError_mm(settings_.vision)});
+      spdlog::info("an operator changes the material");
+    }
+    if (request.seek_s) seek(*request.seek_s, encoder);
+  }
+}
+
+void App::Impl::seek(double time_s, EncoderThread& encoder) {
+  const SourceInfo& info = source_->info();
+  if (info.live) {
+    spdlog::warn("an operator seeks, but a live source has no other times");
+    return;
+  }
+  spdlog::info("an operator seeks to {:g} s", time_s);
+  for (VisionResult& result : vision_.flush()) publish(std::move(result), encoder);
+  const std::uint64_t last = info.frame_count.value_or(1) - 1;
+  const auto frames = std::min(static_cast<std::uint64_t>(std::llround(time_s * info.fps)), last);
+  const MediaTime begin = media_clock_.now() - fromSeconds(static_cast<double>(frames) / info.fps);
+  source_->rewind();
+  for (std::uint64_t i = 0; i < frames && !stop_; ++i) {
+    service_.manager().reportAlive();
+    const auto frame = source_->read();
+    if (!frame) break;
+    (void)vision_.push(*frame, begin + fromSeconds(static_cast<double>(i) / info.fps));
+  }
+  (void)vision_.flush();
+}
+
+void App::Impl::idle() {
+  if (source_->info().live) {
+    service_.manager().reportAlive();
+    (void)source_->read();
+  } else {
+    waitUntil(media_clock_.now() + kSlice);
+  }
 }
 
 void App::Impl::logSkippedFrames(const Pacer& pacer) {

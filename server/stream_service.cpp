@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/cli/run_program.hpp"
+#include "server/stream/key_file.hpp"
 
 namespace hapticast::server {
 
@@ -75,10 +76,28 @@ void StreamService::awaitReload(std::function<void()> on_reload) {
                                  const boost::system::error_code& error, int) mutable {
     if (error) return;
     manager_.reportReload();
+    reloadSecrets();
     on_reload();
     manager_.reportReloaded();
     awaitReload(std::move(on_reload));
   });
+}
+
+void StreamService::reloadSecrets() {
+  try {
+    if (auto tls = loadServerTls(settings_.tls)) {
+      if (tls->fingerprint() != tls_->fingerprint())
+        spdlog::info("TLS fingerprint: {}", toHex(tls->fingerprint()));
+      tls_ = tls;
+      listener_.setTls(std::move(*tls));
+    }
+    if (settings_.tokens_file.empty()) return;
+    AccessList list = loadAccessList(settings_.tokens_file);
+    spdlog::info("--tokens {}: {} tokens", settings_.tokens_file, list.size());
+    broadcaster_.setAccess(std::move(list));
+  } catch (const KeyFileError& error) {
+    spdlog::error("{}; the files before stay in use", error.what());
+  }
 }
 
 void StreamService::awaitStatusRequest() {

@@ -57,6 +57,8 @@ class StreamService {
 
   void awaitReload(std::function<void()> on_reload);
   void awaitStatusRequest();
+  /// Reads certificate, key and tokens again. After an error the present ones stay in use.
+  void reloadSecrets();
 
   const Settings& settings_;
   ServiceManager manager_;

@@ -175,10 +175,9 @@ std::shared_ptr<Session> Broadcaster::evictionCandidate() const {
   });
 }
 
-void Broadcaster::setAccess(AccessList list, std::function<void()> removed) {
-  onIo([this, list = std::move(list), removed = std::move(removed)] {
+void Broadcaster::setAccess(AccessList list) {
+  onIo([this, list = std::move(list)] {
     access_ = list;
-    on_removed_ = removed;
     checkAccess();
   });
 }
@@ -196,8 +195,9 @@ void Broadcaster::checkAccess() {
   if (removed && on_removed_) on_removed_();
 }
 
-void Broadcaster::control(const Control& control) {
+bool Broadcaster::control(const Control& control) {
   if (control_) control_(control);
+  return control_ != nullptr;
 }
 
 std::optional<Grant> Broadcaster::grantOf(const Hello& hello) const {

@@ -49,8 +49,11 @@ class Broadcaster final : public StreamSink, private SessionHost {
   /// must outlive all sessions.
   void enableUdp(DatagramSender& sender) { datagrams_ = &sender; }
   /// Requires tokens from now on, and closes the connections whose token is not in `list`. Thread:
-  /// any. `removed` is called if it closed one; thread: io.
-  void setAccess(AccessList list, std::function<void()> removed = nullptr);
+  /// any.
+  void setAccess(AccessList list);
+  /// Sets a function that is called after connections were closed because their token is no longer
+  /// valid. Call it before the first viewer connects. Thread of `removed`: io.
+  void onRemoved(std::function<void()> removed) { on_removed_ = std::move(removed); }
   /// Sets what carries out the requests of operators. Call it before the first viewer connects.
   /// Thread of `control`: io.
   void onControl(std::function<void(const Control&)> control) { control_ = std::move(control); }
@@ -111,7 +114,7 @@ class Broadcaster final : public StreamSink, private SessionHost {
   [[nodiscard]] std::optional<WireError> refuseToken(const Hello& hello,
                                                      const Channel& channel) const;
   [[nodiscard]] std::optional<Grant> grantOf(const Hello& hello) const override;
-  void control(const Control& control) override;
+  [[nodiscard]] bool control(const Control& control) override;
   void completeWelcome(const Channel& channel, Welcome& welcome) override;
   void deliver(std::uint64_t datagram_token, const Delivery& delivery) override;
   void onJoined(Session& session) override;

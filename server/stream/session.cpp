@@ -248,8 +248,8 @@ void Session::handle(const Control& control) {
                                              ? "this access token is a viewer's, not an operator's"
                                              : "this server has no operators (--tokens)"});
   }
-  spdlog::info("{} controls the stream", label());
-  host_.control(control);
+  if (!host_.control(control))
+    return close({ErrorCode::kForbidden, "this server is an edge; control its origin"});
   send(encodeShared(control));
 }
 

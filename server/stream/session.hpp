@@ -32,8 +32,8 @@ class SessionHost {
                                                         const Channel& channel) const = 0;
   /// Returns the rights of the token in `hello`; nullopt if this server needs no tokens.
   [[nodiscard]] virtual std::optional<Grant> grantOf(const Hello& hello) const = 0;
-  /// Carries out the request of an operator.
-  virtual void control(const Control& control) = 0;
+  /// Carries out the request of an operator. Returns false if this server has nothing to control.
+  [[nodiscard]] virtual bool control(const Control& control) = 0;
   /// Writes the key of the stream into `welcome`, and the parameters for datagrams, if datagrams
   /// are available to the client of `channel`.
   virtual void completeWelcome(const Channel& channel, Welcome& welcome) = 0;

@@ -37,8 +37,9 @@ struct Host final : server::SessionHost {
     if (hello.access_token.empty()) return std::nullopt;
     return server::Grant{{}, server::Role::kOperator, std::nullopt};
   }
-  void control(const Control& control) override {
+  [[nodiscard]] bool control(const Control& control) override {
     require(!control.seek_s || *control.seek_s >= 0.0);
+    return true;
   }
   void completeWelcome(const Channel&, Welcome&) override {}
   void deliver(std::uint64_t token, const Delivery& delivery) override {
