@@ -111,12 +111,13 @@ void Broadcaster::describe(const StreamDescription& description) {
 
 void Broadcaster::changeKey(const DatagramKey& key) {
   onIo([this, key] {
-    if (!identity_ || !identity_->sealed) return;
-    identity_->datagram_key = key;
+    const bool sealed = identity_ && identity_->sealed;
+    if (sealed) identity_->datagram_key = key;
     const SharedBytes payload = encodeShared(key);
     for (const auto& viewer : viewers_) {
-      if (viewer->datagramToken() != 0) viewer->send(payload);
+      if (sealed && viewer->datagramToken() != 0) viewer->queue(payload);
     }
+    sendAll();  // flushes the queues of all viewers: a frame before may wait for that
   });
 }
 

@@ -100,6 +100,17 @@ TEST_F(SealedDatagramsTest, AViewerWithoutTlsReceivesNoKeyAndNoDatagram) {
   EXPECT_TRUE(client.lost.empty());
 }
 
+TEST_F(SealedDatagramsTest, AKeyHoldsBackNoFrameOfAViewerWithoutTls) {
+  SealingServer server(io, clock);
+  const auto peer = viewer(server);
+  server.publish(1);
+  server.broadcaster.changeKey({2, {}, 1s});  // both wait for the network's thread
+  EXPECT_TRUE(runUntil([&] {
+    peer->poll();
+    return !peer->all<CodedFrame>().empty();
+  }));
+}
+
 TEST_F(SealedDatagramsTest, AViewerWithoutTlsReceivesNoGroup) {
   std::unique_ptr<DatagramServer> server;
   try {
