@@ -285,9 +285,10 @@ std::unique_ptr<CLI::App> commandLine(Settings& settings) {
 std::optional<int> readCommandLine(Settings& settings, int argc, const char* const* argv) {
   const auto app = commandLine(settings);
   const auto exit_code = parseCommandLine(*app, argc, argv);
+  if (exit_code) return exit_code;
   const std::string config = app->get_config_ptr()->as<std::string>();
-  if (!exit_code && config != kSystemConfig) settings.config_file = config;
-  return exit_code;
+  if (config != kSystemConfig) settings.config_file = config;
+  return std::nullopt;
 }
 
 void requireVirtualHand(const Settings& settings) {
