@@ -127,15 +127,23 @@ def write_png(path, grey):
                   + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
 
 
+def key_fingerprint(certificate):
+    """SHA-256 of the public key in a certificate (DER), as the server logs it."""
+    from cryptography import x509
+    from cryptography.hazmat.primitives.serialization import Encoding, PublicFormat
+    key = x509.load_der_x509_certificate(certificate).public_key()
+    return hashlib.sha256(key.public_bytes(Encoding.DER, PublicFormat.SubjectPublicKeyInfo)).hexdigest()
+
+
 def encrypt(plain, fingerprint):
-    """TLS 1.3 over a connection. The certificate is judged by its fingerprint alone."""
+    """TLS 1.3 over a connection. The certificate is judged by the fingerprint of its key alone."""
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
     context.minimum_version = ssl.TLSVersion.TLSv1_3
     context.check_hostname, context.verify_mode = False, ssl.CERT_NONE
     tls = context.wrap_socket(plain)
-    seen = hashlib.sha256(tls.getpeercert(binary_form=True)).hexdigest()
+    seen = key_fingerprint(tls.getpeercert(binary_form=True))
     if fingerprint and seen != fingerprint.lower().replace(":", ""):
-        sys.exit(f"the server's certificate has another fingerprint: {seen}")
+        sys.exit(f"the server's key has another fingerprint: {seen}")
     return tls
 
 

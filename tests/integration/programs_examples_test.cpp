@@ -53,5 +53,26 @@ TEST_F(ProgramsExamplesTest, AForeignClientReadsTheStreamByTcpAndByDatagrams) {
   interrupt(*server);
 }
 
+TEST_F(ProgramsExamplesTest, AForeignClientUsesTlsAndOpensSealedDatagrams) {
+  if (!std::filesystem::exists(HAPTICAST_PYTHON)) GTEST_SKIP() << "no Python";
+  ::setenv("XDG_STATE_HOME", path("state").c_str(), 1);
+  const auto server = startServer({"--source", "synthetic:still", "--loop", "--tls", "auto"});
+  ::unsetenv("XDG_STATE_HOME");
+  const std::string address = addressOf(*server);
+  const std::string log = server->output();
+  const std::string fingerprint = log.substr(log.find("TLS fingerprint: ") + 17, 64);
+  const int plain = readStream(address, "plain", {"--udp"});
+  if (plain == 77) GTEST_SKIP() << said;
+  EXPECT_EQ(plain, 1) << "a viewer without TLS gets no datagrams that it could not open";
+  const int sealed = readStream(address, "udp", {"--udp", "--tls", "--fingerprint", fingerprint});
+  ASSERT_EQ(sealed, 0) << said;
+  EXPECT_NE(said.find(" 0 refused"), std::string::npos) << said;
+  EXPECT_EQ(readStream(address, "udp", {"--tls", "--fingerprint", std::string(64, '0')}), 1);
+  EXPECT_NE(said.find("another fingerprint"), std::string::npos) << said;
+  const cv::Mat relief = cv::imread(path("udp/object_1_0.png"), cv::IMREAD_UNCHANGED);
+  EXPECT_GT(cv::countNonZero(relief), 5000) << said;
+  interrupt(*server);
+}
+
 }  // namespace
 }  // namespace hapticast::testing

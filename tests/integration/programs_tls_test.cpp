@@ -138,6 +138,55 @@ TEST_F(ProgramsTlsTest, OnlyTokensOfTheFileOpenTheStream) {
   interrupt(*server);
 }
 
+TEST_F(ProgramsTlsTest, AnOperatorControlsTheStreamAndAViewerMayNot) {
+  const std::string viewer_token = makeToken("alice", "viewer never");
+  const std::string operator_token = makeToken("boss", "operator never");
+  const auto server = startTlsServer({"--tls", "auto", "--tokens", path("tokens")});
+  const std::string address = "hapticasts://" + addressOf(*server);
+  const auto viewer = startViewer(address, {"--token-file", viewer_token, "--summary",
+                                            path("run.json"), "--log", path("run.csv")});
+  EXPECT_TRUE(waitUntil(kStart, [&] {
+    const std::vector<LogRow> rows = readLog(path("run.csv"));
+    return !rows.empty() && rows.back().penetration_mm > 0.0;
+  })) << viewer->output();
+  const auto request = [&](const std::string& token, const std::string& what) {
+    return startClient({address, "--token-file", token, "--control", what});
+  };
+  const auto denied = request(viewer_token, "pause");
+  expectRefusal(*denied, "this access token is a viewer's, not an operator's");
+  EXPECT_EQ(request(operator_token, "pause")->wait(kSoon), 0);
+  EXPECT_TRUE(viewer->says("no new frames arrive: the force has faded", kSoon));
+  EXPECT_EQ(request(operator_token, "play,seek=1,stiffness=0.8")->wait(kSoon), 0);
+  EXPECT_TRUE(viewer->says("frames arrive again", kSoon)) << viewer->output();
+  EXPECT_TRUE(server->says("an operator seeks to 1 s", kSoon)) << server->output();
+  interrupt(*viewer);
+  std::ifstream in(path("run.json"));
+  const std::string summary((std::istreambuf_iterator<char>(in)), {});
+  EXPECT_NE(summary.find("\"step_excess_max_N\": 0.0,"), std::string::npos) << summary;
+  interrupt(*server);
+}
+
+TEST_F(ProgramsTlsTest, ATokenThatIsRemovedEndsItsViewersAtTheNextReload) {
+  const std::string alice = makeToken("alice", "viewer never");
+  const std::string bob = makeToken("bob", "viewer never");
+  const auto server = startTlsServer({"--tls", "auto", "--tokens", path("tokens")});
+  const std::string address = "hapticasts://" + addressOf(*server);
+  const auto removed = startViewer(address, {"--token-file", alice});
+  const auto kept = startViewer(address, {"--token-file", bob, "--summary", path("run.json")});
+  EXPECT_TRUE(removed->says("connected: ", kSoon)) << removed->output();
+  EXPECT_TRUE(kept->says("connected: ", kSoon)) << kept->output();
+  write("tokens", "nonsense\n");
+  server->signal(SIGHUP);
+  EXPECT_TRUE(server->says("the files before stay in use", kSoon)) << server->output();
+  std::filesystem::remove(path("tokens"));
+  (void)makeToken("bob", "viewer never");
+  server->signal(SIGHUP);
+  expectRefusal(*removed, "your access token is no longer valid");
+  EXPECT_TRUE(server->says("--tokens " + path("tokens") + ": 1 tokens", kSoon));
+  interrupt(*kept);
+  interrupt(*server);
+}
+
 TEST_F(ProgramsTlsTest, OtherMachinesNeedTlsWhereTokensAreNeeded) {
   std::string host;
   for (const NetworkInterface& each : networkInterfaces()) {
