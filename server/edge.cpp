@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include <atomic>
+#include <mutex>
 
 #include "server/relay/relay_clock.hpp"
 #include "server/relay/relay_subscriber.hpp"
@@ -24,16 +25,26 @@ NatsAddress requireNatsAddress(const std::string& text) {
 void runEdge(const Settings& settings, const Clock& clock) {
   const NatsAddress address = requireNatsAddress(settings.source);
   RelayClock media_clock(clock);
+  std::mutex mutex;
+  RelayCounts counts{.is_edge = true};  // guarded by mutex; the network thread reads it
   // The first origin determines description and identity, before the first viewer.
   StreamService service(settings, clock, media_clock, {}, {});
   RelaySubscriber subscriber(address, settings.nats, settings.origin_keys, clock, media_clock,
                              service.broadcaster());
+  service.watch([&](Metrics& metrics) {
+    const std::lock_guard lock(mutex);
+    metrics.relay = counts;
+  });
   std::atomic<bool> stop{false};
   service.start([&stop] { stop = true; });
   spdlog::info("edge of the channel {}: waiting for an origin", address.channel);
   bool open = false;
   while (!stop) {
     subscriber.poll();
+    {
+      const std::lock_guard lock(mutex);
+      counts = subscriber.counts();
+    }
     if (!open && subscriber.description()) {
       const StreamDescription description = *subscriber.description();
       service.open(description.name);

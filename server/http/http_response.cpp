@@ -81,9 +81,9 @@ std::string respond(const HttpRequest& request, bool keep_alive,
 
 std::string respondToError(HttpStatus status) {
   const bool large = status == HttpStatus::kHeadersTooLarge;
-  return toBytes(
-      makeErrorContent(status, large ? "the request is too large" : "not an HTTP/1.1 request"),
-      true, false);
+  return toBytes(makeErrorContent(
+                     status, large ? "the request is too large" : "this is no request of HTTP/1.1"),
+                 true, false);
 }
 
 }  // namespace hapticast::server

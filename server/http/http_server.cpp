@@ -63,9 +63,10 @@ asio::awaitable<void> HttpServer::acceptAll() {
   while (acceptor_.is_open()) {
     boost::system::error_code ec;
     auto socket = co_await acceptor_.async_accept(asio::redirect_error(asio::use_awaitable, ec));
+    if (!acceptor_.is_open()) co_return;  // a connection at that moment ends with its socket
     if (!ec) {
       add(std::move(socket));
-    } else if (acceptor_.is_open()) {
+    } else {
       // For example out of file handles: an immediate retry would spin.
       pause_.expires_after(kPauseOfAcceptor);
       co_await pause_.async_wait(asio::redirect_error(asio::use_awaitable, ec));

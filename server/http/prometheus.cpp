@@ -143,10 +143,10 @@ void writePipeline(PrometheusWriter& out, const PipelineCounts& pipeline) {
     out.add(toSeconds(time.sum), labels, "_sum");
     out.add(time.count, labels, "_count");
   }
-  out.write("objects", kGauge, "Objects in the newest frame.", pipeline.plan.size());
+  out.write("objects", kGauge, "Objects that the server tracks, at most 16.", pipeline.plan.size());
   if (pipeline.plan.empty()) return;
   out.begin("plan_stage_enabled", kGauge,
-            "1 if the scene plan has the stage on; object: the place among those present, from 0.");
+            "1 if the scene plan has the stage on; object: its place by id, from 0.");
   for (std::size_t object = 0; object < pipeline.plan.size(); ++object) {
     for (std::size_t stage = 0; stage < kStages; ++stage)
       out.add(pipeline.plan[object][stage] ? 1 : 0,

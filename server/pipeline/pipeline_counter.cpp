@@ -3,6 +3,8 @@
 
 #include <utility>
 
+#include "common/haptic_frame.hpp"
+
 namespace hapticast::server {
 
 PipelineCounter::PipelineCounter(const Clock& clock) : clock_(clock) {
@@ -21,6 +23,7 @@ void PipelineCounter::addFrame(Duration vision,
   const std::lock_guard lock(mutex_);
   counts_.vision.add(vision);
   for (const auto& [id, lines] : plans) {
+    if (plan.size() == kMaxObjects) break;
     auto& on = plan.emplace_back();
     for (const PlanLine& line : lines) {
       const auto stage = static_cast<std::size_t>(line.stage);

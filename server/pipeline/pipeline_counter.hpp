@@ -21,6 +21,7 @@ class PipelineCounter {
   /// Begins the phase `phase`.
   void enter(PipelinePhase phase);
   /// Adds a frame on which vision has spent `vision`. `plans`: scene plans of its objects, by id.
+  /// The first kMaxObjects count.
   void addFrame(Duration vision, const std::map<std::uint32_t, std::vector<PlanLine>>& plans);
   /// Sets the figures that other owners sum up themselves.
   void set(std::uint64_t skipped, const EncoderTimes& encoder, const StageTime& sign);

@@ -34,7 +34,8 @@ struct PipelineCounts {
   std::array<StageTime, kStages> stages{};  ///< frames of one object, while the stage is on
   EncoderTimes encoder;
   StageTime sign;
-  /// Stages that are on, for each present object, in the order of the objects' ids.
+  /// Stages that are on, for each tracked object, in the order of the objects' ids; at most
+  /// kMaxObjects.
   std::vector<std::array<bool, kStages>> plan;
 };
 

@@ -16,7 +16,7 @@ struct RelayCounts {
   bool active = false;     ///< origin: it is the active one; edge: an origin sends
   std::uint64_t term = 0;  ///< of the active origin; 0: none known
   /// Time of the last heartbeat: an active origin's own, otherwise the last one that arrived.
-  std::optional<LocalTime> heartbeat;
+  std::optional<LocalTime> heartbeat = std::nullopt;
 };
 
 }  // namespace hapticast::server

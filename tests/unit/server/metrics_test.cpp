@@ -255,6 +255,10 @@ TEST(PipelineCounter, AddsUpStagesThatAreOn) {
   EXPECT_EQ(counts.stages[static_cast<std::size_t>(Stage::kClean)].count, 3U);
   EXPECT_EQ(counts.stages[static_cast<std::size_t>(Stage::kSmooth)].count, 0U);
   EXPECT_EQ(counts.plan.size(), 1U) << "the objects of the newest frame";
+  std::map<std::uint32_t, std::vector<PlanLine>> many;
+  for (std::uint32_t id = 0; id < 100; ++id) many[id] = {on};
+  counter.addFrame(milliseconds(6), many);
+  EXPECT_EQ(counter.counts().plan.size(), kMaxObjects) << "the series stay few";
   EXPECT_EQ(counts.skipped, 4U);
   EXPECT_EQ(counts.encoder.encode.count, 2U);
   EXPECT_EQ(counts.sign.sum, milliseconds(8));
