@@ -43,6 +43,8 @@ class HttpRequestReader {
 
   /// Adds bytes that have arrived.
   void feed(std::span<const std::uint8_t> bytes) { bytes_.append(bytes.begin(), bytes.end()); }
+  /// Returns whether no byte waits.
+  [[nodiscard]] bool empty() const { return bytes_.empty(); }
   /// Removes the next request and returns it; nullopt if it has not arrived completely. Returns
   /// kMalformed or kHeadersTooLarge if the bytes are no request that this server reads. Close the
   /// connection then, and after a request with a body.

@@ -15,9 +15,9 @@ namespace hapticast::server {
 namespace {
 constexpr auto kCheckConnectionsEvery = std::chrono::milliseconds(250);  // chosen
 constexpr auto kPauseOfAcceptor = std::chrono::milliseconds(200);        // chosen
-constexpr std::size_t kChunk_bytes = 4096;
+constexpr std::size_t kChunk_bytes = 8192;
 // Chosen: more than a client sends before it reads the response.
-constexpr std::size_t kMostDrained_bytes = 64U << 10U;
+constexpr int kMostDrainedChunks = 64;
 }  // namespace
 
 struct HttpServer::Connection {
@@ -66,6 +66,7 @@ asio::awaitable<void> HttpServer::acceptAll() {
     if (!acceptor_.is_open()) co_return;  // a connection at that moment ends with its socket
     if (!ec) {
       add(std::move(socket));
+      co_await awaitTurn();
     } else {
       // For example out of file handles: an immediate retry would spin.
       pause_.expires_after(kPauseOfAcceptor);
@@ -128,8 +129,11 @@ asio::awaitable<void> HttpServer::answerAll(Connection& connection) {
 
 asio::awaitable<HttpServer::MaybeRequest> HttpServer::readRequest(Connection& connection) {
   for (;;) {
-    auto request = connection.reader.next();
-    if (!request.ok() || request.value()) co_return request;
+    if (!connection.reader.empty()) {
+      co_await awaitTurn();
+      auto request = connection.reader.next();
+      if (!request.ok() || request.value()) co_return request;
+    }
     boost::system::error_code ec;
     const std::size_t size = co_await connection.socket.async_read_some(
         asio::buffer(connection.chunk), asio::redirect_error(asio::use_awaitable, ec));
@@ -138,12 +142,22 @@ asio::awaitable<HttpServer::MaybeRequest> HttpServer::readRequest(Connection& co
   }
 }
 
+asio::awaitable<void> HttpServer::awaitTurn() {
+  const auto now = asio::steady_timer::clock_type::now();
+  const auto turn = std::max(now, next_turn_);
+  next_turn_ = turn + kTurnEvery;
+  if (turn == now) co_return;
+  asio::steady_timer timer(io_, turn);
+  boost::system::error_code ec;
+  co_await timer.async_wait(asio::redirect_error(asio::use_awaitable, ec));
+}
+
 asio::awaitable<void> HttpServer::finish(Connection& connection) {
   boost::system::error_code ec;
   connection.socket.shutdown(asio::socket_base::shutdown_send, ec);
-  for (std::size_t drained = 0; !ec && drained < kMostDrained_bytes;) {
-    drained += co_await connection.socket.async_read_some(
-        asio::buffer(connection.chunk), asio::redirect_error(asio::use_awaitable, ec));
+  for (int i = 0; !ec && i < kMostDrainedChunks; ++i) {
+    (void)co_await connection.socket.async_read_some(asio::buffer(connection.chunk),
+                                                     asio::redirect_error(asio::use_awaitable, ec));
   }
 }
 

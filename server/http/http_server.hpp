@@ -27,6 +27,9 @@ class HttpServer {
   static constexpr std::size_t kMostRequests = 100;
   /// Longest time for a whole request to arrive, and for its response to leave.
   static constexpr Duration kTimeout = std::chrono::seconds(5);
+  /// Least time between two turns. A turn is an accepted connection, or the reading of bytes with
+  /// the response. It bounds what a flood of requests costs the viewers.
+  static constexpr Duration kTurnEvery = std::chrono::milliseconds(5);
   /// Age up to which figures are shown again. To collect them costs time for each viewer.
   static constexpr Duration kFreshFor = std::chrono::milliseconds(100);
 
@@ -58,6 +61,8 @@ class HttpServer {
   /// reset the connection, and the client could lose the response.
   asio::awaitable<void> finish(Connection& connection);
   void add(asio::ip::tcp::socket socket);
+  /// Waits for the next turn, in order of the calls.
+  asio::awaitable<void> awaitTurn();
   [[nodiscard]] Metrics freshMetrics();
 
   asio::io_context& io_;
@@ -66,6 +71,7 @@ class HttpServer {
   asio::ip::tcp::acceptor acceptor_;
   asio::steady_timer pause_;  // after an error of the acceptor
   asio::steady_timer timer_;
+  asio::steady_timer::time_point next_turn_{};
   Endpoint address_;
   std::vector<std::shared_ptr<Connection>> connections_;
   std::optional<Metrics> collected_;
