@@ -17,6 +17,7 @@
 #include "server/pipeline/clip_scan.hpp"
 #include "server/pipeline/encoder_thread.hpp"
 #include "server/pipeline/input_check.hpp"
+#include "server/pipeline/pipeline_counter.hpp"
 #include "server/pipeline/plan_log.hpp"
 #include "server/relay/relay_publisher.hpp"
 #include "server/source/key_mask_source.hpp"
@@ -107,6 +108,8 @@ class App::Impl {
   void seek(double time_s, EncoderThread& encoder);
   /// Waits a moment, or drops a frame of a live source.
   void idle();
+  /// Passes the frame to vision, and publishes what that completes.
+  void process(const RgbdFrame& frame, MediaTime media_time, EncoderThread& encoder);
   void logSkippedFrames(const Pacer& pacer);
   void waitUntil(MediaTime due);
 
@@ -120,8 +123,10 @@ class App::Impl {
   std::optional<VisionSettings> reloaded_;  // guarded by mutex_
   std::vector<Control> requests_;           // of operators; guarded by mutex_
   bool paused_ = false;
-  StreamService service_;
+  const Clock& clock_;
+  PipelineCounter counter_;
   std::optional<RelayPublisher> relay_;
+  StreamService service_;  // after what its port for operators reads
   PlanLog plan_teller_;
   DepthRangeLog range_teller_;
   std::atomic<bool> stop_{false};
@@ -142,6 +147,8 @@ App::Impl::Impl(Settings settings, const Clock& clock, ReadSettings reread)
                                                  : loadSigningKey(settings_.signing_key_file),
               settings_.tls.wanted() ? std::make_unique<DatagramSealer>(clock) : nullptr),
       reloader_(settings_, std::move(reread)),
+      clock_(clock),
+      counter_(clock),
       service_(settings_, clock, media_clock_, vision_.description(), signer_.identity()) {
   // Viewers of relays need the key: a relay could show another one.
   if (settings_.publish || !settings_.signing_key_file.empty())
@@ -149,6 +156,11 @@ App::Impl::Impl(Settings settings, const Clock& clock, ReadSettings reread)
   if (settings_.publish)
     relay_.emplace(*settings_.publish, settings_.nats, clock, media_clock_, signer_,
                    trustedOrigins(settings_, signer_));
+  if (settings_.http) signer_.measure(clock);
+  service_.watch([this](Metrics& metrics) {
+    metrics.pipeline = counter_.counts();
+    if (relay_) metrics.relay = relay_->counts();
+  });
 }
 
 void App::Impl::run() {
@@ -164,7 +176,7 @@ void App::Impl::run() {
     spdlog::info("heights on the wire are exact to {:.3g} mm", slices.error_mm);
   std::vector<StreamSink*> sinks{&service_.broadcaster()};
   if (relay_) sinks.push_back(&*relay_);
-  EncoderThread encoder(std::move(sinks), &signer_, slices);
+  EncoderThread encoder(std::move(sinks), &signer_, slices, settings_.http ? &clock_ : nullptr);
   if (!stop_) play(encoder);
   encoder.finish();
   service_.end();
@@ -197,6 +209,7 @@ void App::Impl::browse() {
 
 void App::Impl::waitForViewer() {
   if (service_.broadcaster().viewers() > 0) return;
+  counter_.enter(PipelinePhase::kWaitForViewer);
   spdlog::info("waiting for the first viewer");
   while (!stop_ && service_.broadcaster().viewers() == 0) waitUntil(media_clock_.now() + kSlice);
 }
@@ -208,6 +221,7 @@ void App::Impl::play(EncoderThread& encoder) {
   spdlog::info("streaming {} ({} x {}, {:g} frames/s)", hideCredentials(settings_.source),
                info.width_px, info.height_px, info.fps);
   streaming_ = true;
+  counter_.enter(PipelinePhase::kStream);
   Pacer pacer(info.fps, media_clock_.now());
   std::uint64_t frames = 0;
   while (!stop_ && (settings_.frames == 0 || frames < settings_.frames)) {
@@ -226,7 +240,8 @@ void App::Impl::play(EncoderThread& encoder) {
     if (!frame) break;
     const MediaTime media_time = findMediaTime(*frame, pacer);
     ++frames;
-    if (auto result = vision_.push(*frame, media_time)) publish(std::move(*result), encoder);
+    process(*frame, media_time, encoder);
+    if (settings_.http) counter_.set(pacer.skipped(), encoder.times(), signer_.signingTime());
     range_teller_.log(vision_.mapped());
     if (settings_.explain)
       plan_teller_.log(vision_.plan(), encoder.reliefBytes(), media_clock_.now());
@@ -248,6 +263,13 @@ MediaTime App::Impl::findMediaTime(const RgbdFrame& frame, Pacer& pacer) {
   // Ages are measured before now(), so two frames could change their order.
   last_captured_ = std::max(media_clock_.now() - frame.age, last_captured_ + kTickPeriod);
   return last_captured_;
+}
+
+void App::Impl::process(const RgbdFrame& frame, MediaTime media_time, EncoderThread& encoder) {
+  const LocalTime begin = clock_.now();
+  auto result = vision_.push(frame, media_time);
+  if (settings_.http) counter_.addFrame(clock_.now() - begin, vision_.plan());
+  if (result) publish(std::move(*result), encoder);
 }
 
 void App::Impl::publishHeldBack(EncoderThread& encoder) {
@@ -288,13 +310,17 @@ void App::Impl::carryOutRequests(EncoderThread& encoder) {
     if (request.paused && *request.paused != paused_)
       spdlog::info("an operator {} the stream", *request.paused ? "pauses" : "continues");
     paused_ = request.paused.value_or(paused_);
+    if (request.seek_s) {
+      counter_.enter(PipelinePhase::kScan);
+      seek(*request.seek_s, encoder);
+    }
+    counter_.enter(paused_ ? PipelinePhase::kPause : PipelinePhase::kStream);
     if (request.material != Material{}) {
       changeMaterials(request.material, settings_.vision);
       vision_.setMaterials(settings_.vision);
       encoder.setSlices({.error_mm = heightError_mm(settings_.vision)});
       spdlog::info("an operator changes the material");
     }
-    if (request.seek_s) seek(*request.seek_s, encoder);
   }
 }
 

@@ -138,6 +138,23 @@ void requireTlsFlags(const Settings& settings) {
     throw CLI::ValidationError("--insecure", "needs --tokens");
 }
 
+void addHttp(CLI::App& app, std::optional<Endpoint>& http) {
+  const auto set = [&http](const std::string& text) {
+    // Whether the text has a port: without one the port is that of the default.
+    const auto one = parseEndpoint(text, {"127.0.0.1", 1}),
+               two = parseEndpoint(text, {"127.0.0.1", 2});
+    if (!one || !two || one->port != two->port)
+      throw CLI::ValidationError("--http", quote(text) + " is not [ADDR:]PORT (port 0..65535)");
+    http = one;
+  };
+  app.add_option_function<std::string>(
+         "--http", set,
+         "Show figures for operators by HTTP: /metrics (Prometheus), /health, /status.json; ADDR: "
+         "an IP address of this machine, default: 127.0.0.1; port 0: any free port; without this "
+         "flag: no such port")
+      ->type_name("[ADDR:]PORT");
+}
+
 void addNetworkOptions(CLI::App& app, Settings& settings) {
   addEndpoint(app, "--listen", settings.listen, 0, "[ADDR:]PORT, an IP address or [V6ADDRESS]:PORT",
               "The address for clients: an IP address of this machine and a port; default: "
@@ -145,6 +162,7 @@ void addNetworkOptions(CLI::App& app, Settings& settings) {
   addChoice(app, "--transport", settings.datagrams, kTransports,
             "udp: the server sends frames by UDP to viewers that can receive them, else by TCP; "
             "tcp: all frames by TCP. Default: udp");
+  addHttp(app, settings.http);
   addMulticast(app, settings.multicast);
   addNumber(app, "--multicast-ttl", settings.multicast_hops, std::uint64_t{1}, std::uint64_t{255},
             "N 1..255", "How many networks multicast may cross; default: 1, this one");
@@ -208,10 +226,10 @@ void addOriginKey(CLI::App& app, std::vector<KeyBytes>& keys) {
 /// Refuses each flag that only a server with a source of its own can obey.
 void requireEdgeFlags(const CLI::App& app) {
   const std::vector<std::string> allowed{
-      "--source",        "--listen",      "--transport", "--multicast",
-      "--multicast-ttl", "--max-clients", "--announce",  "--tls-cert",
-      "--tls-key",       "--tls",         "--tokens",    "--insecure",
-      "--nats-creds",    "--nats-ca",     "--quiet",     "--config"};
+      "--source",      "--listen",   "--transport",  "--multicast", "--multicast-ttl",
+      "--max-clients", "--announce", "--tls-cert",   "--tls-key",   "--tls",
+      "--tokens",      "--insecure", "--nats-creds", "--nats-ca",   "--quiet",
+      "--config",      "--http"};
   for (const CLI::Option* option : app.get_options()) {
     const std::string name = option->get_name();
     if (option->count() == 0 || std::find(allowed.begin(), allowed.end(), name) != allowed.end())

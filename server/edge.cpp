@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include <atomic>
+#include <mutex>
 #include <utility>
 
 #include "server/relay/relay_clock.hpp"
@@ -27,10 +28,16 @@ void runEdge(const Settings& settings, const Clock& clock, ReadSettings reread) 
   RelayClock media_clock(clock);
   std::atomic<bool> stop{false};
   Reloader reloader(settings, std::move(reread));
+  std::mutex mutex;
+  RelayCounts counts{.is_edge = true};  // guarded by mutex; the network thread reads it
   // The first origin determines description and identity, before the first viewer.
   StreamService service(settings, clock, media_clock, {}, {});
   RelaySubscriber subscriber(address, settings.nats, settings.origin_keys, clock, media_clock,
                              service.broadcaster());
+  service.watch([&](Metrics& metrics) {
+    const std::lock_guard lock(mutex);
+    metrics.relay = counts;
+  });
   service.start([&stop] { stop = true; }, [&reloader] { (void)reloader.reload(); });
   service.manager().reportReady("waiting for an origin of the channel " + address.channel);
   spdlog::info("edge of the channel {}: waiting for an origin", address.channel);
@@ -38,6 +45,10 @@ void runEdge(const Settings& settings, const Clock& clock, ReadSettings reread) 
   while (!stop) {
     subscriber.poll();
     service.manager().reportAlive();
+    {
+      const std::lock_guard lock(mutex);
+      counts = subscriber.counts();
+    }
     if (!open && subscriber.description()) {
       const StreamDescription description = *subscriber.description();
       service.open(description.name);

@@ -42,8 +42,7 @@ int serve(const hapticast::server::Settings& settings, hapticast::server::ReadSe
     spdlog::error("{}{}", what.starts_with("--") ? "" : "--source ", what);
     return app && app->streaming() ? kFailed : kWrongInput;
   } catch (const hapticast::server::AddressError& error) {
-    const std::string what = hapticast::sanitizeUtf8(error.what());
-    spdlog::error("{}{}", what.starts_with("--") ? "" : "--listen: ", what);
+    spdlog::error("{}", hapticast::sanitizeUtf8(error.what()));
     return kWrongInput;
   } catch (const hapticast::server::KeyFileError& error) {
     spdlog::error("{}", hapticast::sanitizeUtf8(error.what()));

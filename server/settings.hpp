@@ -33,6 +33,7 @@ struct Settings {
   std::optional<MulticastChoice> multicast;
   std::uint64_t multicast_hops = 1;
   std::size_t max_clients = 64;
+  std::optional<Endpoint> http;        ///< port for operators; nullopt: none
   std::optional<NatsAddress> publish;  ///< where edges receive the stream; nullopt: no edges
   NatsCredentials nats;
   std::vector<KeyBytes> origin_keys;  ///< keys that (other) origins may have; empty: any

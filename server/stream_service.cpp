@@ -24,6 +24,9 @@ StreamService::StreamService(const Settings& settings, const Clock& clock,
                              const MediaClock& media_clock, const StreamDescription& description,
                              const StreamIdentity& identity)
     : settings_(settings),
+      clock_(clock),
+      media_clock_(media_clock),
+      started_(clock.now()),
       manager_(clock),
       broadcaster_(io_, clock, media_clock, description,
                    StreamSettings{.max_clients = raiseFileLimit(settings.max_clients),
@@ -38,6 +41,7 @@ StreamService::StreamService(const Settings& settings, const Clock& clock,
       spdlog::warn(
           "--tokens without TLS: only viewers on this machine can connect; add --tls auto");
   }
+  if (settings.http) http_.emplace(io_, clock, *settings.http, [this] { return collectMetrics(); });
   if (!settings.announce.empty()) requireReachable(listener_.endpoint().address());
   if (!settings.datagrams) {
     if (settings.multicast) throw AddressError("--multicast: --transport tcp sends no datagrams");
@@ -68,6 +72,10 @@ void StreamService::start(std::function<void()> on_signal, std::function<void()>
       });
   status_signal_.emplace(io_, SIGUSR1);
   awaitStatusRequest();
+  if (http_) {
+    http_->start();
+    spdlog::info("figures for operators at http://{}/metrics", toString(http_->address()));
+  }
   network_ = std::jthread([this] { io_.run(); });
 }
 
@@ -108,6 +116,20 @@ void StreamService::awaitStatusRequest() {
   });
 }
 
+Metrics StreamService::collectMetrics() const {
+  Metrics metrics;
+  metrics.version = programVersion();
+  metrics.name = broadcaster_.description().name;
+  metrics.fps = broadcaster_.description().fps;
+  metrics.now = clock_.now();
+  metrics.uptime = metrics.now - started_;
+  metrics.clock_error = media_clock_.errorBound();
+  metrics.stream = broadcaster_.counts();
+  if (datagrams_) metrics.datagrams = datagrams_->sender.counts();
+  if (complete_metrics_) complete_metrics_(metrics);
+  return metrics;
+}
+
 void StreamService::open(const std::string& name) {
   if (std::exchange(open_, true)) return;
   spdlog::info("listening on {}; Ctrl-C ends the server", toString(listener_.address()));
@@ -125,6 +147,7 @@ void StreamService::end() {
   manager_.reportStop();
   announcer_.reset();
   listener_.stop();
+  if (http_) http_->stop();
   broadcaster_.stop();
   asio::post(io_, [this] {
     signals_->cancel();

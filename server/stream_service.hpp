@@ -8,9 +8,11 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "common/time.hpp"
 #include "common/transport/asio.hpp"
+#include "server/http/http_server.hpp"
 #include "server/service_manager.hpp"
 #include "server/settings.hpp"
 #include "server/stream/announce.hpp"
@@ -33,9 +35,12 @@ class StreamService {
   StreamService(const StreamService&) = delete;
   StreamService& operator=(const StreamService&) = delete;
 
-  /// Starts the network thread. `on_signal` is called at SIGINT and SIGTERM, and `on_reload` at
-  /// each SIGHUP; thread: the network's. SIGHUP of a terminal calls `on_signal` instead
-  /// (sighupReloads()). At SIGUSR1 the log receives one line of status.
+  /// Sets what adds the figures that only the caller has, for --http. Call it before start().
+  /// `complete` must be callable until end() or the destruction; thread: the network's.
+  void watch(std::function<void(Metrics&)> complete) { complete_metrics_ = std::move(complete); }
+  /// Starts the network thread, and the port for operators. `on_signal` is called at SIGINT and
+  /// SIGTERM, and `on_reload` at each SIGHUP; thread: the network's. SIGHUP of a terminal calls
+  /// `on_signal` instead (sighupReloads()). At SIGUSR1 the log receives one line of status.
   void start(std::function<void()> on_signal, std::function<void()> on_reload);
   /// Begins to accept viewers, and reports to the service manager that the server is ready. A
   /// second call does nothing. `name`: the stream's name, for the announcement.
@@ -59,14 +64,20 @@ class StreamService {
   void awaitStatusRequest();
   /// Reads certificate, key and tokens again. After an error the present ones stay in use.
   void reloadSecrets();
+  [[nodiscard]] Metrics collectMetrics() const;
 
   const Settings& settings_;
+  const Clock& clock_;
+  const MediaClock& media_clock_;
+  LocalTime started_;
   ServiceManager manager_;
   asio::io_context io_;
   Broadcaster broadcaster_;
   std::optional<TlsContext> tls_;
   Listener listener_;
   std::optional<Datagrams> datagrams_;
+  std::optional<HttpServer> http_;  // with --http
+  std::function<void(Metrics&)> complete_metrics_;
   std::optional<Announcer> announcer_;  // once open() was called
   std::optional<asio::signal_set> signals_;
   std::optional<asio::signal_set> reload_signal_;

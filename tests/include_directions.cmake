@@ -22,6 +22,8 @@ set(rules
   "server/vision/.*"         "^(common|server/source|server/vision)/"
   "server/stream/.*"   "^(common|server/stream)/"
   "server/relay/.*"    "^(common/|server/(nats_address\\.hpp$|stream/|relay/))"
+  "server/pipeline/pipeline_counts\\.hpp" "^(common/|server/(stream/|vision/vision_settings\\.hpp$))"
+  "server/http/.*"     "^(common/|server/(stream/|relay/relay_counts\\.hpp$|pipeline/pipeline_counts\\.hpp$|vision/vision_settings\\.hpp$|http/))"
   "server/author/.*"   "^(common/|server/(settings\\.hpp$|source/[a-z_]+\\.hpp$|vision/vision_settings\\.hpp$|author/))"
   "server/(pipeline|preview)/.*" "^(common/|server/(settings\\.hpp$|author/scene_file\\.hpp$|source/|vision/|stream/|pipeline/|preview/))"
   "server/[^/]*"       "^(common|server)/"
@@ -35,22 +37,22 @@ set(rules
 )
 # One door per library: who may include it.
 set(doors
-  "^boost/"                          "^(common/transport/asio\\.hpp|client/device/inverse3/websocket\\.cpp|tests/.*)$"
-  "^common/transport/asio\\.hpp$"              "^((common/transport|server/stream|server/relay|client/net|client/discovery|tests)/|(server|client)/[^/]*$)"
+  "^boost/"                          "^(common/transport/asio\\.hpp|client/device/inverse3/websocket\\.cpp|server/http/http_request\\.cpp|tests/.*)$"
+  "^common/transport/asio\\.hpp$"              "^((common/transport|server/stream|server/relay|server/http|client/net|client/discovery|tests)/|(server|client)/[^/]*$)"
   "\\.pb\\.h$"                       "^common/protocol/(decode|encode|read_frame|write_frame|fragment|relay)\\.[ch]pp$"
   "^google/protobuf"                 "^common/protocol/(decode|encode|scan)\\.cpp$"
   "^openssl/"                        "^(common/transport/(signature|tls|seal)\\.cpp|server/stream/access_list\\.cpp)$"
   "^opencv2/"                        "^((server/(source|vision)|client/view|tests)/|server/preview)"
   "^lib(av[a-z]+|swscale)/"           "^server/source/video_(file\\.cpp|format\\.[ch]pp)$"
   "^turbojpeg\\.h$"                  "^client/view/picture\\.cpp$"
-  "^nlohmann/"                       "^(server/(source/json_object\\.hpp|author/scene_file\\.cpp)$|client/(report/summary|device/inverse3/protocol)\\.cpp$|tests/)"
+  "^nlohmann/"                       "^(server/(source/json_object\\.hpp|author/scene_file\\.cpp|http/status\\.cpp)$|client/(report/summary|device/inverse3/protocol)\\.cpp$|tests/)"
   "^SDL"                             "^(client/(view/(window/|sound)|device/gamepad)|tests/)"
   "^(imgui|backends/imgui)"          "^(client/view/window/|tests/)"
   "^avahi-"                          "^(common/transport/mdns_session|client/discovery/mdns_browser|server/stream/announce)\\.cpp$"
   "^nats/"                           "^server/relay/nats_connection\\.cpp$"
   "^OpenNI\\.h$"                     "^server/source/openni_camera\\.cpp$"
   "^libusb"                          "^client/device/falcon/usb\\.cpp$"
-  "^common/(codec|protocol|transport)/" "^(common/(codec|protocol|transport)/|server/(stream/|relay/|pipeline/|[^/]*$)|client/(net/|discovery/|report/|[^/]*$)|tests/)"
+  "^common/(codec|protocol|transport)/" "^(common/(codec|protocol|transport)/|server/(stream/|relay/|pipeline/|http/|[^/]*$)|client/(net/|discovery/|report/|[^/]*$)|tests/)"
 )
 
 file(GLOB_RECURSE files RELATIVE ${ROOT} ${ROOT}/common/*.?pp ${ROOT}/server/*.?pp ${ROOT}/client/*.?pp

@@ -26,6 +26,8 @@ bool journalReadsLog() {
 
 }  // namespace
 
+const char* programVersion() { return HAPTICAST_VERSION; }
+
 void startLog(const std::string& name) {
   spdlog::drop(name);
   spdlog::set_default_logger(spdlog::stderr_color_mt(name));

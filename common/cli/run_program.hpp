@@ -10,6 +10,9 @@ namespace hapticast {
 
 enum ExitCode : int { kDone = 0, kFailed = 1, kWrongInput = 2 };
 
+/// Returns the version of both programs, for example 0.1.0. Thread: any.
+[[nodiscard]] const char* programVersion();
+
 /// Starts the log with the name `name`. Its lines go to stderr: "HH:MM:SS.mmm LEVEL TEXT", where
 /// LEVEL is info, warning or error. If systemd's journal reads stderr ($JOURNAL_STREAM), the lines
 /// have no time, because the journal adds one.

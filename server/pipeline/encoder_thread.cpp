@@ -15,8 +15,10 @@ constexpr std::size_t kMostJobs = 2;  // bounds the latency: with more jobs visi
 }  // namespace
 
 EncoderThread::EncoderThread(std::vector<StreamSink*> sinks, FrameSigner* signer,
-                             SliceSettings slices)
-    : sinks_(std::move(sinks)), signer_(signer), slices_(slices), thread_([this] { run(); }) {}
+                             SliceSettings slices, const Clock* clock)
+    : sinks_(std::move(sinks)), signer_(signer), clock_(clock), slices_(slices), thread_([this] {
+        run();
+      }) {}
 
 EncoderThread::~EncoderThread() { stop(); }
 
@@ -41,6 +43,11 @@ void EncoderThread::finish() {
 ReliefBytes EncoderThread::reliefBytes() const {
   const std::lock_guard lock(mutex_);
   return relief_bytes_;
+}
+
+EncoderTimes EncoderThread::times() const {
+  const std::lock_guard lock(mutex_);
+  return times_;
 }
 
 void EncoderThread::stop() noexcept {
@@ -81,19 +88,30 @@ void EncoderThread::encode(Job job, const SliceSettings& slices) {
   if (const auto key = signer_ != nullptr ? signer_->rotateKey() : std::nullopt) {
     for (StreamSink* sink : sinks_) sink->changeKey(*key);
   }
-  VideoFrame picture{job.result.frame.epoch, job.result.frame.id, job.result.frame.media_time, {}};
+  const LocalTime begin = now();
   const bool datagrams =
       std::any_of(sinks_.begin(), sinks_.end(), [](auto* sink) { return sink->datagramsWanted(); });
   const EncodedFrame frame = encoder_.encode(job.result.frame, slices, signer_, datagrams);
   {
     const std::lock_guard lock(mutex_);
     relief_bytes_ = encoder_.reliefBytes();
+    if (clock_ != nullptr) times_.encode.add(now() - begin);
   }
   for (StreamSink* sink : sinks_) sink->publish(frame);
   if (std::none_of(sinks_.begin(), sinks_.end(), [](auto* sink) { return sink->videoWanted(); }))
     return;
-  picture.jpeg = encodePicture(job.result.color, kJpegQuality);
-  const EncodedVideo video = encodeVideo(std::move(picture));
+  encodeVideoOf(std::move(job));
+}
+
+void EncoderThread::encodeVideoOf(Job job) {
+  const LocalTime begin = now();
+  const HapticFrame& frame = job.result.frame;
+  const EncodedVideo video = encodeVideo(
+      {frame.epoch, frame.id, frame.media_time, encodePicture(job.result.color, kJpegQuality)});
+  if (clock_ != nullptr) {
+    const std::lock_guard lock(mutex_);
+    times_.picture.add(now() - begin);
+  }
   for (StreamSink* sink : sinks_) sink->publish(video);
 }
 

@@ -11,6 +11,7 @@
 #include <thread>
 #include <vector>
 
+#include "server/pipeline/pipeline_counts.hpp"
 #include "server/stream/datagram_sender.hpp"
 #include "server/stream/stream_sink.hpp"
 #include "server/vision/vision.hpp"
@@ -21,9 +22,10 @@ namespace hapticast::server {
 class EncoderThread {
  public:
   /// Begins the thread. The sinks and `signer` must outlive it. If `signer` is null, frames are not
-  /// signed, and no datagrams are made. `slices`: settings of the height codec.
+  /// signed, and no datagrams are made. `slices`: settings of the height codec. `clock` measures
+  /// times() and must outlive the thread; null: no measurement.
   explicit EncoderThread(std::vector<StreamSink*> sinks, FrameSigner* signer = nullptr,
-                         SliceSettings slices = {});
+                         SliceSettings slices = {}, const Clock* clock = nullptr);
   /// Encodes the frames that wait, and ends the thread. An exception of the encoder is lost unless
   /// push() or finish() has rethrown it.
   ~EncoderThread();
@@ -39,6 +41,8 @@ class EncoderThread {
   void finish();
   /// Returns the sizes of the reliefs in the last encoded frame, by object id. Thread: any.
   [[nodiscard]] ReliefBytes reliefBytes() const;
+  /// Returns the times of all frames and pictures. Thread: any.
+  [[nodiscard]] EncoderTimes times() const;
 
  private:
   struct Job {
@@ -47,10 +51,13 @@ class EncoderThread {
   };
   void run();
   void encode(Job job, const SliceSettings& slices);
+  void encodeVideoOf(Job job);
+  [[nodiscard]] LocalTime now() const { return clock_ != nullptr ? clock_->now() : LocalTime(); }
   void stop() noexcept;
 
   std::vector<StreamSink*> sinks_;
   FrameSigner* signer_;
+  const Clock* clock_;
   FrameEncoder encoder_;                        // used by the thread only
   std::optional<StreamDescription> described_;  // used by the thread only
   mutable std::mutex mutex_;
@@ -58,6 +65,7 @@ class EncoderThread {
   std::condition_variable changed_;
   std::deque<Job> jobs_;        // guarded by mutex_
   ReliefBytes relief_bytes_;    // guarded by mutex_
+  EncoderTimes times_;          // guarded by mutex_
   bool ended_ = false;          // guarded by mutex_
   std::exception_ptr failure_;  // guarded by mutex_
   std::thread thread_;          // last member: it uses all others

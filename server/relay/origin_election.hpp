@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <optional>
 #include <utility>
 
 #include "common/time.hpp"
@@ -36,6 +37,7 @@ class OriginElection {
     highest_ = term;
     leader_ = origin;
     last_received_ = now;
+    heard_at_ = now;
     active_ = false;
   }
   /// Processes the highest term that an edge has seen. Edges ignore an active origin with a lower
@@ -63,6 +65,8 @@ class OriginElection {
   /// The term of this origin if it is active, else the highest term that it has seen.
   [[nodiscard]] std::uint64_t term() const { return highest_; }
   [[nodiscard]] std::uint64_t origin() const { return origin_; }
+  /// Time of the last heartbeat of another origin; nullopt: none was received.
+  [[nodiscard]] std::optional<LocalTime> heardAt() const { return heard_at_; }
 
  private:
   std::uint64_t origin_;
@@ -71,7 +75,8 @@ class OriginElection {
   std::uint64_t leader_ = 0;
   std::uint64_t seen_ = 0;  // highest term that edges have seen
   LocalTime seen_since_{};
-  LocalTime last_received_;
+  LocalTime last_received_;  // begins anew without a connection
+  std::optional<LocalTime> heard_at_;
   bool active_ = false;
 };
 

@@ -98,6 +98,13 @@ void RelayPublisher::publish(EncodedVideo video) {
   changed_.notify_all();
 }
 
+RelayCounts RelayPublisher::counts() const {
+  const bool connected = nats_.isConnected();
+  const std::lock_guard lock(mutex_);
+  const bool active = election_.active();
+  return {false, connected, active, election_.term(), active ? heartbeat_ : election_.heardAt()};
+}
+
 bool RelayPublisher::isRecent(const std::atomic<std::int64_t>& time_ns) const {
   return clock_.now().time_since_epoch().count() - time_ns.load(std::memory_order_relaxed) <
          kWantedFor.count();
@@ -137,8 +144,8 @@ std::optional<RelayHead> RelayPublisher::checkElection(LocalTime now) {
 
 void RelayPublisher::send(const Waiting& items, RelayHead head, LocalTime now) {
   if (items.state || !heartbeat_ || now - *heartbeat_ >= OriginElection::kHeartbeat) {
-    heartbeat_ = now;
     std::unique_lock lock(mutex_);
+    heartbeat_ = now;
     const StreamIdentity& identity = signer_.identity();
     const RelayState state{*description_,  identity.stream, identity.verifying_key,
                            identity.probe, identity.sealed, datagram_key_};

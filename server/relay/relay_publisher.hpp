@@ -20,6 +20,7 @@
 #include "common/protocol/relay.hpp"
 #include "server/relay/nats_connection.hpp"
 #include "server/relay/origin_election.hpp"
+#include "server/relay/relay_counts.hpp"
 #include "server/relay/subjects.hpp"
 #include "server/stream/frame_signer.hpp"
 #include "server/stream/stream_sink.hpp"
@@ -48,6 +49,8 @@ class RelayPublisher final : public StreamSink {
   [[nodiscard]] bool datagramsWanted() const override {
     return shares_datagrams_ && isRecent(datagrams_wanted_ns_);
   }
+  /// Returns the state of this origin. Thread: any.
+  [[nodiscard]] RelayCounts counts() const;
 
  private:
   /// Items that wait for the thread. Newer ones replace older ones.
@@ -74,7 +77,7 @@ class RelayPublisher final : public StreamSink {
   Subjects subjects_;
   std::atomic<std::int64_t> pictures_wanted_ns_;  // local time of the last request
   std::atomic<std::int64_t> datagrams_wanted_ns_;
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::condition_variable_any changed_;
   OriginElection election_;                       // guarded by mutex_
   std::optional<StreamDescription> description_;  // guarded by mutex_
@@ -84,7 +87,7 @@ class RelayPublisher final : public StreamSink {
   LogInterval same_number_;                       // guarded by mutex_
   LogInterval distrusted_;                        // guarded by mutex_
   bool logged_active_ = false;                    // used by the thread only
-  std::optional<LocalTime> heartbeat_;            // used by the thread only
+  std::optional<LocalTime> heartbeat_;            // last own one; guarded by mutex_
   LogInterval too_large_;                         // used by the thread only
   NatsConnection nats_;
   std::jthread thread_;  // last member: it uses all others

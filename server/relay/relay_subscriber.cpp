@@ -170,6 +170,13 @@ std::optional<RelayPing> RelaySubscriber::makePing(LocalTime now) {
   return RelayPing{now, follower_.term(), pictures, datagrams};
 }
 
+RelayCounts RelaySubscriber::counts() const {
+  const bool connected = nats_.isConnected();
+  const std::lock_guard lock(mutex_);
+  const bool active = synchronised_ && last_state_ && clock_.now() - *last_state_ <= kSilence;
+  return {true, connected, active, follower_.term(), last_state_};
+}
+
 std::optional<StreamDescription> RelaySubscriber::description() const {
   const std::lock_guard lock(mutex_);
   if (!synchronised_) return std::nullopt;

@@ -20,6 +20,7 @@
 #include "server/relay/nats_connection.hpp"
 #include "server/relay/origin_follower.hpp"
 #include "server/relay/relay_clock.hpp"
+#include "server/relay/relay_counts.hpp"
 #include "server/relay/subjects.hpp"
 #include "server/stream/broadcaster.hpp"
 
@@ -47,6 +48,8 @@ class RelaySubscriber {
   /// Returns the description of the stream once the clock is synchronised; nullopt before. Thread:
   /// the one of poll().
   [[nodiscard]] std::optional<StreamDescription> description() const;
+  /// Returns the state of this edge. Thread: any.
+  [[nodiscard]] RelayCounts counts() const;
 
  private:
   void onPiece(std::span<const std::uint8_t> piece, RelayJoiner& joiner);

@@ -71,8 +71,9 @@ void Broadcaster::sendAll(const What&... what) {
 void Broadcaster::publish(EncodedFrame frame) {
   onIo([this, frame = std::move(frame)] {
     if (tooLarge(frame)) return;
-    ++frames_;
-    delay_ = media_clock_.now() - frame.media_time;
+    ++counts_.frames;
+    counts_.delay = media_clock_.now() - frame.media_time;
+    counts_.published_at = clock_.now();
     last_frame_ = frame;
     preparing_ = nullptr;
     // Datagrams first: one costs a fraction of a send by TCP, and most viewers use them.
@@ -279,6 +280,7 @@ void Broadcaster::onClosing(const std::shared_ptr<Session>& session,
 void Broadcaster::onClosed(const std::shared_ptr<Session>& session) {
   if (std::erase(pending_sessions_, session) == 0) return;
   counts_.sent += session->counts();
+  counts_.bytes += session->bytesSent();
   if (stopped_ && viewers_.empty() && pending_sessions_.empty()) timer_.cancel();
 }
 
@@ -293,14 +295,17 @@ StreamCounts Broadcaster::counts() const {
   StreamCounts counts = counts_;
   counts.clients = viewers_.size();
   for (const Sessions* each : {&pending_sessions_, &viewers_}) {
-    for (const auto& session : *each) counts.sent += session->counts();
+    for (const auto& session : *each) {
+      counts.sent += session->counts();
+      counts.bytes += session->bytesSent();
+    }
   }
   return counts;
 }
 
 void Broadcaster::logStatus() const {
-  spdlog::info("status: {} viewers, {} frames, delay {:.1f} ms", viewers_.size(), frames_,
-               1e3 * toSeconds(delay_));
+  spdlog::info("status: {} viewers, {} frames, delay {:.1f} ms", viewers_.size(), counts_.frames,
+               1e3 * toSeconds(counts_.delay));
 }
 
 void Broadcaster::check(const Sessions& sessions, LocalTime now) {

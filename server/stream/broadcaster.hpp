@@ -104,11 +104,11 @@ class Broadcaster final : public StreamSink, private SessionHost {
   /// Returns the counts since the broadcaster's creation.
   [[nodiscard]] StreamCounts counts() const;
   [[nodiscard]] const StreamSettings& settings() const override { return settings_; }
+  [[nodiscard]] const StreamDescription& description() const override { return description_; }
 
  private:
   [[nodiscard]] const Clock& clock() const override { return clock_; }
   [[nodiscard]] const MediaClock& mediaClock() const override { return media_clock_; }
-  [[nodiscard]] const StreamDescription& description() const override { return description_; }
   [[nodiscard]] std::optional<WireError> refuse(const Hello& hello,
                                                 const Channel& channel) const override;
   [[nodiscard]] std::optional<WireError> refuseToken(const Hello& hello,
@@ -171,10 +171,8 @@ class Broadcaster final : public StreamSink, private SessionHost {
   std::atomic<std::size_t> viewer_count_{0};
   std::atomic<std::size_t> video_viewers_{0};
   bool stopped_ = false;
-  StreamCounts counts_;       // its members `clients` and `sent` count viewers that left
-  SendCounts logged_;         // last logged counts of slow viewers
-  std::uint64_t frames_ = 0;  // frames of publish()
-  Duration delay_{0};         // of the newest frame, from its capture to publish()
+  StreamCounts counts_;  // its members `clients`, `sent` and `bytes` count viewers that left
+  SendCounts logged_;    // last logged counts of slow viewers
   LocalTime checked_;
   LocalTime counted_;
   DatagramSenderCounts logged_datagrams_;

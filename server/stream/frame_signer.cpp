@@ -35,16 +35,29 @@ SignedDatagrams FrameSigner::signDatagrams(const CodedFrame& frame) {
                         frame.media_time, 0,           static_cast<std::uint16_t>(payloads.size())};
   SealingKey* const seal = sealer_ ? &sealer_->key() : nullptr;
   const std::lock_guard lock(mutex_);
+  const LocalTime begin = now();
   for (const auto& payload : payloads) {
     bodies->push_back(signedBody(header, payload, key_, seal));
     ++header.part;
   }
+  addTime(begin);
   return bodies;
 }
 
 SharedBytes FrameSigner::signMessage(const CodedFrame& frame) {
   const std::lock_guard lock(mutex_);
-  return encodeSigned(frame, identity_.stream, key_);
+  const LocalTime begin = now();
+  SharedBytes message = encodeSigned(frame, identity_.stream, key_);
+  addTime(begin);
+  return message;
+}
+
+StageTime FrameSigner::signingTime() const { return {Duration(signing_ns_), signings_}; }
+
+void FrameSigner::addTime(LocalTime begin) {
+  if (clock_ == nullptr) return;
+  signing_ns_ += (clock_->now() - begin).count();
+  ++signings_;
 }
 
 Signature FrameSigner::sign(std::span<const std::uint8_t> bytes) {

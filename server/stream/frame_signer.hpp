@@ -4,6 +4,7 @@
 // function says otherwise.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -15,6 +16,7 @@
 #include "common/transport/framing.hpp"
 #include "common/transport/signature.hpp"
 #include "server/stream/datagram_sealer.hpp"
+#include "server/stream/stage_time.hpp"
 #include "server/stream/stream_identity.hpp"
 
 namespace hapticast::server {
@@ -46,11 +48,24 @@ class FrameSigner {
   /// Returns what viewers need to recognise the frames, with the first key of sealed datagrams.
   [[nodiscard]] const StreamIdentity& identity() const { return identity_; }
 
+  /// Measures the time of signatures from now on. Call it before the first one. `clock` must
+  /// outlive this object.
+  void measure(const Clock& clock) { clock_ = &clock; }
+  /// Returns the time of all signatures of frames; 0 without measure().
+  [[nodiscard]] StageTime signingTime() const;
+
  private:
+  [[nodiscard]] LocalTime now() const { return clock_ != nullptr ? clock_->now() : LocalTime(); }
+  /// Adds the time of the signatures since `begin`.
+  void addTime(LocalTime begin);
+
   std::mutex mutex_;  // of key_: the encoder's thread signs frames, the network's key frames
   SigningKey key_;
   std::unique_ptr<DatagramSealer> sealer_;  // null: datagrams are not sealed
   StreamIdentity identity_;
+  const Clock* clock_ = nullptr;  // null: no measurement
+  std::atomic<std::int64_t> signing_ns_{0};
+  std::atomic<std::uint64_t> signings_{0};
 };
 
 }  // namespace hapticast::server

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "server/stream/listener.hpp"
 
+#include <fmt/core.h>
 #include <spdlog/common.h>
 #include <spdlog/spdlog.h>
 #include <sys/resource.h>
 #include <algorithm>
 #include <stdexcept>
+#include <string>
+#include <string_view>
 #include <utility>
 
 #include "common/transport/tcp_channel.hpp"
@@ -45,12 +48,13 @@ namespace {
 
 constexpr auto kPauseAfterError = std::chrono::milliseconds(200);
 
-std::string advice(const boost::system::error_code& ec) {
+std::string advice(const boost::system::error_code& ec, std::string_view flag) {
   if (ec == asio::error::address_in_use) {
-    return "the port is in use; stop the other server or choose another port with --listen";
+    return fmt::format("the port is in use; stop the other server or choose another port with {}",
+                       flag);
   }
   if (ec == asio::error::access_denied) {
-    return "ports below 1024 need rights; choose another port with --listen";
+    return fmt::format("ports below 1024 need rights; choose another port with {}", flag);
   }
   if (ec == boost::system::errc::address_not_available) {
     return "this machine has no such address; 0.0.0.0 means all its addresses";
@@ -60,31 +64,35 @@ std::string advice(const boost::system::error_code& ec) {
 
 }  // namespace
 
-Listener::Listener(asio::io_context& io, const Endpoint& address, Broadcaster& broadcaster,
-                   std::optional<TlsContext> tls)
-    : acceptor_(io),
-      pause_(io),
-      broadcaster_(broadcaster),
-      address_(address),
-      tls_(std::move(tls)) {
+asio::ip::tcp::acceptor openPort(asio::io_context& io, const Endpoint& address,
+                                 std::string_view flag) {
   const std::string complaint = "cannot listen on " + toString(address) + ": ";
   boost::system::error_code ec;
   const auto ip =
       asio::ip::make_address(address.host == "localhost" ? "127.0.0.1" : address.host, ec);
   if (ec) {
-    throw AddressError(complaint + "'" + address.host +
+    throw AddressError(std::string(flag) + ": " + complaint + "'" + address.host +
                        "' is not an IP address of this machine (0.0.0.0 means all)");
   }
   const asio::ip::tcp::endpoint endpoint(ip, address.port);
   const auto require = [&](const boost::system::error_code& failed) {
-    if (failed) throw std::runtime_error(complaint + advice(failed));
+    if (failed) throw std::runtime_error(complaint + advice(failed, flag));
   };
-  require(acceptor_.open(endpoint.protocol(), ec));
-  require(acceptor_.set_option(asio::socket_base::reuse_address(true), ec));
-  require(acceptor_.bind(endpoint, ec));
-  require(acceptor_.listen(asio::socket_base::max_listen_connections, ec));
-  address_.port = acceptor_.local_endpoint().port();
+  asio::ip::tcp::acceptor acceptor(io);
+  require(acceptor.open(endpoint.protocol(), ec));
+  require(acceptor.set_option(asio::socket_base::reuse_address(true), ec));
+  require(acceptor.bind(endpoint, ec));
+  require(acceptor.listen(asio::socket_base::max_listen_connections, ec));
+  return acceptor;
 }
+
+Listener::Listener(asio::io_context& io, const Endpoint& address, Broadcaster& broadcaster,
+                   std::optional<TlsContext> tls)
+    : acceptor_(openPort(io, address, "--listen")),
+      pause_(io),
+      broadcaster_(broadcaster),
+      address_{address.host, acceptor_.local_endpoint().port()},
+      tls_(std::move(tls)) {}
 
 void Listener::start() {
   asio::co_spawn(

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "common/endpoint.hpp"
 #include "common/transport/asio.hpp"
@@ -22,14 +23,18 @@ namespace hapticast::server {
 /// that in one line. Thread: main, before the first connection.
 std::size_t raiseFileLimit(std::size_t viewers);
 
+/// Returns an open port of `address`; connections to it wait. The host is numeric or localhost
+/// (127.0.0.1). Port 0 selects a free port. Throws AddressError or std::runtime_error. Their
+/// messages have one line with the address and the remedy, which names `flag`. Thread: main.
+asio::ip::tcp::acceptor openPort(asio::io_context& io, const Endpoint& address,
+                                 std::string_view flag);
+
 /// Accepts the connections of viewers.
 class Listener {
  public:
-  /// Opens the port of `address`; connections wait until start(). The host of `address` is numeric
-  /// or localhost (127.0.0.1). Port 0 selects a free port. Throws AddressError or
-  /// std::runtime_error. Their messages have one line with the address and the remedy.
-  /// `tls`: certificate of the server; nullopt: plain TCP only. With it, each connection uses TLS
-  /// if its client begins so.
+  /// Opens the port of `address` as openPort() does; connections wait until start(). `tls`:
+  /// certificate of the server; nullopt: plain TCP only. With it, each connection uses TLS if its
+  /// client begins so.
   Listener(asio::io_context& io, const Endpoint& address, Broadcaster& broadcaster,
            std::optional<TlsContext> tls = std::nullopt);
 

@@ -108,6 +108,7 @@ class Session : public std::enable_shared_from_this<Session> {
   [[nodiscard]] std::string label() const;    ///< names the client in the log
   [[nodiscard]] std::string address() const;  ///< client's address, without its port
   [[nodiscard]] const SendCounts& counts() const { return queue_.counts(); }
+  [[nodiscard]] std::uint64_t bytesSent() const { return channel_->bytesWritten(); }
 
  private:
   asio::awaitable<void> readAll();

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <stdexcept>
 
 #include "common/time.hpp"
@@ -14,8 +15,7 @@ namespace hapticast::server {
 // Error of an address from the command line, to listen at or to multicast to. Thread: any.
 
 /// Reports an address that is invalid or does not belong to this machine. It is an error of the
-/// user, unlike other failures to listen. The message is one line. It begins with the flag, except
-/// for --listen.
+/// user, unlike other failures to listen. The message is one line that begins with the flag.
 class AddressError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -47,6 +47,10 @@ struct StreamCounts {
   std::uint64_t refused = 0;
   std::uint64_t timed_out = 0;  ///< number of clients that sent no messages or read nothing
   SendCounts sent;              ///< sum over all clients
+  std::uint64_t bytes = 0;      ///< written to all connections of clients, with the framing
+  std::uint64_t frames = 0;     ///< published to the clients, whether or not there were any
+  Duration delay{0};            ///< of the newest frame, from its capture to its publication
+  std::optional<LocalTime> published_at;  ///< time of the newest frame; nullopt: none yet
 };
 
 }  // namespace hapticast::server

@@ -67,6 +67,7 @@ DatagramCounts& DatagramCounts::operator+=(const DatagramCounts& other) {
   sent += other.sent;
   dropped += other.dropped;
   failed += other.failed;
+  bytes += other.bytes;
   return *this;
 }
 
@@ -129,20 +130,25 @@ void UdpFanout::send(std::vector<SignedDatagrams> newest_first,
 
 bool UdpFanout::sendNow(const std::vector<std::uint8_t>& body, const DatagramTarget& target) {
   Address address(target);
-  return sendOne(body, address);
+  return sendOne(body, address) > 0;
 }
 
-bool UdpFanout::sendOne(const std::vector<std::uint8_t>& body, Address& to) {
+std::size_t UdpFanout::sendOne(const std::vector<std::uint8_t>& body, Address& to) {
   msghdr message;
   std::array<iovec, 2> parts;
   Control control;
   const std::array bodies{&body};
   to.fill(message, parts.data(), control, bodies);
-  return ::sendmsg(socket_.native_handle(), &message, MSG_DONTWAIT | MSG_NOSIGNAL) >= 0;
+  const auto sent = ::sendmsg(socket_.native_handle(), &message, MSG_DONTWAIT | MSG_NOSIGNAL);
+  return sent < 0 ? 0 : static_cast<std::size_t>(sent);
 }
 
 void UdpFanout::sendSingly(const Segments& segments, Address& to) {
-  for (const auto* body : segments) ++(sendOne(*body, to) ? to.counts->sent : to.counts->failed);
+  for (const auto* body : segments) {
+    const std::size_t bytes = sendOne(*body, to);
+    ++(bytes > 0 ? to.counts->sent : to.counts->failed);
+    to.counts->bytes += bytes;
+  }
 }
 
 std::vector<UdpFanout::Segments> UdpFanout::splitSegments(const SignedDatagrams& bodies) {
@@ -228,8 +234,11 @@ bool UdpFanout::sendBatch() {
     ++next_.target;
     return true;
   }
-  for (std::size_t i = 0; i < static_cast<std::size_t>(taken); ++i)
-    targets_[batch_->at[i].target].counts->sent += at(batch_->at[i]).size();
+  for (std::size_t i = 0; i < static_cast<std::size_t>(taken); ++i) {
+    DatagramCounts& counts = *targets_[batch_->at[i].target].counts;
+    counts.sent += at(batch_->at[i]).size();
+    counts.bytes += batch_->messages[i].msg_len;
+  }
   if (taken > 0) next_ = batch_->at[static_cast<std::size_t>(taken) - 1];
   ++next_.target;
   return true;

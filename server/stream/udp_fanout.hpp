@@ -25,6 +25,7 @@ struct DatagramCounts {
   std::uint64_t sent = 0;
   std::uint64_t dropped = 0;  ///< replaced by a newer frame before the system accepted them
   std::uint64_t failed = 0;   ///< rejected by the system
+  std::uint64_t bytes = 0;    ///< of those that were sent, without the headers of IP and UDP
 
   DatagramCounts& operator+=(const DatagramCounts& other);
 };
@@ -83,8 +84,8 @@ class UdpFanout {
     return messages_[cursor.frame][cursor.message];
   }
   /// sendSingly() sends the datagrams of a message one by one, for a system that does not split
-  /// messages. sendOne() sends one datagram. It returns false if the system rejects the datagram.
-  bool sendOne(const std::vector<std::uint8_t>& body, Address& to);
+  /// messages. sendOne() sends one datagram. It returns the sent bytes; 0: the system rejects it.
+  std::size_t sendOne(const std::vector<std::uint8_t>& body, Address& to);
   void sendSingly(const Segments& segments, Address& to);
 
   /// Moves `cursor` to the next message and target to send. Leaves it if it is at one already.

@@ -44,6 +44,7 @@ void server(const std::string& text) {
   require(settings.fps == 0.0 || (settings.fps >= 1.0 && settings.fps <= 240.0));
   require(settings.max_clients >= 1 && settings.max_clients <= 10'000);
   require(!settings.listen.host.empty());
+  require(!settings.http || !settings.http->host.empty());
   const auto& vision = settings.vision;
   require(!vision.mass_kg || (*vision.mass_kg >= 0.001 && *vision.mass_kg <= 100.0));
   for (const auto& points : {vision.object_points, vision.not_points}) {

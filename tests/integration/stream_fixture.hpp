@@ -113,6 +113,7 @@ class RawPeer {
         reset = ec != asio::error::eof;
         return;
       }
+      received_bytes += size;
       reader_.feed(std::span(chunk).first(size));
       for (auto next = reader_.next(); next.ok() && next.value(); next = reader_.next()) {
         got.push_back(decode(*next.value()).value());
@@ -131,6 +132,7 @@ class RawPeer {
   std::vector<Message> got;
   bool closed = false;
   bool reset = false;
+  std::size_t received_bytes = 0;
 
  private:
   asio::ip::tcp::socket socket_;

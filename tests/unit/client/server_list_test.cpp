@@ -12,7 +12,7 @@ namespace {
 
 FoundServer announced(const std::string& name, const std::string& address = "192.168.1.5",
                       const std::string& network = "eth0") {
-  return {name, "desk.local", {address, 7447}, network, "ball", kProtocolVersion};
+  return {name, "desk.local", {address, 7447}, network, "ball", kProtocolVersion, ""};
 }
 
 TEST(FoundServers, OneThatIsOnManyNetworksIsShownOnceByIPv4First) {

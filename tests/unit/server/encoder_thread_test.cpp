@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <memory>
 #include <stdexcept>
 #include <utility>
@@ -102,6 +103,35 @@ TEST(EncoderThread, MakesPicturesOnlyForWhoWantsThem) {
   encoder.push(named("a"), result(1));
   encoder.finish();
   EXPECT_TRUE(sink.videos.empty());
+}
+
+/// Each look at it takes a millisecond.
+struct TickingClock final : Clock {
+  [[nodiscard]] LocalTime now() const noexcept override {
+    return LocalTime(std::chrono::milliseconds(++ticks));
+  }
+  mutable std::atomic<int> ticks{0};
+};
+
+TEST(EncoderThread, MeasuresOnlyWithAClock) {
+  const TickingClock clock;
+  FrameSigner measured, plain;
+  measured.measure(clock);
+  for (const bool measures : {true, false}) {
+    CountingSink sink;
+    sink.wants_video = sink.wants_datagrams = true;
+    FrameSigner& signer = measures ? measured : plain;
+    EncoderThread encoder({&sink}, &signer, {}, measures ? &clock : nullptr);
+    encoder.push(named("a"), result(1));
+    encoder.push(named("a"), result(2));
+    encoder.finish();
+    EXPECT_EQ(encoder.times().encode.count, measures ? 2U : 0U);
+    EXPECT_EQ(encoder.times().picture.count, measures ? 2U : 0U);
+    EXPECT_EQ(encoder.times().encode.sum > Duration::zero(), measures);
+    EXPECT_EQ(signer.signingTime().count > 0, measures);
+    EXPECT_EQ(signer.signingTime().sum > Duration::zero(), measures);
+    EXPECT_LE(signer.signingTime().sum, encoder.times().encode.sum);
+  }
 }
 
 TEST(EncoderThread, PassesOnWhatEncodingHasThrown) {

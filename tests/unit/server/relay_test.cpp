@@ -35,6 +35,8 @@ TEST(OriginElection, StaysStandbyWhileAnotherSends) {
     election.onHeartbeat(kTerm + 5, 9, at(time));
     EXPECT_FALSE(election.check(at(time + 99ms)));
   }
+  election.onDisconnected(at(4950ms));
+  EXPECT_EQ(election.heardAt(), at(4900ms));
   EXPECT_TRUE(election.check(at(6s)));
   EXPECT_EQ(election.term(), kTerm + 6);
 }

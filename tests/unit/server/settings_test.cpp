@@ -23,6 +23,7 @@ TEST(ServerSettings, Defaults) {
   EXPECT_EQ(run.settings.frames, 0U);
   EXPECT_EQ(run.settings.listen, (Endpoint{"0.0.0.0", 7447}));
   EXPECT_EQ(run.settings.max_clients, 64U);
+  EXPECT_EQ(run.settings.http, std::nullopt);
   EXPECT_EQ(run.settings.announce, "");
   EXPECT_TRUE(run.settings.datagrams);
   EXPECT_EQ(run.settings.multicast, std::nullopt);
@@ -41,6 +42,7 @@ void expectAll(const Settings& settings) {
   EXPECT_EQ(settings.frames, 1000U);
   EXPECT_EQ(settings.listen, (Endpoint{"127.0.0.1", 0}));
   EXPECT_EQ(settings.max_clients, 3U);
+  EXPECT_EQ(settings.http, (Endpoint{"127.0.0.1", 9464}));
   EXPECT_FALSE(settings.datagrams);
   EXPECT_EQ(settings.multicast, (MulticastChoice{{"ff12::7", 7448}, "eth0"}));
   EXPECT_EQ(settings.multicast_hops, 3U);
@@ -79,6 +81,7 @@ const std::vector<std::pair<std::string, std::string>> kAll = {
     {"quiet", "true"},
     {"listen", "127.0.0.1:0"},
     {"max-clients", "3"},
+    {"http", "9464"},
     {"object", "505,330"},
     {"not", "300,400"},
     {"object", "10,20@2.5"},
@@ -144,6 +147,9 @@ TEST(ServerSettings, WrongValuesAreToldWithFlagValueAndWhatIsAllowed) {
       {"--frames", "1e30", ""},
       {"--frames", "many", ""},
       {"--listen", "a:b:80", "[ADDR:]PORT"},
+      {"--http", "0.0.0.0", "[ADDR:]PORT"},
+      {"--http", "a:b:80", "[ADDR:]PORT"},
+      {"--http", "65536", "0..65535"},
       {"--max-clients", "0", "1"},
       {"--max-clients", "10001", "10000"},
       {"--transport", "quic", "tcp|udp"},

@@ -69,7 +69,9 @@ TEST_F(DatagramOutTest, AFrameGoesToAllAndCopiesComeLast) {
   EXPECT_EQ(came(),
             (std::vector<std::pair<int, int>>{{1, 10}, {1, 10}, {2, 10}, {2, 10}, {2, 20}}));
   EXPECT_EQ(once.counts->sent, 2U);
+  EXPECT_EQ(once.counts->bytes, 2U * 108U);
   EXPECT_EQ(twice.counts->sent, 3U);
+  EXPECT_EQ(twice.counts->bytes, 3U * 108U);
 }
 
 TEST_F(DatagramOutTest, BodiesOfAllSizesArriveAsTheyAre) {
@@ -101,6 +103,7 @@ TEST_F(DatagramOutTest, WhatTheSystemDoesNotCutGoesOneByOne) {
   out.send({sized({whole, whole})}, {viewer});
   EXPECT_EQ(viewer.counts->sent + viewer.counts->failed, 2U);
   EXPECT_EQ(viewer.counts->sent, 2U);
+  EXPECT_EQ(viewer.counts->bytes, 2U * 65'507U);
 }
 
 TEST_F(DatagramOutTest, ANewerFrameWinsOverWhatIsLeft) {

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+// HTTP port for operators (--http): /metrics, /health and /status.json. It only reads figures. It
+// shares the network thread with the viewers, so connections, requests and times are limited.
+// Thread: io, except for functions with "Thread: any".
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "common/endpoint.hpp"
+#include "common/time.hpp"
+#include "common/transport/asio.hpp"
+#include "server/http/http_request.hpp"
+#include "server/http/metrics.hpp"
+
+namespace hapticast::server {
+
+/// Listens on one port and answers requests.
+class HttpServer {
+ public:
+  /// Largest number of connections. A further one replaces the one that has waited longest.
+  static constexpr std::size_t kMostConnections = 16;
+  /// Number of requests after which a connection is closed.
+  static constexpr std::size_t kMostRequests = 100;
+  /// Longest time for a whole request to arrive, and for its response to leave.
+  static constexpr Duration kTimeout = std::chrono::seconds(5);
+  /// Least time between two turns. A turn is an accepted connection, or the reading of bytes with
+  /// the response. It bounds what a flood of requests costs the viewers.
+  static constexpr Duration kTurnEvery = std::chrono::milliseconds(5);
+  /// Age up to which figures are shown again. To collect them costs time for each viewer.
+  static constexpr Duration kFreshFor = std::chrono::milliseconds(100);
+
+  /// Opens the port of `address` as openPort() does. `collect` returns the figures of the moment;
+  /// thread: io. One thread runs `io`; it must end before this object's destruction. `clock` must
+  /// outlive this object.
+  HttpServer(asio::io_context& io, const Clock& clock, const Endpoint& address,
+             std::function<Metrics()> collect);
+
+  /// Starts to accept connections. Call once. Thread: any.
+  void start();
+  /// Closes the port and all connections. Thread: any.
+  void stop();
+  /// Returns the address of the port, with its actual number.
+  [[nodiscard]] const Endpoint& address() const { return address_; }
+
+ private:
+  struct Connection;
+  using MaybeRequest = Result<std::optional<HttpRequest>, HttpStatus>;
+
+  asio::awaitable<void> acceptAll();
+  asio::awaitable<void> closeLate();
+  asio::awaitable<void> serve(std::shared_ptr<Connection> connection);
+  /// Answers requests until the connection has to end.
+  asio::awaitable<void> answerAll(Connection& connection);
+  /// Returns the next request, nullopt at the end of the connection, or the error in its bytes.
+  asio::awaitable<MaybeRequest> readRequest(Connection& connection);
+  /// Ends the own side, then reads what the client still sends. A close with unread bytes would
+  /// reset the connection, and the client could lose the response.
+  asio::awaitable<void> finish(Connection& connection);
+  void add(asio::ip::tcp::socket socket);
+  /// Waits for the next turn, in order of the calls.
+  asio::awaitable<void> awaitTurn();
+  [[nodiscard]] Metrics freshMetrics();
+
+  asio::io_context& io_;
+  const Clock& clock_;
+  std::function<Metrics()> collect_;
+  asio::ip::tcp::acceptor acceptor_;
+  asio::steady_timer pause_;  // after an error of the acceptor
+  asio::steady_timer timer_;
+  asio::steady_timer::time_point next_turn_{};
+  Endpoint address_;
+  std::vector<std::shared_ptr<Connection>> connections_;
+  std::optional<Metrics> collected_;
+};
+
+}  // namespace hapticast::server

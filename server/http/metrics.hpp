@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+// Figures of one server for operators, and their text for Prometheus. Thread: any.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "server/pipeline/pipeline_counts.hpp"
+#include "server/relay/relay_counts.hpp"
+#include "server/stream/datagram_sender.hpp"
+#include "server/stream/stream_settings.hpp"
+
+namespace hapticast::server {
+
+/// All figures of one moment.
+struct Metrics {
+  std::string version;      ///< of the program
+  std::string name;         ///< of the stream; from an author or an origin, so any bytes
+  double fps = 0.0;         ///< frames/s of the source; 0: not known yet
+  LocalTime now{};          ///< time of this snapshot
+  Duration uptime{0};       ///< since the server's start
+  Duration clock_error{0};  ///< largest error of the media clock; 0 without a relay
+  StreamCounts stream;
+  std::optional<DatagramSenderCounts> datagrams;  ///< nullopt: --transport tcp
+  std::optional<PipelineCounts> pipeline;         ///< nullopt: an edge
+  std::optional<RelayCounts> relay;               ///< nullopt: neither an origin nor an edge
+};
+
+/// Returns nullopt if the server publishes frames, or waits as it should. Otherwise returns why it
+/// does not, in one line.
+[[nodiscard]] std::optional<std::string> findProblem(const Metrics& metrics);
+/// Returns the figures in the text format 0.0.4 of Prometheus.
+[[nodiscard]] std::string writePrometheus(const Metrics& metrics);
+/// Returns the figures as a JSON object.
+[[nodiscard]] std::string writeStatus(const Metrics& metrics);
+
+// Stages of the pipeline with a measured time, in one order for both formats.
+
+/// Time of one stage, by its name.
+struct NamedStage {
+  std::string_view name;
+  StageTime time;
+};
+/// Returns the stages of vision, then vision as a whole, the encoder and the signer.
+[[nodiscard]] std::vector<NamedStage> listStages(const PipelineCounts& pipeline);
+
+}  // namespace hapticast::server

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+// Collects the figures of the pipeline, and hands copies to the thread that shows them. Thread:
+// any.
+#pragma once
+
+#include <map>
+#include <mutex>
+#include <vector>
+
+#include "server/pipeline/pipeline_counts.hpp"
+#include "server/vision/scene_plan.hpp"
+
+namespace hapticast::server {
+
+/// Figures of one pipeline.
+class PipelineCounter {
+ public:
+  /// Begins in the phase kScan. `clock` must outlive this object.
+  explicit PipelineCounter(const Clock& clock);
+
+  /// Begins the phase `phase`.
+  void enter(PipelinePhase phase);
+  /// Adds a frame on which vision has spent `vision`. `plans`: scene plans of its objects, by id.
+  /// The first kMaxObjects count.
+  void addFrame(Duration vision, const std::map<std::uint32_t, std::vector<PlanLine>>& plans);
+  /// Sets the figures that other owners sum up themselves.
+  void set(std::uint64_t skipped, const EncoderTimes& encoder, const StageTime& sign);
+  [[nodiscard]] PipelineCounts counts() const;
+
+ private:
+  const Clock& clock_;
+  mutable std::mutex mutex_;
+  PipelineCounts counts_;  // guarded by mutex_
+};
+
+}  // namespace hapticast::server
