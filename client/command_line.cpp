@@ -72,30 +72,8 @@ std::string listOptionalParts() {
   return text.append(kHasDiscovery ? "; discovery: Avahi" : "; discovery: none");
 }
 
-void addServer(CLI::App& app, Settings& settings) {
-  const auto set = [&settings, otherwise = settings.server](const std::string& text) {
-    constexpr std::string_view kAnnounced = "mdns:";
-    settings.server_given = true;
-    if (text.starts_with(kAnnounced)) {
-      settings.announced = serviceName("server", text.substr(kAnnounced.size()));
-      return;
-    }
-    constexpr std::string_view kPlain = "hapticast://";
-    constexpr std::string_view kTls = "hapticasts://";
-    settings.tls = text.starts_with(kTls);
-    std::string place = text;
-    if (settings.tls || text.starts_with(kPlain))
-      place = text.substr((settings.tls ? kTls : kPlain).size());
-    settings.server =
-        parseEndpointOr(place, otherwise, "server", 1,
-                        "HOST[:PORT], PORT, [V6ADDRESS]:PORT, hapticasts://HOST or mdns:NAME");
-  };
-  app.add_option_function<std::string>(
-         "server", set,
-         "The address of hapticast-server, or mdns:NAME for the server announced as NAME. Default: "
-         "localhost:7447; while no server answers there, the log lists the servers on the LAN. The "
-         "client waits until the server answers")
-      ->type_name("HOST[:PORT]|hapticasts://HOST[:PORT]|mdns:NAME");
+/// Adds the flags of trust between client and server.
+void addTrust(CLI::App& app, Settings& settings) {
   app.add_option("--tls-ca", settings.tls_ca_file,
                  "With hapticasts://: accept only servers whose certificate is of an authority in "
                  "this file (PEM). Default: the key of the first connection, which the client "
@@ -120,6 +98,32 @@ void addServer(CLI::App& app, Settings& settings) {
       ->type_name("REQUEST[,...]");
   app.add_flag("--insecure", settings.insecure,
                "Send the access token to other machines without TLS, too");
+}
+
+void addServer(CLI::App& app, Settings& settings) {
+  const auto set = [&settings, otherwise = settings.server](const std::string& text) {
+    constexpr std::string_view kAnnounced = "mdns:";
+    settings.server_given = true;
+    if (text.starts_with(kAnnounced)) {
+      settings.announced = serviceName("server", text.substr(kAnnounced.size()));
+      return;
+    }
+    constexpr std::string_view kPlain = "hapticast://";
+    constexpr std::string_view kTls = "hapticasts://";
+    settings.tls = text.starts_with(kTls);
+    std::string place = text;
+    if (settings.tls || text.starts_with(kPlain))
+      place = text.substr((settings.tls ? kTls : kPlain).size());
+    settings.server =
+        parseEndpointOr(place, otherwise, "server", 1,
+                        "HOST[:PORT], PORT, [V6ADDRESS]:PORT, hapticasts://HOST or mdns:NAME");
+  };
+  app.add_option_function<std::string>(
+         "server", set,
+         "The address of hapticast-server, or mdns:NAME for the server announced as NAME. Default: "
+         "localhost:7447; while no server answers there, the log lists the servers on the LAN. The "
+         "client waits until the server answers")
+      ->type_name("HOST[:PORT]|hapticasts://HOST[:PORT]|mdns:NAME");
   addList(app, "--origin-key", settings.origin_keys, parseOriginKey,
           "The public key of the server, in hex; the client ends if the server shows another one. "
           "May appear more than once. The word first: the key of the first connection, which the "
@@ -267,6 +271,7 @@ std::unique_ptr<CLI::App> commandLine(Settings& settings) {
       "hapticast-client");
   addVersion(*app, listOptionalParts());
   addServer(*app, settings);
+  addTrust(*app, settings);
   addDeviceOptions(*app, settings);
   addFalconOptions(*app, settings);
   addDeliveryOptions(*app, settings.delivery);

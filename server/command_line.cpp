@@ -56,6 +56,7 @@ void addSourceOptions(CLI::App& app, Settings& settings) {
                 "videos, hue (Record3D: 3 m for the whole circle of hues). Default: grey");
   addChoice(app, "--depth-near", settings.layout.code, kDepthNear,
             "Where grey depth with 8 bits is near, in folders and videos. Default: bright")
+      ->default_str("")  // a configuration file with all defaults would have both
       ->excludes(code);
   app.add_flag("--loop", settings.loop, "Start again at the end of the clip");
   app.add_flag("--to-and-fro", settings.to_and_fro,

@@ -18,6 +18,14 @@ std::optional<MulticastGroup> openMulticastGroup(asio::io_context& io, const Set
   return MulticastGroup(io, *settings.multicast, static_cast<int>(settings.multicast_hops));
 }
 
+StreamSettings makeStreamSettings(const Settings& settings) {
+  const std::size_t pending =
+      settings.tls.wanted() ? Broadcaster::kMaxPendingTls : Broadcaster::kMaxPending;
+  return {.max_clients = raiseFileLimit(settings.max_clients, pending),
+          .max_pending = pending,
+          .insecure = settings.insecure};
+}
+
 }  // namespace
 
 StreamService::StreamService(const Settings& settings, const Clock& clock,
@@ -28,9 +36,7 @@ StreamService::StreamService(const Settings& settings, const Clock& clock,
       media_clock_(media_clock),
       started_(clock.now()),
       manager_(clock),
-      broadcaster_(io_, clock, media_clock, description,
-                   StreamSettings{.max_clients = raiseFileLimit(settings.max_clients),
-                                  .insecure = settings.insecure}),
+      broadcaster_(io_, clock, media_clock, description, makeStreamSettings(settings)),
       tls_(loadServerTls(settings.tls)),
       listener_(io_, settings.listen, broadcaster_, tls_) {
   broadcaster_.introduce(identity);

@@ -159,7 +159,7 @@ void Broadcaster::accept(std::unique_ptr<Channel> channel) {
 void Broadcaster::addStranger(const std::shared_ptr<Session>& session) {
   pending_sessions_.push_back(session);
   // At shutdown all receive a goodbye.
-  if (pending_sessions_.size() <= kMaxPending || stopped_) return;
+  if (pending_sessions_.size() <= settings_.max_pending || stopped_) return;
   const std::shared_ptr<Session> peer = evictionCandidate();
   ++counts_.refused;
   log(spdlog::level::warn, "too many connections that are not viewers: closing " + peer->label());

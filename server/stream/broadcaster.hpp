@@ -33,9 +33,11 @@ namespace hapticast::server {
 /// Owns the sessions of all viewers of one stream and sends it to them.
 class Broadcaster final : public StreamSink, private SessionHost {
  public:
-  /// Limit of pending connections: connections before their hello, and connections that are
-  /// closing. The value is a choice: a healthy stream always has fewer.
-  static constexpr std::size_t kMaxPending = 32;
+  /// StreamSettings::max_pending with TLS: handshakes need longer than a hello, and all viewers
+  /// come at once after a restart of the server. Chosen: some 50 kB each.
+  static constexpr std::size_t kMaxPendingTls = 640;
+  /// StreamSettings::max_pending without TLS.
+  static constexpr std::size_t kMaxPending = StreamSettings{}.max_pending;
 
   /// Creates a broadcaster without viewers. `io` runs all its work. One thread runs `io`; it must
   /// end before the Broadcaster's destruction. The clocks must outlive the Broadcaster.
@@ -124,7 +126,7 @@ class Broadcaster final : public StreamSink, private SessionHost {
 
   using Sessions = std::vector<std::shared_ptr<Session>>;
   /// Adds `session` to the pending connections, because its client is not a viewer yet, or no
-  /// longer one. If more than kMaxPending are pending then, closes the evictionCandidate() at once.
+  /// longer one. If more than max_pending are pending then, closes the evictionCandidate() at once.
   void addStranger(const std::shared_ptr<Session>& session);
   /// Returns the pending session to close when there are too many. It is the oldest one of the
   /// network with most pending sessions, so that a single host cannot occupy all places.

@@ -21,22 +21,22 @@ namespace {
 constexpr rlim_t kOwnFiles = 64;
 }  // namespace
 
-std::size_t raiseFileLimit(std::size_t viewers) {
-  constexpr rlim_t kBeside = kOwnFiles + Broadcaster::kMaxPending;
-  const rlim_t needed = viewers + kBeside;
+std::size_t raiseFileLimit(std::size_t viewers, std::size_t pending) {
+  const rlim_t beside = kOwnFiles + pending;
+  const rlim_t needed = viewers + beside;
   rlimit limit{};
   if (getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur >= needed) return viewers;
   limit.rlim_cur = std::min(needed, limit.rlim_max);
   if (setrlimit(RLIMIT_NOFILE, &limit) != 0) getrlimit(RLIMIT_NOFILE, &limit);
   if (limit.rlim_cur >= needed) return viewers;
-  if (limit.rlim_cur <= kBeside) {
+  if (limit.rlim_cur <= beside) {
     spdlog::warn(
         "this system allows {} open files, fewer than the server itself may need ({}): the server "
         "accepts one viewer (ulimit -Hn {} allows {})",
-        limit.rlim_cur, kBeside, needed, viewers);
+        limit.rlim_cur, beside, needed, viewers);
     return 1;
   }
-  const rlim_t fit = limit.rlim_cur - kBeside;
+  const rlim_t fit = limit.rlim_cur - beside;
   spdlog::warn(
       "--max-clients {}: this system allows {} open files, enough for {} viewers; the server "
       "rejects more (ulimit -Hn {} allows all)",

@@ -32,6 +32,9 @@ struct StreamSettings {
   /// Longest time from the message with the reason of a close to the end of the connection. In this
   /// time the client can read the message.
   Duration goodbye_deadline = std::chrono::seconds(1);
+  /// Largest number of connections that are no viewers: before their hello, or closing. A healthy
+  /// stream without TLS always has fewer than the default.
+  std::size_t max_pending = 32;
   /// Whether viewers of other machines may connect without TLS although the server needs tokens.
   bool insecure = false;
   /// Limit of the bytes that wait in the system for a client that does not read.
