@@ -45,10 +45,14 @@ std::optional<Control> answer(Exchange& exchange, const Message& message, const 
 }
 
 asio::awaitable<void> request(Exchange& exchange, Dial dial, Endpoint server, Hello hello,
-                              Control control) {
+                              Control control, bool insecure) {
   Dialled dialled = co_await dial(exchange.io, server, kControlPatience, exchange.stop);
   if (!dialled.ok()) {
     exchange.end(dialled.error().message);
+    co_return;
+  }
+  if (!hello.access_token.empty() && !mayHaveToken(*dialled.value(), insecure)) {
+    exchange.end(kTokenUnprotected);
     co_return;
   }
   exchange.channel = std::move(dialled).value();
@@ -73,10 +77,10 @@ bool controlServer(const Settings& settings) {
   Exchange exchange(io);
   const Hello hello{kProtocolVersion, "hapticast-client --control", false, false,
                     loadToken(settings.token_file)};
-  asio::co_spawn(
-      io,
-      request(exchange, chooseDial(settings, server), settings.server, hello, *settings.control),
-      asio::detached);
+  asio::co_spawn(io,
+                 request(exchange, chooseDial(settings, server), settings.server, hello,
+                         *settings.control, settings.insecure),
+                 asio::detached);
   exchange.timer.async_wait([&exchange](const boost::system::error_code& cancelled) {
     if (cancelled) return;
     exchange.stop.stop();

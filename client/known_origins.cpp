@@ -115,6 +115,12 @@ OriginPin makeOriginPin(const std::vector<OriginKey>& keys, const std::string& s
   return pinFirst(PinKind::kOrigin, std::move(expected), server, file);
 }
 
+bool knowsTlsKey(const std::string& server, const std::filesystem::path& file) {
+  const auto known = parseOrigins(PinKind::kTls, file, readText(PinKind::kTls, file));
+  return std::any_of(known.begin(), known.end(),
+                     [&server](const KnownOrigin& each) { return each.server == server; });
+}
+
 OriginPin makeTlsPin(const std::string& server, const std::filesystem::path& file) {
   return pinFirst(PinKind::kTls, {}, server, file);
 }

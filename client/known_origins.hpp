@@ -20,6 +20,9 @@ namespace hapticast::client {
 [[nodiscard]] OriginPin makeOriginPin(const std::vector<OriginKey>& keys, const std::string& server,
                                       const std::filesystem::path& file);
 
+/// Returns whether `file` has a TLS key of `server`. Throws std::runtime_error as above.
+[[nodiscard]] bool knowsTlsKey(const std::string& server, const std::filesystem::path& file);
+
 /// Returns the check of the TLS key of `server`: the first key that it shows is stored in `file`
 /// and expected from then on. Throws std::runtime_error as above.
 [[nodiscard]] OriginPin makeTlsPin(const std::string& server, const std::filesystem::path& file);

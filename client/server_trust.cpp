@@ -69,9 +69,11 @@ Dial chooseDial(const Settings& settings, const std::string& server) {
   }
   const auto trust = std::make_shared<TlsTrust>(settings, server);
   if (settings.announced.empty()) return trust->dial(std::nullopt);
-  return dialAnnounced(settings.announced, [trust, needs_tls = !settings.tls_ca_file.empty()](
+  return dialAnnounced(settings.announced, [trust, server, ca = !settings.tls_ca_file.empty()](
                                                const FoundServer& found) {
     const auto announced = parseKey(found.tls);
+    // A server that once had TLS must have it again.
+    const bool needs_tls = ca || knowsTlsKey(server, stateFolder() / "known_servers");
     if (announced || needs_tls) return trust->dial(announced);
     return Dial(dialTcp);
   });

@@ -101,8 +101,8 @@ class App::Impl {
   void reload();
   /// Applies the materials of the last reload(), if there was one.
   void adoptMaterials(EncoderThread& encoder);
-  /// Carries out what operators requested since the last call.
-  void carryOutRequests(EncoderThread& encoder);
+  /// Carries out what operators requested since the last call. Returns false if that was nothing.
+  bool carryOutRequests(EncoderThread& encoder);
   /// Continues with the frame at `time_s` of the clip. Vision processes all frames before it again,
   /// without publishing them, because it follows the objects from the first frame on.
   void seek(double time_s, EncoderThread& encoder);
@@ -227,9 +227,10 @@ void App::Impl::play(EncoderThread& encoder) {
   while (!stop_ && (settings_.frames == 0 || frames < settings_.frames)) {
     service_.manager().reportAlive();
     adoptMaterials(encoder);
-    carryOutRequests(encoder);
+    if (carryOutRequests(encoder)) pacer.resume(media_clock_.now());
     if (paused_) {
       idle();
+      pacer.resume(media_clock_.now());
       continue;
     }
     const auto frame = nextFrame(pacer);
@@ -300,7 +301,7 @@ void App::Impl::adoptMaterials(EncoderThread& encoder) {
   encoder.setSlices({.error_mm = heightError_mm(settings_.vision)});
 }
 
-void App::Impl::carryOutRequests(EncoderThread& encoder) {
+bool App::Impl::carryOutRequests(EncoderThread& encoder) {
   std::vector<Control> requests;
   {
     const std::lock_guard lock(mutex_);
@@ -309,6 +310,9 @@ void App::Impl::carryOutRequests(EncoderThread& encoder) {
   for (const Control& request : requests) {
     if (request.paused && *request.paused != paused_)
       spdlog::info("an operator {} the stream", *request.paused ? "pauses" : "continues");
+    if (request.paused.value_or(false)) {
+      for (VisionResult& result : vision_.flush()) publish(std::move(result), encoder);
+    }
     paused_ = request.paused.value_or(paused_);
     if (request.seek_s) {
       counter_.enter(PipelinePhase::kScan);
@@ -322,6 +326,7 @@ void App::Impl::carryOutRequests(EncoderThread& encoder) {
       spdlog::info("an operator changes the material");
     }
   }
+  return !requests.empty();
 }
 
 void App::Impl::seek(double time_s, EncoderThread& encoder) {
@@ -332,6 +337,7 @@ void App::Impl::seek(double time_s, EncoderThread& encoder) {
   }
   spdlog::info("an operator seeks to {:g} s", time_s);
   for (VisionResult& result : vision_.flush()) publish(std::move(result), encoder);
+  vision_.beginAnew();
   const std::uint64_t last = info.frame_count.value_or(1) - 1;
   const auto frames = std::min(static_cast<std::uint64_t>(std::llround(time_s * info.fps)), last);
   const MediaTime begin = media_clock_.now() - fromSeconds(static_cast<double>(frames) / info.fps);

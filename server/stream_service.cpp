@@ -100,9 +100,11 @@ void StreamService::awaitReload(std::function<void()> on_reload) {
 void StreamService::reloadSecrets() {
   try {
     if (auto tls = loadServerTls(settings_.tls)) {
-      if (tls->fingerprint() != tls_->fingerprint())
-        spdlog::info("TLS fingerprint: {}", toHex(tls->fingerprint()));
-      tls_ = tls;
+      if (tls->fingerprint() != tls_->fingerprint()) {
+        spdlog::info("TLS fingerprint from now on: {}", toHex(tls->fingerprint()));
+        if (!settings_.announce.empty())
+          spdlog::warn("--announce carries the fingerprint of the start until the next start");
+      }
       listener_.setTls(std::move(*tls));
     }
     if (settings_.tokens_file.empty()) return;

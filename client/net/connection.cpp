@@ -133,22 +133,14 @@ bool Connection::isPermanent(const CloseReason& ending) const {
   return !ever_welcomed_ && (ending.no_such_server || speaks_something_else);
 }
 
-bool Connection::mayHaveToken(const Channel& channel) const {
-  return settings_.access_token.empty() || settings_.insecure || channel.encrypted() ||
-         channel.hosts().peer.is_loopback();
-}
-
 asio::awaitable<Connection::CloseReason> Connection::runSession() {
   Dialled dialled =
       co_await settings_.dial(io_, settings_.server, settings_.connect_deadline, dial_stop_);
   if (!dialled.ok())
     co_return CloseReason{
         dialled.error().message, {}, dialled.error().no_such_server, dialled.error().untrusted};
-  if (!mayHaveToken(*dialled.value())) {
-    co_return CloseReason{
-        .why = "the access token would travel unencrypted: use hapticasts://HOST, or --insecure",
-        .code = {},
-        .untrusted = true};
+  if (!settings_.access_token.empty() && !mayHaveToken(*dialled.value(), settings_.insecure)) {
+    co_return CloseReason{.why = kTokenUnprotected, .code = {}, .untrusted = true};
   }
   auto session = session_ = std::make_shared<Session>(io_, std::move(dialled).value());
   session->deadline = clock_.now() + settings_.connect_deadline;

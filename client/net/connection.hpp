@@ -110,8 +110,6 @@ class Connection {
   /// useless: the host name does not exist, or the peer uses another protocol.
   [[nodiscard]] bool isPermanent(const CloseReason& ending) const;
   asio::awaitable<CloseReason> runSession();
-  /// Returns whether the access token, if there is one, may be sent on this channel.
-  [[nodiscard]] bool mayHaveToken(const Channel& channel) const;
   asio::awaitable<CloseReason> readAll(ConversationPtr session);
   /// Sends pings, reports and delivery requests. The only writer after the hello.
   asio::awaitable<void> writeLoop(ConversationPtr session);

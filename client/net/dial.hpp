@@ -51,6 +51,12 @@ using Dial = std::function<asio::awaitable<Dialled>(asio::io_context& io, const 
 asio::awaitable<Dialled> dialTcp(asio::io_context& io, const Endpoint& server, Duration deadline,
                                  DialCancellation& stop);
 
+/// Returns whether an access token may be sent on `channel`: over TLS, to this machine, or if the
+/// user accepts that others read it (`insecure`).
+[[nodiscard]] bool mayHaveToken(const Channel& channel, bool insecure);
+inline constexpr const char* kTokenUnprotected =
+    "the access token would travel unencrypted: use hapticasts://HOST, or --insecure";
+
 /// Returns a dial function like dialTcp() that also completes a TLS handshake, within another
 /// `deadline`. `check` checks the server's fingerprint and may be empty. Its refusal, and a
 /// certificate that `context` does not trust, are errors with `untrusted`.

@@ -109,6 +109,7 @@ class TlsEngine {
   bio_st* out_ = nullptr;  // owned by connection_
   FingerprintCheck check_;
   std::vector<std::uint8_t> output_;
+  std::size_t answers_bytes_ = 0;  // of output_, caused by messages of TLS itself
   bool established_ = false;
   bool untrusted_ = false;
   bool ended_ = false;

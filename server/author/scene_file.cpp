@@ -43,6 +43,8 @@ Json parseBounded(std::string_view text) {
     if (!too_deep && out.is_object()) return out;
   } catch (const Json::parse_error& error) {
     refuse(fmt::format("is no JSON (near byte {})", error.byte));
+  } catch (const Json::exception&) {
+    refuse("has a number that is too large");
   }
   refuse("is no JSON object with at most 8 levels");
 }

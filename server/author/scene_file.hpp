@@ -44,7 +44,7 @@ struct Scene {
   /// Intrinsics of the colour camera in OpenCV's convention, as in the file: cx and cy are half a
   /// pixel smaller than elsewhere in the server.
   std::optional<CameraModel> camera;
-  std::vector<AuthorPoint> object_points;  ///< of objects that vision tells apart itself
+  std::vector<AuthorPoint> object_points;  ///< of objects without a name
   std::vector<AuthorPoint> not_points;
   std::vector<SceneObject> objects;  ///< at most kMaxObjects
   bool operator==(const Scene&) const = default;

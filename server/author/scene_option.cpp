@@ -91,7 +91,8 @@ void mergeScene(const CLI::App& app, Settings& settings) {
   Scene& scene = settings.scene;
   VisionSettings& vision = settings.vision;
   for (AuthorObject& object : vision.objects) addCommonMaterial(vision.material, object.material);
-  if (scene.camera && !vision.fov_deg) {
+  if (vision.fov_deg) scene.camera.reset();
+  if (scene.camera) {
     vision.camera = scene.camera;
     vision.camera->cx_px += 0.5;  // from OpenCV's convention
     vision.camera->cy_px += 0.5;

@@ -8,8 +8,8 @@
 
 namespace hapticast::server {
 
-/// Writes the preview to settings.preview: one picture if that is FILE.png, or first.png and
-/// clip.png if it is a folder. Of a live source it processes the first seconds only. Throws
+/// Writes the preview to settings.preview: one picture if that is FILE.png, or first.png, clip.png
+/// and scene.json if it is a folder. Of a live source it processes the first seconds only. Throws
 /// SourceError with a message of one line if the source or the output path is at fault.
 void writePreview(Settings settings, const Clock& clock);
 

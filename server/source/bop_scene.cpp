@@ -30,6 +30,7 @@ std::optional<std::uint32_t> parseIndex(std::string_view text) {
 bool sameCamera(const CameraModel& a, const CameraModel& b) {
   constexpr double kSame = 0.01;  // chosen
   return std::abs(a.fx_px - b.fx_px) <= kSame * a.fx_px &&
+         std::abs(a.fy_px - b.fy_px) <= kSame * a.fy_px &&
          std::abs(a.cx_px - b.cx_px) <= kSame * a.fx_px &&
          std::abs(a.cy_px - b.cy_px) <= kSame * a.fy_px;
 }

@@ -10,7 +10,7 @@ namespace {
 
 std::optional<int> depthBits(const Members& meta, bool has_scale) {
   if (const auto bits = meta.number("depth_bits", 8.0, 16.0)) return *bits > 8.0 ? 16 : 8;
-  const std::string words = toText(meta.at("depth"));
+  const std::string words = jsonText(meta.at("depth"));
   const auto says = [&](const char* a, const char* b) {
     return words.find(a) != std::string::npos || words.find(b) != std::string::npos;
   };

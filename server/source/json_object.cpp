@@ -25,7 +25,7 @@ Json parseObject(std::string_view text, std::size_t most_bytes) {
   return out;
 }
 
-std::string toText(const Json& value) {
+std::string jsonText(const Json& value) {
   if (value.is_string()) return value.get<std::string>();
   return value.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
@@ -42,7 +42,7 @@ const Json& Members::at(const char* key) const {
 std::optional<double> Members::number(const char* key, double low, double high) const {
   const Json& value = at(key);
   if (value.is_null()) return std::nullopt;
-  const std::string text = toText(value);
+  const std::string text = jsonText(value);
   const auto number = parseNumber(text);
   if (number && *number >= low && *number <= high) return number;
   throw SourceError(fmt::format("{}: \"{}{}\" is {}, where a number from {} to {} is expected",

@@ -20,7 +20,7 @@ inline constexpr int kMaxJsonDepth = 32;  ///< deepest nesting of objects and ar
 [[nodiscard]] Json parseObject(std::string_view text, std::size_t most_bytes);
 
 /// Returns a value as its author wrote it: a string without quotes, any other value as JSON.
-[[nodiscard]] std::string toText(const Json& value);
+[[nodiscard]] std::string jsonText(const Json& value);
 
 /// Range-checked members of one object of a file.
 class Members {

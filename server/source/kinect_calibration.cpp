@@ -20,7 +20,7 @@ KinectCalibration::Camera parseLens(const Json& camera, const std::string& name)
   const Json& intrinsics = members.at("Intrinsics");
   if (!intrinsics.is_object()) throw SourceError(name + ": a camera has no Intrinsics; remove it");
   const Members lens(intrinsics, name, "Cameras.Intrinsics.");
-  if (toText(lens.at("ModelType")).find("BrownConrady") == std::string::npos)
+  if (jsonText(lens.at("ModelType")).find("BrownConrady") == std::string::npos)
     throw SourceError(name + ": a camera has a lens model other than BrownConrady; remove it");
   // cx, cy, fx, fy, k1..k6, the centre of distortion (0 in this model), p2, p1.
   const std::vector<double> values = lens.numbers("ModelParameters", kParameters, -1e4, 1e4);
@@ -91,7 +91,7 @@ KinectCalibration parseKinectCalibration(std::string_view text, const std::strin
     throw SourceError(name + ": is not the calibration of an Azure Kinect; remove it");
   const auto find = [&](const char* purpose) -> const Json& {
     const auto found = std::find_if(cameras.begin(), cameras.end(), [&](const Json& camera) {
-      return camera.is_object() && toText(Members(camera, name, "").at("Purpose")) == purpose;
+      return camera.is_object() && jsonText(Members(camera, name, "").at("Purpose")) == purpose;
     });
     if (found == cameras.end())
       throw SourceError(name + ": has no camera of the kind " + purpose + "; remove it");

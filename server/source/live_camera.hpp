@@ -19,7 +19,7 @@ namespace hapticast::server {
 /// One picture of a live device.
 struct LivePicture {
   bool is_depth = false;
-  LocalTime time{};     ///< when the picture was taken or arrived
+  LocalTime time{};     ///< when the picture was captured or arrived
   cv::Mat image;        ///< colour: CV_8UC3, BGR; depth: CV_32FC1, mm; empty if there is a problem
   std::string problem;  ///< why the picture is unusable, with the name of the device; else empty
 };

@@ -250,7 +250,7 @@ void OpenniDevice::setOptions() {
     if (!stream->isPropertySupported(openni::STREAM_PROPERTY_MIRRORING)) continue;
     (void)stream->setMirroringEnabled(false);
     if (stream->getMirroringEnabled())
-      warnings_.push_back(name_ + ": mirrors its pictures and cannot be told not to");
+      warnings_.push_back(name_ + ": mirrors its pictures and cannot switch that off");
   }
 }
 

@@ -33,6 +33,10 @@ Pacer::Plan Pacer::plan(MediaTime now) {
   return {skip, slotTime(slot_)};
 }
 
+void Pacer::resume(MediaTime now) {
+  start_ += std::max(now - slotTime(next_slot_), Duration::zero());
+}
+
 MediaTime Pacer::frameRead(std::uint32_t epoch, std::uint64_t index) {
   if (any_read_ && epoch == last_epoch_ && index > last_index_ + step_) {
     slot_ += index - last_index_ - step_;

@@ -37,6 +37,10 @@ class Pacer {
   /// frames.
   MediaTime frameRead(std::uint32_t epoch, std::uint64_t index);
 
+  /// Continues after a time without playback until `now`: the next frame is due now at the
+  /// earliest, and none is skipped.
+  void resume(MediaTime now);
+
   /// Returns the number of frames skipped because they were late.
   [[nodiscard]] std::uint64_t skipped() const noexcept { return skipped_; }
 

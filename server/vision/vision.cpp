@@ -156,6 +156,8 @@ class Vision::Impl {
     return tracker_ ? tracker_->plans() : std::map<std::uint32_t, std::vector<PlanLine>>();
   }
 
+  void beginAnew() { tracker_.reset(); }
+
   [[nodiscard]] std::string name(std::uint32_t id) const {
     const auto number = numbers_.find(id);
     return number == numbers_.end() ? "" : findName(settings_, number->second);
@@ -323,6 +325,7 @@ std::optional<VisionResult> Vision::push(const RgbdFrame& frame, MediaTime media
 void Vision::setMaterials(const VisionSettings& from) { impl_->setMaterials(from); }
 std::vector<VisionResult> Vision::flush() { return impl_->flush(); }
 std::map<std::uint32_t, std::vector<PlanLine>> Vision::plan() const { return impl_->plan(); }
+void Vision::beginAnew() { impl_->beginAnew(); }
 std::string Vision::name(std::uint32_t id) const { return impl_->name(id); }
 const std::optional<MappedRange>& Vision::mapped() const { return impl_->mapped(); }
 const StreamDescription& Vision::description() const { return impl_->description(); }

@@ -61,6 +61,10 @@ class Vision {
   /// Returns the scene plan of each object of the last added frame, by object id.
   [[nodiscard]] std::map<std::uint32_t, std::vector<PlanLine>> plan() const;
 
+  /// Makes the next frame begin a new epoch, also where all objects are as before. Call it after
+  /// flush().
+  void beginAnew();
+
   /// Returns the name that the author's scene gives to object `id`; empty if it gives none.
   [[nodiscard]] std::string name(std::uint32_t id) const;
 

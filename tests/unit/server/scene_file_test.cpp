@@ -129,6 +129,7 @@ TEST(SceneFile, RefusesWithFileAndPlace) {
       {"{\"name\": \"x\"", "is no JSON"},
       {"[1]", "is no JSON object"},
       {"{\"a\":[[[[[[[[[[1]]]]]]]]]]}", "at most 8 levels"},
+      {R"({"fps": 1e999})", "has a number that is too large"},
       {R"({"version": 2})", "another version than 1"},
       {R"({"stifness": 1})", "did you mean stiffness?"},
       {R"({"source": "x"})", "'source' is not a member of a scene file"},

@@ -162,9 +162,9 @@ void NarrowBandTracker::applyPoint(const ObjectPoint& point, const Annotation& a
                  frames.clip_time_s, start.why_not);
     return;
   }
-  int number = point.number;
+  int number = point.number != 0 ? point.number : named_ + 1;
   if (object != nullptr) number = object->number();
-  while (number == 0 || (object == nullptr && findNumbered(objects_, number) != nullptr)) ++number;
+  while (object == nullptr && findNumbered(objects_, number) != nullptr) ++number;
   place(number, start.object->mask(), images, false);
   propagate(*findNumbered(objects_, number), frames, false);
 }

@@ -24,7 +24,10 @@ constexpr double kPlaneIsObject = 0.3;  // chosen: share of an object's pixels o
 
 NarrowBandTracker::NarrowBandTracker(const VisionSettings& settings, std::uint32_t& next_id,
                                      ClipAnnotations* annotations)
-    : annotation_track_(settings), next_id_(next_id), annotations_(annotations) {
+    : annotation_track_(settings),
+      named_(static_cast<int>(settings.objects.size())),
+      next_id_(next_id),
+      annotations_(annotations) {
   if (annotations_ != nullptr) scene_.avoided = annotations_->avoided;
 }
 

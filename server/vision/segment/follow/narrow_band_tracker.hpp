@@ -69,6 +69,7 @@ class NarrowBandTracker final : public Segmenter {
   };
 
   AnnotationTrack annotation_track_;
+  int named_;  // number of objects that the author's scene names
   std::uint32_t& next_id_;
   ClipAnnotations* annotations_;
   std::deque<Past> past_;  // earlier frames, during a scan with later annotations
