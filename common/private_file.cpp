@@ -38,7 +38,7 @@ bool writeAll(int descriptor, std::string_view text) {
 }  // namespace
 
 std::filesystem::path stateFolder() {
-  const auto of_service = folderFromEnvironment("STATE_DIRECTORY");
+  auto of_service = folderFromEnvironment("STATE_DIRECTORY");
   if (!of_service.empty()) return of_service;
   const auto state = folderFromEnvironment("XDG_STATE_HOME");
   if (!state.empty()) return state / "hapticast";

@@ -77,7 +77,7 @@ class Drain {
   std::thread reader_;
 };
 
-void TlsFrame(benchmark::State& state) {
+void sendTlsFrame(benchmark::State& state) {
   const Drain drain;
   const Bytes frame(static_cast<std::size_t>(state.range(0)), 7);
   const bool encrypted = state.range(1) != 0;
@@ -97,9 +97,9 @@ void TlsFrame(benchmark::State& state) {
   }
 }
 // Bytes of a frame; without TLS, with TLS.
-BENCHMARK(TlsFrame)->ArgsProduct({{2200, 20'000}, {0, 1}})->UseManualTime();
+BENCHMARK(sendTlsFrame)->ArgsProduct({{2200, 20'000}, {0, 1}})->UseManualTime();
 
-void TlsHandshake(benchmark::State& state) {
+void completeTlsHandshake(benchmark::State& state) {
   const TlsContext context = makeServerContext();
   for (auto _ : state) {
     TlsEngine server(context);
@@ -107,7 +107,7 @@ void TlsHandshake(benchmark::State& state) {
     completeHandshake(client, server);
   }
 }
-BENCHMARK(TlsHandshake)->Unit(benchmark::kMillisecond);
+BENCHMARK(completeTlsHandshake)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace hapticast

@@ -17,8 +17,9 @@ class ProgramsOpenniTest : public ProgramsTest {
   }
 
   [[nodiscard]] std::unique_ptr<Process> startWithCamera(std::vector<std::string> more) const {
-    std::vector<std::string> arguments{"LSAN_OPTIONS=suppressions=" HAPTICAST_TESTS
-                                       "/support/lsan.supp",
+    constexpr const char* kSuppressions =
+        "LSAN_OPTIONS=suppressions=" HAPTICAST_TESTS "/support/lsan.supp";
+    std::vector<std::string> arguments{kSuppressions,
                                        "LD_LIBRARY_PATH=" HAPTICAST_OPENNI_FOLDER,
                                        "HAPTICAST_OPENNI_ORDERS=" + camera_.file(),
                                        HAPTICAST_SERVER_PROGRAM,

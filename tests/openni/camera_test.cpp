@@ -174,7 +174,7 @@ TEST_F(OpenniCamera, AnUnpluggedOneComesBack) {
   order({{"plugged", 0}});
   auto back = std::async(std::launch::async, [&] {
     for (;;) {
-      const auto frame = testing::readLive(*source);
+      auto frame = testing::readLive(*source);
       if (!frame || frame->epoch == 1) return frame;
     }
   });

@@ -7,6 +7,7 @@
 // Orders, one `key value` a line, with their defaults (see Orders).
 #include <atomic>
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
@@ -184,7 +185,8 @@ class Stream final : public StreamBase {
           static_cast<std::uint16_t*>(frame.data)[y * frame.width + x] =
               static_cast<std::uint16_t>(unit * depth_mm);
         } else {
-          auto* const pixel = static_cast<std::uint8_t*>(frame.data) + 3 * (y * frame.width + x);
+          auto* const pixel =
+              static_cast<std::uint8_t*>(frame.data) + std::ptrdiff_t{3} * (y * frame.width + x);
           const bool wall = depth_mm == 2000;
           pixel[0] = wall ? (2 * from < frame.width ? 50 : 60) : 220;
           pixel[1] = wall ? 70 : 160;

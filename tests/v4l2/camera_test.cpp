@@ -124,7 +124,7 @@ TEST_F(V4l2Camera, AnUnpluggedOneComesBack) {
   order();
   auto back = std::async(std::launch::async, [&] {
     for (;;) {
-      const auto frame = testing::readLive(*source);
+      auto frame = testing::readLive(*source);
       if (!frame || frame->epoch == 1) return frame;
     }
   });

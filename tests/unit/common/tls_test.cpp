@@ -31,8 +31,8 @@ struct TlsPair {
   /// Delivers bytes both ways until none wait, or an end fails. Returns the first error.
   std::string deliver() {
     while (!client.output().empty() || !server.output().empty()) {
-      if (const std::string error = move(client, server, at_server); !error.empty()) return error;
-      if (const std::string error = move(server, client, at_client); !error.empty()) return error;
+      if (std::string error = move(client, server, at_server); !error.empty()) return error;
+      if (std::string error = move(server, client, at_client); !error.empty()) return error;
     }
     return "";
   }

@@ -132,8 +132,8 @@ class KinectVideo : public testing::Test {
     cv::Mat levels;
     depth.convertTo(levels, CV_16U);
     folder.write("depth.png", levels);
-    const cv::Mat truth = castPicture(*colorCamera(calibration, color_size), calibration.rotation,
-                                      calibration.translation_mm, ball);
+    cv::Mat truth = castPicture(*colorCamera(calibration, color_size), calibration.rotation,
+                                calibration.translation_mm, ball);
     cv::Mat color(color_size, CV_8UC3, cv::Scalar(90, 110, 80));
     color.setTo(cv::Scalar(60, 140, 220), ball);
     folder.write("color.png", color);

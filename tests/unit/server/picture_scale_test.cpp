@@ -96,7 +96,7 @@ TEST_F(LargePictures, OfFoldersAreScaledWithMasksAndIntrinsics) {
     folder.write("meta.json",
                  fmt::format(R"({{"width": {}, "height": {}, "intrinsics": {{"fx": 2000, "fy": 2000,
                              "cx": {}, "cy": {}}}}})",
-                             own.width, own.height, own.width / 2 - 0.5, own.height / 2 - 0.5));
+                             own.width, own.height, 0.5 * own.width - 0.5, 0.5 * own.height - 0.5));
     const LogLines log;
     ImageSequence source(folder.string(), 0.0);
     EXPECT_THAT(log.text(),
