@@ -7,6 +7,7 @@
 
 #include <opencv2/imgcodecs.hpp>
 #include <utility>
+#include <cstddef>
 #include <vector>
 
 namespace hapticast::server {
@@ -63,11 +64,12 @@ TEST(V4l2Picture, RowsMayHaveGapsOfAnyLength) {
   EXPECT_EQ(depth.image.at<float>(1, 0), 802.0F);
   EXPECT_EQ(depth.image.at<float>(1, 1), 803.0F);
 
-  Bytes wide = repeat({81, 90, 81, 240}, 2 * 12);
+  Bytes wide = repeat({81, 90, 81, 240}, std::size_t{2} * 12);
   for (const std::size_t gap : {8U, 9U, 10U, 11U, 20U, 21U, 22U, 23U}) wide[gap] = 0;
   expectRed(readV4l2Color({fourCc("YUYV"), 4, 2, 12}, wide), {4, 2});
 
-  Bytes planes(3 * 6, 0);  // NV12, 4x2 with rows of 6 bytes: two of brightness, one of colours
+  Bytes planes(std::size_t{3} * 6,
+               0);  // NV12, 4x2 with rows of 6 bytes: two of brightness, one of colours
   for (const std::size_t at : {0U, 1U, 2U, 3U, 6U, 7U, 8U, 9U}) planes[at] = 81;
   for (const std::size_t at : {12U, 14U}) planes[at] = 90;
   for (const std::size_t at : {13U, 15U}) planes[at] = 240;
@@ -75,10 +77,11 @@ TEST(V4l2Picture, RowsMayHaveGapsOfAnyLength) {
 }
 
 TEST(V4l2Picture, EachColorFormatIsRead) {
-  expectRed(readV4l2Color({fourCc("YUYV"), 64, 48, 0}, repeat({81, 90, 81, 240}, 2 * 64 * 48)),
+  expectRed(readV4l2Color({fourCc("YUYV"), 64, 48, 0},
+                          repeat({81, 90, 81, 240}, std::size_t{2} * 64 * 48)),
             {64, 48});
-  Bytes nv12 = repeat({81}, 64 * 48);
-  const Bytes colors = repeat({90, 240}, 64 * 24);
+  Bytes nv12 = repeat({81}, std::size_t{64} * 48);
+  const Bytes colors = repeat({90, 240}, std::size_t{64} * 24);
   nv12.insert(nv12.end(), colors.begin(), colors.end());
   expectRed(readV4l2Color({fourCc("NV12"), 64, 48, 0}, nv12), {64, 48});
   Bytes jpeg = jpegOf({64, 48}, {0, 0, 254});
@@ -133,7 +136,7 @@ TEST(V4l2Picture, AJpegOfAnotherSizeOrACutOneIsRefused) {
 }
 
 TEST(V4l2Picture, OtherFormatsAreRefused) {
-  const Bytes bytes(2 * 4 * 4);
+  const Bytes bytes(std::size_t{2} * 4 * 4);
   EXPECT_FALSE(readV4l2Color({fourCc("Z16 "), 4, 4, 0}, bytes).ok());
   EXPECT_FALSE(readV4l2Depth({fourCc("YUYV"), 4, 4, 0}, bytes).ok());
   EXPECT_FALSE(readV4l2Depth({fourCc("INZI"), 4, 4, 0}, bytes).ok());
