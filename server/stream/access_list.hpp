@@ -28,7 +28,8 @@ struct Grant {
   std::optional<std::chrono::sys_days> last_day;  ///< last day of its validity, UTC; nullopt: none
 
   [[nodiscard]] bool expired(std::chrono::system_clock::time_point now) const {
-    return last_day && now >= *last_day + std::chrono::days(1);
+    // In days: a time point of nanoseconds ends in the year 2262.
+    return last_day && std::chrono::floor<std::chrono::days>(now) > *last_day;
   }
 };
 

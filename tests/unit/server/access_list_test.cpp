@@ -46,9 +46,15 @@ TEST(AccessList, HasTokensWithRolesAndTheirLastDays) {
   const auto boss = list.value().find("boss");
   ASSERT_TRUE(boss);
   EXPECT_EQ(boss->role, Role::kOperator);
-  EXPECT_FALSE(boss->expired(day(2999, 1, 1)));
+  EXPECT_FALSE(boss->expired(day(2200, 1, 1)));
   for (const char* wrong : {"", "wonde", "wonders", "Wonder"})
     EXPECT_FALSE(list.value().find(wrong)) << wrong;
+}
+
+TEST(AccessList, ADayFarInTheFutureIsADay) {
+  const auto list = AccessList::parse(digestOf("wonder") + " viewer 9999-12-31");
+  ASSERT_TRUE(list.ok());
+  EXPECT_FALSE(list.value().find("wonder")->expired(day(2200, 1, 1)));
 }
 
 TEST(AccessList, AGrantThatIsRemovedOrChangedIsNotPermitted) {
