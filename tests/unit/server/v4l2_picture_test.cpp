@@ -5,9 +5,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstddef>
 #include <opencv2/imgcodecs.hpp>
 #include <utility>
-#include <cstddef>
 #include <vector>
 
 namespace hapticast::server {
