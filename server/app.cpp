@@ -96,6 +96,8 @@ class App::Impl {
   /// Publishes what vision holds back for its window if the live source is silent. After the
   /// silence these frames would be so late that viewers would raise their playout delay for them.
   void publishHeldBack(EncoderThread& encoder);
+  /// Publishes all frames that vision holds back for its window.
+  void flushVision(EncoderThread& encoder);
   void publish(VisionResult result, EncoderThread& encoder);
   /// Reads the settings again. Thread: the network's.
   void reload();
@@ -248,7 +250,7 @@ void App::Impl::play(EncoderThread& encoder) {
       plan_teller_.log(vision_.plan(), encoder.reliefBytes(), media_clock_.now());
     logSkippedFrames(pacer);
   }
-  for (VisionResult& result : vision_.flush()) publish(std::move(result), encoder);
+  flushVision(encoder);
   waitUntil(last_published_ + vision_.description().pipeline_latency + kPlayout);
 }
 
@@ -276,6 +278,10 @@ void App::Impl::process(const RgbdFrame& frame, MediaTime media_time, EncoderThr
 void App::Impl::publishHeldBack(EncoderThread& encoder) {
   const Duration silence = media_clock_.now() - last_captured_;
   if (silence < vision_.description().pipeline_latency + kHoldBack) return;
+  flushVision(encoder);
+}
+
+void App::Impl::flushVision(EncoderThread& encoder) {
   for (VisionResult& result : vision_.flush()) publish(std::move(result), encoder);
 }
 
@@ -310,9 +316,7 @@ bool App::Impl::carryOutRequests(EncoderThread& encoder) {
   for (const Control& request : requests) {
     if (request.paused && *request.paused != paused_)
       spdlog::info("an operator {} the stream", *request.paused ? "pauses" : "continues");
-    if (request.paused.value_or(false)) {
-      for (VisionResult& result : vision_.flush()) publish(std::move(result), encoder);
-    }
+    if (request.paused.value_or(false)) flushVision(encoder);
     paused_ = request.paused.value_or(paused_);
     if (request.seek_s) {
       counter_.enter(PipelinePhase::kScan);
@@ -336,7 +340,7 @@ void App::Impl::seek(double time_s, EncoderThread& encoder) {
     return;
   }
   spdlog::info("an operator seeks to {:g} s", time_s);
-  for (VisionResult& result : vision_.flush()) publish(std::move(result), encoder);
+  flushVision(encoder);
   vision_.beginAnew();
   const std::uint64_t last = info.frame_count.value_or(1) - 1;
   const auto frames = std::min(static_cast<std::uint64_t>(std::llround(time_s * info.fps)), last);

@@ -107,21 +107,27 @@ void TcpChannel::flushNow() noexcept {
 
 asio::awaitable<bool> TcpChannel::flush() {
   flushing_ = true;
-  boost::system::error_code ec;
-  while (!ec && !tls_->output().empty()) {
+  bool open = true;
+  while (open && !tls_->output().empty()) {
     sending_.clear();
     sending_.swap(tls_->output());
-    const std::uint64_t before = bytes_written_;
-    const std::size_t all = co_await asio::async_write(
-        socket_, asio::buffer(sending_),
-        [this, before](const boost::system::error_code& error, std::size_t written) {
-          bytes_written_ = before + written;
-          return error ? 0 : kWriteAtOnceBytes;
-        },
-        asio::redirect_error(asio::use_awaitable, ec));
-    bytes_written_ = before + all;
+    open = co_await writeAll({asio::buffer(sending_), {}});
   }
   flushing_ = false;
+  co_return open;
+}
+
+asio::awaitable<bool> TcpChannel::writeAll(std::array<asio::const_buffer, 2> bytes) {
+  const std::uint64_t before = bytes_written_;
+  boost::system::error_code ec;
+  const std::size_t all = co_await asio::async_write(
+      socket_, bytes,
+      [this, before](const boost::system::error_code& error, std::size_t written) {
+        bytes_written_ = before + written;
+        return error ? 0 : kWriteAtOnceBytes;
+      },
+      asio::redirect_error(asio::use_awaitable, ec));
+  bytes_written_ = before + all;
   if (ec) why_ended_ = ec.message();
   co_return !ec;
 }
@@ -161,21 +167,8 @@ asio::awaitable<bool> TcpChannel::write(SharedBytes payload) {
   }
   prefix_ = lengthPrefix(payload->size());
   const std::size_t done = std::exchange(written_, 0);
-  const std::array<asio::const_buffer, 2> buffers{
-      asio::buffer(prefix_) + std::min(done, kPrefixBytes),
-      asio::buffer(*payload) + (done - std::min(done, kPrefixBytes))};
-  const std::uint64_t before = bytes_written_;
-  boost::system::error_code ec;
-  const std::size_t all = co_await asio::async_write(
-      socket_, buffers,
-      [this, before](const boost::system::error_code& error, std::size_t written) {
-        bytes_written_ = before + written;
-        return error ? 0 : kWriteAtOnceBytes;
-      },
-      asio::redirect_error(asio::use_awaitable, ec));
-  bytes_written_ = before + all;
-  if (ec) why_ended_ = ec.message();
-  co_return !ec;
+  co_return co_await writeAll({asio::buffer(prefix_) + std::min(done, kPrefixBytes),
+                               asio::buffer(*payload) + (done - std::min(done, kPrefixBytes))});
 }
 
 asio::awaitable<void> TcpChannel::drain(std::size_t most_bytes) {

@@ -46,6 +46,9 @@ class TcpChannel final : public Channel {
   /// Sends as much of the encrypted bytes as possible without waiting.
   void flushNow() noexcept;
   [[nodiscard]] asio::awaitable<bool> flush();
+  /// Writes all of `bytes` and returns true; false if the connection has ended. bytesWritten()
+  /// increases with the progress.
+  [[nodiscard]] asio::awaitable<bool> writeAll(std::array<asio::const_buffer, 2> bytes);
   /// Reads bytes once into chunk_ and returns their number. Returns 0 at the end of the connection.
   asio::awaitable<std::size_t> readSome();
 

@@ -26,7 +26,6 @@ const std::map<std::string, Method> kMethods{{"hapticast", Method::kHapticast},
                                              {"thesis", Method::kThesis}};
 
 constexpr double kMostDepth_mm = 1e6;
-constexpr double kLongestClip_s = 1e6;  // chosen: eleven days
 
 void addRange(CLI::App& app, const char* flag, std::optional<DepthRange>& range, const char* help) {
   const auto take = [&range](const Vec2& pair) {

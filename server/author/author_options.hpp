@@ -11,6 +11,9 @@
 
 namespace hapticast::server {
 
+/// Latest time in a clip that an author can name, s. Chosen: eleven days.
+inline constexpr double kLongestClip_s = 1e6;
+
 /// Returns the point in a text "U,V" or "U,V@SECONDS". Returns nullopt for other texts.
 [[nodiscard]] std::optional<AuthorPoint> parsePoint(const std::string& text);
 

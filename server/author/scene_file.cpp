@@ -110,7 +110,6 @@ CameraModel parseIntrinsics(const Json& value) {
 }
 
 std::vector<KeyMaskFile> parseMasks(const Json& list, int number, const std::string& where) {
-  constexpr double kLongestClip_s = 1e6;
   std::vector<KeyMaskFile> masks;
   for (const Json& each : requireList(list, where)) {
     const auto file = each.is_object() ? each.find("file") : each.end();

@@ -44,17 +44,6 @@ bool contradicts(const Suspect& suspect, const std::vector<cv::Point>& clicks) {
   });
 }
 
-// Returns the place farthest from all edges of `part` and from the picture's edge.
-cv::Point findDeepestPoint(const cv::Mat& part) {
-  cv::Mat framed;
-  cv::copyMakeBorder(part, framed, 1, 1, 1, 1, cv::BORDER_CONSTANT, cv::Scalar(0));
-  cv::Mat distance;
-  cv::distanceTransform(framed, distance, cv::DIST_L2, 3);
-  cv::Point deepest;
-  cv::minMaxLoc(distance, nullptr, nullptr, nullptr, &deepest);
-  return deepest - cv::Point(1, 1);
-}
-
 // Returns the largest piece of `part` with its deepest place, if its size is worth a hint.
 std::optional<Suspect> findLargestPart(const cv::Mat& part, double object_px, const char* why) {
   cv::Mat opened;

@@ -3,22 +3,12 @@
 
 #include <cmath>
 #include <filesystem>
-#include <opencv2/imgproc.hpp>
+
+#include "server/vision/base/masks.hpp"
 
 namespace hapticast::server {
 
 namespace {
-
-/// Returns the pixel of `mask` that is farthest from all pixels outside it.
-cv::Point findInnermost(const cv::Mat& mask) {
-  cv::Mat framed;
-  cv::copyMakeBorder(mask, framed, 1, 1, 1, 1, cv::BORDER_CONSTANT, cv::Scalar(0));
-  cv::Mat depth_px;
-  cv::distanceTransform(framed, depth_px, cv::DIST_L2, 5);
-  cv::Point innermost;
-  cv::minMaxLoc(depth_px, nullptr, nullptr, nullptr, &innermost);
-  return innermost - cv::Point(1, 1);
-}
 
 void addObject(Scene& scene, AuthorPoint point) {
   point.number = static_cast<int>(scene.objects.size()) + 1;
@@ -45,7 +35,7 @@ Scene completeScene(const Settings& settings, const PreviewFrame& first, const S
   }
   if (!scene.objects.empty() || !scene.object_points.empty() || info.key_masks) return scene;
   for (const std::uint32_t id : listIds(first.haptic)) {
-    const cv::Point at = findInnermost(renderMask(first.haptic, id, first.color.size()));
+    const cv::Point at = findDeepestPoint(renderMask(first.haptic, id, first.color.size()));
     const Vec2 own_px = Vec2(at.x + 0.5, at.y + 0.5).cwiseProduct(first.own_px);
     addObject(scene, {{std::floor(own_px.x()), std::floor(own_px.y())}, 0.0});
   }

@@ -23,8 +23,7 @@ cv::Mat readObjectMask(const KeyMaskFile& file, const SourceInfo& info) {
   if (!raw.ok()) throwMaskError(file, raw.problem + "; mend it");
   const ImageResult labels = toMask(raw.image);
   if (!labels.ok()) throwMaskError(file, labels.problem + "; draw it in white on black");
-  const cv::Size own(static_cast<int>(std::lround(info.width_px * info.own_px.x())),
-                     static_cast<int>(std::lround(info.height_px * info.own_px.y())));
+  const cv::Size own = ownSize(info);
   if (labels.image.size() != own) {
     throwMaskError(file, fmt::format("is {}, but the pictures are {}; draw it at their size",
                                      sizeText(labels.image.cols, labels.image.rows),

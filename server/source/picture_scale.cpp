@@ -33,6 +33,11 @@ void setSize(SourceInfo& info, cv::Size own, const std::string& place) {
 
 cv::Size frameSize(const SourceInfo& info) { return {info.width_px, info.height_px}; }
 
+cv::Size ownSize(const SourceInfo& info) {
+  return {static_cast<int>(std::lround(info.width_px * info.own_px.x())),
+          static_cast<int>(std::lround(info.height_px * info.own_px.y()))};
+}
+
 cv::Mat scaleColor(const cv::Mat& color, cv::Size size) {
   if (color.size() == size) return color;
   cv::Mat scaled;

@@ -21,6 +21,9 @@ void setSize(SourceInfo& info, cv::Size own, const std::string& place);
 /// Returns the size of the frames of `info`.
 [[nodiscard]] cv::Size frameSize(const SourceInfo& info);
 
+/// Returns the size of the clip's own pictures.
+[[nodiscard]] cv::Size ownSize(const SourceInfo& info);
+
 /// Returns `color` (CV_8UC3) at `size`, each pixel as the mean of the area that it covers. Returns
 /// `color` itself if it has this size. Requires `size` to be at most the size of `color`.
 [[nodiscard]] cv::Mat scaleColor(const cv::Mat& color, cv::Size size);

@@ -2,12 +2,12 @@
 #include "server/vision/vision.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <deque>
 #include <map>
 #include <sstream>
 
 #include "common/text.hpp"
+#include "server/source/picture_scale.hpp"
 #include "server/vision/describe.hpp"
 #include "server/vision/frame_motion.hpp"
 #include "server/vision/tracker.hpp"
@@ -30,12 +30,11 @@ std::string findName(const VisionSettings& settings, int number) {
 
 void checkPoints(const SourceInfo& info, const VisionSettings& settings,
                  const std::vector<AuthorPoint>& points, const char* flag) {
+  const cv::Size own = ownSize(info);
   for (const auto& [frame_point, time_s, number] : points) {
     const Vec2 point = frame_point.cwiseProduct(info.own_px);  // as the author wrote it
-    const double width_px = std::round(info.width_px * info.own_px.x());
-    const double height_px = std::round(info.height_px * info.own_px.y());
     const bool inside =
-        point.x() >= 0 && point.y() >= 0 && point.x() < width_px && point.y() < height_px;
+        point.x() >= 0 && point.y() >= 0 && point.x() < own.width && point.y() < own.height;
     if (inside) continue;
     std::ostringstream what;
     const std::string name = findName(settings, number);
@@ -46,7 +45,7 @@ void checkPoints(const SourceInfo& info, const VisionSettings& settings,
     }
     what << point.x() << ',' << point.y();
     if (time_s > 0.0) what << '@' << time_s;
-    what << ": outside the picture, which is " << width_px << 'x' << height_px
+    what << ": outside the picture, which is " << own.width << 'x' << own.height
          << "; use u,v in pixels from its top-left corner";
     throw SourceError(what.str());
   }

@@ -34,7 +34,7 @@ std::string withPort(std::string text, std::uint16_t port) {
   return text.replace(text.find("PORT"), 4, std::to_string(port));
 }
 
-/// Returns a port that nobody uses for TCP or UDP.
+/// Returns a port that is free for TCP and for UDP.
 std::uint16_t freePort() {
   asio::io_context io;
   const asio::ip::tcp::acceptor tcp(io, {asio::ip::address_v4::loopback(), 0});

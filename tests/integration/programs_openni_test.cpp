@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Server and client with a camera of OpenNI2: the real library with a driver of our own
-// (tests/openni/driver.cpp), which unplugs the camera when it is told to.
+// (tests/openni/driver.cpp), which unplugs the camera at the test's order.
 #include <nlohmann/json.hpp>
 
 #include "common/build_options.hpp"
@@ -17,10 +17,11 @@ class ProgramsOpenniTest : public ProgramsTest {
   }
 
   [[nodiscard]] std::unique_ptr<Process> startWithCamera(std::vector<std::string> more) const {
-    constexpr const char* kSuppressions =
-        "LSAN_OPTIONS=suppressions=" HAPTICAST_TESTS "/support/lsan.supp";
-    std::vector<std::string> arguments{kSuppressions,
-                                       "LD_LIBRARY_PATH=" HAPTICAST_OPENNI_FOLDER,
+    const std::string suppressions =
+        std::string("LSAN_OPTIONS=suppressions=") + HAPTICAST_TESTS + "/support/lsan.supp";
+    const std::string library_path = std::string("LD_LIBRARY_PATH=") + HAPTICAST_OPENNI_FOLDER;
+    std::vector<std::string> arguments{suppressions,
+                                       library_path,
                                        "HAPTICAST_OPENNI_ORDERS=" + camera_.file(),
                                        HAPTICAST_SERVER_PROGRAM,
                                        "--listen",

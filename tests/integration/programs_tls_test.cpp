@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // TLS and access tokens, by the real programs and by openssl: certificates that are right, wrong,
-// expired or of another host; keys that change; tokens of viewers and of nobody.
+// expired or of another host; keys that change; tokens that are valid, expired, unknown or missing.
 #include <cstdlib>
 
 #include "common/transport/network_interfaces.hpp"

@@ -170,7 +170,7 @@ TEST_F(SealedRelayTest, WithoutTlsToNatsFramesReachTheViewersByTcpOnly) {
   EXPECT_TRUE(client->lost.empty());
   client.reset();
   edge.reset();
-  origin.reset();  // now nobody else writes lines
+  origin.reset();  // its threads log no more lines
   const std::string warning = "warning --publish: viewers of edges receive frames by TCP only";
   EXPECT_NE(lines.text().find(warning), std::string::npos) << lines.text();
 }

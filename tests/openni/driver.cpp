@@ -243,7 +243,7 @@ class Device final : public DeviceBase {
     const auto format = static_cast<OniPixelFormat>(orders[name + "_format"]);
     std::vector<OniVideoMode> modes{
         {format, orders[name + "_width"], orders[name + "_height"], orders["fps"]}};
-    // Formats that a camera may offer and nobody should choose.
+    // Formats that a camera may offer and the server must not choose.
     if (orders["more_modes"] != 0) {
       modes.insert(modes.begin(), {{ONI_PIXEL_FORMAT_GRAY16, 128, 96, 30},
                                    {format, -5, 70000, 30},

@@ -5,6 +5,8 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "server/vision/base/statistics.hpp"
+
 namespace hapticast::server {
 
 namespace {
@@ -117,6 +119,27 @@ cv::Mat pieceAt(const cv::Mat& mask, const cv::Point& at) {
   cv::Mat labels;
   cv::connectedComponents(mask, labels, 4, CV_32S);
   return (labels == labels.at<int>(at)) & mask;
+}
+
+cv::Point findDeepestPoint(const cv::Mat& mask) {
+  cv::Mat framed;
+  cv::copyMakeBorder(mask, framed, 1, 1, 1, 1, cv::BORDER_CONSTANT, cv::Scalar(0));
+  cv::Mat distance;
+  cv::distanceTransform(framed, distance, cv::DIST_L2, 3);
+  cv::Point deepest;
+  cv::minMaxLoc(distance, nullptr, nullptr, nullptr, &deepest);
+  return deepest - cv::Point(1, 1);
+}
+
+double medianDepth(const cv::Mat& depth, const cv::Mat& mask, int step) {
+  std::vector<double> values;
+  for (int v = 0; v < depth.rows; v += step) {
+    for (int u = 0; u < depth.cols; u += step) {
+      const float z = depth.at<float>(v, u);
+      if (mask.at<unsigned char>(v, u) != 0 && z > 0) values.push_back(double(z));
+    }
+  }
+  return computeMedian(values);
 }
 
 }  // namespace hapticast::server

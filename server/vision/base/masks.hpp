@@ -43,5 +43,11 @@ Pieces findPieces(const cv::Mat& mask);
 /// Returns the piece of `mask` that contains the pixel `at`. All pixels are 0 if `at` is not in
 /// `mask`.
 cv::Mat pieceAt(const cv::Mat& mask, const cv::Point& at);
+/// Returns the pixel of `mask` that is farthest from all pixels outside it. The picture's border
+/// counts as outside.
+cv::Point findDeepestPoint(const cv::Mat& mask);
+/// Returns the median of the measured depths where `mask` is not 0, mm, or 0 if none was measured.
+/// It uses only every `step`-th pixel of every `step`-th row.
+double medianDepth(const cv::Mat& depth, const cv::Mat& mask, int step);
 
 }  // namespace hapticast::server

@@ -106,17 +106,6 @@ int labelNear(const cv::Mat& labels, const cv::Point& point) {
 
 }  // namespace
 
-double medianDepth(const cv::Mat& depth, const cv::Mat& mask, int step) {
-  std::vector<double> values;
-  for (int v = 0; v < depth.rows; v += step) {
-    for (int u = 0; u < depth.cols; u += step) {
-      const float z = depth.at<float>(v, u);
-      if (mask.at<unsigned char>(v, u) != 0 && z > 0) values.push_back(double(z));
-    }
-  }
-  return computeMedian(values);
-}
-
 cv::Mat depthComponents(const cv::Mat& depth, const cv::Mat& excluded, const DepthNoise& noise) {
   cv::Mat bridged = depth.clone();
   for (int v = 0; v < depth.rows; ++v) bridgeLine(bridged.ptr<float>(v), 1, depth.cols, noise);

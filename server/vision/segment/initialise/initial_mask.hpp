@@ -18,10 +18,6 @@ namespace hapticast::server {
 /// no label.
 cv::Mat depthComponents(const cv::Mat& depth, const cv::Mat& excluded, const DepthNoise& noise);
 
-/// Returns the median of the measured depths where `mask` is not 0, mm, or 0 if none was measured.
-/// It uses only every `step`-th pixel of every `step`-th row.
-double medianDepth(const cv::Mat& depth, const cv::Mat& mask, int step);
-
 /// Returns whether `mask` has no pixels, or only few, at the picture's border.
 bool clearOfBorder(const cv::Mat& mask);
 
