@@ -174,6 +174,33 @@ Curls closedOn(const Thing& thing, const HandLook& look, const Pose& on_thing) {
   return out;
 }
 
+Pinch pinchOf(const HandLook& look, double thickness_mm) {
+  Pinch out;
+  double least = 1e9;
+  out.curls = openHand();
+  for (std::size_t f = 2; f < 5; ++f) out.curls[f] = {0.35, 0.5, 0.3};
+  // The tips' distance decides, and among equals the fingers that bend less.
+  for (double index = 0.2; index < 1.3; index += 0.1) {
+    for (double second = 0.2; second < 1.3; second += 0.1) {
+      const std::array<double, 3> finger{index, second, 0.4 * second};
+      const Chain of_finger = chainOf(look, 1, finger);
+      for (double thumb = -0.5; thumb < 1.0; thumb += 0.1) {
+        const std::array<double, 3> bent{thumb, 0.3, 0.25};
+        const Chain of_thumb = chainOf(look, 0, bent);
+        const double gap = (of_finger.joint_mm[3] - of_thumb.joint_mm[3]).norm() -
+                           of_finger.radius_mm[3] - of_thumb.radius_mm[3];
+        const double cost = std::abs(gap - thickness_mm) + 2.0 * (index + second);
+        if (cost >= least) continue;
+        least = cost;
+        out.curls[0] = bent;
+        out.curls[1] = finger;
+        out.middle_mm = 0.5 * (of_finger.joint_mm[3] + of_thumb.joint_mm[3]);
+      }
+    }
+  }
+  return out;
+}
+
 Pose handAt(const Vec3& at_mm, const Vec3& palm, const Vec3& fingers_to) {
   Pose out;
   out.at_mm = at_mm;

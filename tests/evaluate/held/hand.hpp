@@ -37,6 +37,14 @@ Thing makeHand(std::uint8_t id, const HandLook& look, const Pose& pose, const Cu
 /// to thing).
 Curls closedOn(const Thing& thing, const HandLook& look, const Pose& on_thing);
 
+/// Thumb and index finger with their tips this far apart, and the place between them, in the
+/// hand's frame.
+struct Pinch {
+  Curls curls{};
+  Vec3 middle_mm = Vec3::Zero();
+};
+Pinch pinchOf(const HandLook& look, double thickness_mm);
+
 /// A hand whose palm looks along `palm` and whose fingers point along `fingers`, as nearly as the
 /// two are at a right angle.
 Pose handAt(const Vec3& at_mm, const Vec3& palm, const Vec3& fingers);

@@ -12,11 +12,8 @@ namespace hapticast::evaluate::held {
 
 namespace {
 
-constexpr double kGoodStart = 0.8;  // IoU
-constexpr double kBadStart = 0.5;
 constexpr double kWorthAWord = 0.02;  // of the object's area: nobody corrects less
 constexpr double kShown = 0.25;       // of the object is seen where its mask is drawn
-constexpr double kFromEdge_px = 3.0;  // nobody clicks on the very edge
 
 const char* formatName(DepthSense sense) {
   switch (sense) {
@@ -61,26 +58,6 @@ void drawContactSheet(const Recording& recording, const Run& run,
   sheet.write(sheets / ("vision_held_" + recording.name + ".png"));
 }
 
-Starts clickAround(const Recording& recording, double clicks) {
-  const cv::Mat truth = recording.truth[0].mask();
-  cv::Mat distance;
-  cv::distanceTransform(truth, distance, cv::DIST_L2, 5);
-  const int step = std::max(2, static_cast<int>(std::sqrt(cv::countNonZero(truth) / clicks)));
-  Starts out;
-  for (int v = step / 2; v < truth.rows; v += step) {
-    for (int u = step / 2; u < truth.cols; u += step) {
-      if (double(distance.at<float>(v, u)) < kFromEdge_px) continue;
-      ++out.clicks;
-      const auto mask = startOf(recording, {{{{u + 0.5, v + 0.5}}}, {}, {}});
-      if (!mask) ++out.refused;
-      const double iou = mask ? server::computeOverlap(*mask, truth) : 0.0;
-      if (iou > kGoodStart) ++out.good;
-      if (iou < kBadStart) ++out.bad;
-    }
-  }
-  return out;
-}
-
 // The largest wrong place of the clip, where the author says what it is. False where nobody would
 // say a word.
 bool correct(const Recording& recording, const Run& run, Words& words) {
@@ -88,24 +65,11 @@ bool correct(const Recording& recording, const Run& run, Words& words) {
   std::optional<server::AuthorPoint> said;
   bool off = false;
   for (std::size_t i = 0; i < run.masks.size(); ++i) {
-    const cv::Mat truth = recording.truth[i].mask();
-    const double area = std::max(1, cv::countNonZero(truth));
-    const cv::Mat mask =
-        run.masks[i].empty() ? cv::Mat::zeros(truth.size(), CV_8UC1) : run.masks[i];
-    for (const bool is_foreign : {true, false}) {
-      const cv::Mat wrong = is_foreign ? mask & ~truth : truth & ~mask;
-      cv::Mat labels;
-      cv::Mat stats;
-      cv::Mat centroids;
-      const int count = cv::connectedComponentsWithStats(wrong, labels, stats, centroids, 4);
-      for (int label = 1; label < count; ++label) {
-        const double share = stats.at<int>(label, cv::CC_STAT_AREA) / area;
-        if (share <= most) continue;
-        most = share;
-        said = server::AuthorPoint{*innermost(labels == label), recording.frames[i].clip_time_s};
-        off = is_foreign;
-      }
-    }
+    const auto wrong = findLargestWrong(recording, run, i);
+    if (!wrong || wrong->share <= most) continue;
+    most = wrong->share;
+    said = server::AuthorPoint{wrong->middle_px, recording.frames[i].clip_time_s};
+    off = wrong->foreign;
   }
   if (!said) return false;
   (off ? words.off : words.on).push_back(*said);
@@ -129,18 +93,20 @@ std::size_t worstFrame(const Recording& recording, const Run& run) {
 
 }  // namespace
 
-Result measure(const Scene& scene, const std::filesystem::path& sheets, double clicks_to_try) {
+Result measure(const Scene& scene, const std::filesystem::path& sheets, const Effort& effort) {
   const Recording recording = record(scene, {640, 480});
   Result out;
   out.name = scene.name;
   out.sensor = formatName(scene.sensing.kind);
   out.held_at_start = scene.held_at_start;
+  out.reported_apart = scene.reported_apart;
   const Words click{{{*innermost(recording.truth[0].mask())}}, {}, {}};
   const Run run = watch(recording, click);
   out.one_click = scoresOf(recording, run);
   out.refused = run.refused;
   if (!sheets.empty()) drawContactSheet(recording, run, sheets);
-  out.starts = clickAround(recording, clicks_to_try);
+  out.starts = clickAround(recording, 0, effort.clicks);
+  if (effort.trials) out.trials = tryOut(recording, run, click, 0.4 * effort.clicks);
   Words points = click;
   Words masks = click;
   Run by_points = run;

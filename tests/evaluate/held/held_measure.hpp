@@ -7,39 +7,30 @@
 #include <filesystem>
 #include <string>
 
-#include "tests/evaluate/held/held_run.hpp"
+#include "tests/evaluate/held/held_trials.hpp"
 
 namespace hapticast::evaluate::held {
-
-/// What clicks anywhere inside an object begin with.
-struct Starts {
-  std::size_t clicks = 0, good = 0, bad = 0, refused = 0;
-
-  void add(const Starts& other) {
-    clicks += other.clicks;
-    good += other.good;
-    bad += other.bad;
-    refused += other.refused;
-  }
-  [[nodiscard]] double share(std::size_t of) const {
-    return double(of) / std::max(1.0, double(clicks));
-  }
-};
 
 /// All that is measured of one scene.
 struct Result {
   std::string name, sensor;
-  bool held_at_start = false;
+  bool held_at_start = false, reported_apart = false;
   Scores one_click;
   std::string refused;
-  Starts starts;
+  Starts starts;  ///< at the first frame
+  std::optional<Trials> trials;
   /// After one and two corrections: points at what is most wrong in the clip, or true masks of the
   /// frames that are most wrong.
   std::array<Scores, 2> by_points, by_masks;
 };
 
-/// Draws a contact sheet into `sheets` (empty: none); `clicks` inside the object are tried.
-Result measure(const Scene& scene, const std::filesystem::path& sheets, double clicks);
+/// How much is measured of a scene.
+struct Effort {
+  double clicks = 40.0;  ///< that are tried inside the object
+  bool trials = true;    ///< held_trials.hpp
+};
+/// Draws a contact sheet into `sheets` (empty: none).
+Result measure(const Scene& scene, const std::filesystem::path& sheets, const Effort& effort);
 
 /// Run time alone, in a picture of another size, of the first frames.
 Scores timesOf(const Scene& scene, const cv::Size& size, std::size_t frames);

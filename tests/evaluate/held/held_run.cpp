@@ -97,6 +97,7 @@ Recording record(const Scene& scene, const cv::Size& size, std::size_t most_fram
   out.camera = film.camera();
   out.held_at_start = scene.held_at_start;
   out.object = scene.object;
+  out.sensing = scene.sensing;
   const std::size_t count = std::min<std::size_t>(most_frames, *out.info.frame_count);
   out.info.frame_count = count;
   for (std::size_t i = 0; i < count; ++i) {
@@ -147,14 +148,18 @@ Run watchByTrueMasks(const Recording& recording) {
   return watchWith(recording, settings, true, {});
 }
 
-std::optional<cv::Mat> startOf(const Recording& recording, const Words& words) {
-  const cv::Size size(recording.info.width_px, recording.info.height_px);
+std::optional<cv::Mat> startOf(const server::RgbdFrame& first, const server::SourceInfo& info,
+                               const Words& words) {
+  const cv::Size size(info.width_px, info.height_px);
+  server::RgbdFrame frame = first;
+  frame.index = 0;
+  frame.clip_time_s = 0.0;
   cv::Mat mask = cv::Mat::zeros(size, CV_8UC1);
   std::uint32_t next_id = 1;
   server::ClipAnnotations annotations;
   try {
-    server::Tracker tracker(recording.info, settingsOf(words), nullptr, next_id, annotations);
-    for (const server::TrackedObject& object : tracker.next(recording.frames.front(), 0.0)) {
+    server::Tracker tracker(info, settingsOf(words), nullptr, next_id, annotations);
+    for (const server::TrackedObject& object : tracker.next(frame, 0.0)) {
       if (object.seen)
         cv::bitwise_or(mask(object.surface.box), object.surface.mask, mask(object.surface.box));
     }

@@ -20,6 +20,7 @@ struct Recording {
   std::vector<Truth> truth;
   bool held_at_start = false;
   Object object;
+  Sensing sensing;
 };
 Recording record(const Scene& scene, const cv::Size& size, std::size_t most_frames = 1000);
 
@@ -45,8 +46,9 @@ Run watch(const Recording& recording, const Words& words);
 /// The same with the true masks given by the source: what is left is the surface's share.
 Run watchByTrueMasks(const Recording& recording);
 
-/// The mask of the first frame alone; nullopt: refused.
-std::optional<cv::Mat> startOf(const Recording& recording, const Words& words);
+/// The mask of one frame with which a recording begins; nullopt: refused.
+std::optional<cv::Mat> startOf(const server::RgbdFrame& first, const server::SourceInfo& info,
+                               const Words& words);
 
 struct Scores {
   double mean_iou = 0.0, worst_iou = 1.0;
@@ -56,8 +58,12 @@ struct Scores {
   double relief_share = 0.0;         ///< of the announced 30 mm that the object's own surface takes
   double cut_share = 0.0;        ///< of its pixels, those that lie at the very ends of the 30 mm
   double velocity_error = -1.0;  ///< rms over that of the true one, in the picture; < 0: it rests
-  double noise_N = -1.0;         ///< on a finger that does not move; < 0: something does
-  double renamed = 0.0;          ///< share of its pixels that change their layer, mean over frames
+  /// Of the true velocity, the share that is estimated, along x and y; < -1e3: it rests there.
+  Vec2 velocity_gain{-1e9, -1e9};
+  double wrong_sign = 0.0;  ///< share of the frames with true motion that are the wrong way
+  std::size_t blank = 0;    ///< frames without the object where a third of it has been seen a while
+  double noise_N = -1.0;    ///< on a finger that does not move; < 0: something does
+  double renamed = 0.0;     ///< share of its pixels that change their layer, mean over frames
   double grid_share = -1.0;  ///< of the motion that bending adds, what the grid tells; < 0: none
   double median_ms = 0.0, slow_ms = 0.0;  ///< the latter: 95 %
 };

@@ -11,11 +11,14 @@ namespace hapticast::evaluate::held {
 
 namespace {
 
-constexpr double kSeenEnough = 0.25;  // share of the object: with less a frame is no measure
-constexpr double kBeside_px = 2.0;    // a mask's rim may be off by this before it is foreign
-constexpr double kMoves_mm_s = 3.0;   // nominal, rms: with less it rests
-constexpr double kLostBelow = 0.1;    // IoU
-constexpr std::size_t kSettled = 24;  // frames: what is held is held by then
+constexpr double kSeenEnough = 0.25;      // share of the object: with less a frame is no measure
+constexpr double kBeside_px = 2.0;        // a mask's rim may be off by this before it is foreign
+constexpr double kMoves_mm_s = 3.0;       // nominal, rms: with less it rests
+constexpr double kLostBelow = 0.1;        // IoU
+constexpr double kBlankSeen = 1.0 / 3.0;  // share of the object
+constexpr std::size_t kBlankAfter = 5;    // frames after it came into view
+constexpr double kWrongSignAbove_mm_s = 15.0;  // nominal
+constexpr std::size_t kSettled = 24;           // frames: what is held is held by then
 
 Workspace workspaceOf(const Recording& recording) {
   Workspace out;
@@ -66,6 +69,21 @@ void scoreMasks(const Recording& recording, const Run& run, Scores& out) {
   out.foreign /= std::max(1.0, double(out.frames));
 }
 
+// From the first frame on it is in view since long.
+void countBlankFrames(const Recording& recording, const Run& run, Scores& out) {
+  std::size_t in_view = kBlankAfter;
+  for (std::size_t i = 0; i < run.masks.size(); ++i) {
+    const Truth& truth = recording.truth[i];
+    if (truth.visibleShare() <= kBlankSeen) {
+      in_view = 0;
+      continue;
+    }
+    if (in_view++ < kBlankAfter) continue;
+    if (run.masks[i].empty() || server::computeOverlap(run.masks[i], truth.mask()) < kLostBelow)
+      ++out.blank;
+  }
+}
+
 // The part of the announced heights between which the object's own pixels lie, over the clip, and
 // how many of them reach beyond.
 void scoreRelief(const Recording& recording, const Run& run, Scores& out) {
@@ -100,6 +118,33 @@ double velocityError(const Recording& recording, const Run& run) {
   }
   const double frames = std::max(1.0, double(run.largest.size()));
   return std::sqrt(speeds / frames) < kMoves_mm_s ? -1.0 : std::sqrt(errors / speeds);
+}
+
+// Regression of the estimated on the true velocity, along each axis.
+void scoreVelocityGain(const Recording& recording, const Run& run, Scores& out) {
+  Vec2 products = Vec2::Zero();
+  Vec2 squares = Vec2::Zero();
+  double frames = 0.0;
+  double fast = 0.0;
+  double wrong = 0.0;
+  for (std::size_t i = 0; i < run.largest.size(); ++i) {
+    if (recording.truth[i].visibleShare() < kSeenEnough || !run.largest[i]) continue;
+    const Vec2 exact = trueVelocity(recording, recording.truth[i].centre);
+    const Vec2 got = run.largest[i]->motion.velocity_mm_s.head<2>();
+    frames += 1.0;
+    products += got.cwiseProduct(exact);
+    squares += exact.cwiseProduct(exact);
+    for (const Eigen::Index axis : {0, 1}) {
+      if (std::abs(exact[axis]) <= kWrongSignAbove_mm_s) continue;
+      fast += 1.0;
+      if (got[axis] * exact[axis] < 0) wrong += 1.0;
+    }
+  }
+  for (const Eigen::Index axis : {0, 1}) {
+    if (std::sqrt(squares[axis] / std::max(1.0, frames)) > kMoves_mm_s)
+      out.velocity_gain[axis] = products[axis] / squares[axis];
+  }
+  out.wrong_sign = wrong / std::max(1.0, fast);
 }
 
 // Sums of squares of what the object's own motion leaves of the surface's, without and with the
@@ -181,10 +226,12 @@ bool rests(const Recording& recording) {
 Scores scoresOf(const Recording& recording, const Run& run) {
   Scores out;
   scoreMasks(recording, run, out);
+  countBlankFrames(recording, run, out);
   if (!run.refused.empty()) return out;
   scoreRelief(recording, run, out);
   out.renamed = renamedShare(recording, run);
   out.velocity_error = velocityError(recording, run);
+  scoreVelocityGain(recording, run, out);
   out.grid_share = gridShare(recording, run);
   if (rests(recording) && run.heights.size() > kSettled)
     out.noise_N = forceNoise_N(run.heights, kSettled, run.heights.size(),

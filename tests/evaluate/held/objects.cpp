@@ -98,6 +98,10 @@ Thing Object::at(double t) const {
       out.parts.push_back(makePart(Form::kBox, size * Vec3(48, 62, 30), Vec3::Zero(), paint));
       out.parts.back().rounding_mm = 2.5;
       break;
+    case Kind::kTablet:
+      out.parts.push_back(makePart(Form::kBox, size * Vec3(84, 58, 5), Vec3::Zero(), paint));
+      out.parts.back().rounding_mm = 3.0;
+      break;
     case Kind::kTube:
       out.parts.push_back(makePart(Form::kTube, {24.0 * size, kTubeHalf_mm * size, bent.at(t)},
                                    Vec3::Zero(), paint));

@@ -8,7 +8,7 @@
 
 namespace hapticast::evaluate::held {
 
-enum class Kind : std::uint8_t { kMug, kBear, kBall, kBox, kTube, kBottle };
+enum class Kind : std::uint8_t { kMug, kBear, kBall, kBox, kTube, kBottle, kTablet };
 
 /// A kind of thing in its size and colours.
 struct Object {

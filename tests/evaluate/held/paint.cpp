@@ -66,6 +66,12 @@ Color dots(const Paint& paint, const Vec3& p) {
   return mixed(paint.second, paint.color, smoothStep(0.36, 0.42, off));
 }
 
+// The wall of a mug lies beyond this radius.
+bool inRim(const Paint& paint, const Vec3& p) {
+  constexpr double kInside_mm = 38.0;
+  return p.y() > paint.scale_mm || std::sqrt(p.x() * p.x() + p.z() * p.z()) < kInside_mm;
+}
+
 Color skin(const Paint& paint, const Vec3& p, float uneven) {
   const Color red(0.75F * paint.color.x(), 0.8F * paint.color.y(), 1.0F * paint.color.z());
   const float blotch = static_cast<float>(solidNoise(0.35 * p + Vec3(90, 40, 10)));
@@ -115,6 +121,8 @@ Color colorAt(const Paint& paint, const Vec3& p) {
       return dots(paint, p) * uneven;
     case Pattern::kLabel:
       return label(paint, p) * uneven;
+    case Pattern::kRim:
+      return (inRim(paint, p) ? paint.second : paint.color) * uneven;
     case Pattern::kShelf:
       return shelf(paint, p) * uneven;
   }

@@ -22,6 +22,7 @@ enum class Pattern : std::uint8_t {
   kWood,       ///< grain along x
   kDots,
   kLabel,  ///< a band of the second colour with writing, about y = 0
+  kRim,    ///< the second colour above y = `scale_mm` and inside a mug
   kShelf,  ///< rows of coloured backs of books in x and y
 };
 

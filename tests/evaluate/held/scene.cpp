@@ -102,9 +102,8 @@ Film::Shot Film::shoot(std::uint64_t index) const {
   }
   shot.truth.id = picture.id;
   shot.truth.depth = picture.depth;
-  const auto gain = static_cast<float>(exposureAt(scene_.sensing, t / scene_.duration_s));
-  const Exact exact{renderer_.develop(picture, shadows, Color::Constant(gain)), picture.depth,
-                    picture.blind};
+  const Color gain = gainAt(scene_.sensing, t / scene_.duration_s);
+  const Exact exact{renderer_.develop(picture, shadows, gain), picture.depth, picture.blind};
   shot.frame.index = index;
   shot.frame.clip_time_s = t;
   sense(scene_.sensing, exact, renderer_.camera().fx_px, shot.frame);

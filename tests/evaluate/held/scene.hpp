@@ -63,7 +63,8 @@ struct Scene {
   std::vector<Prop> props;
   std::vector<HandScript> hands;
   Sensing sensing;
-  bool held_at_start = false;  ///< a hand is at the object in the first frame
+  bool reported_apart = false;  ///< not in the sums of the others
+  bool held_at_start = false;   ///< a hand is at the object in the first frame
 };
 
 /// One frame's truth.

@@ -182,6 +182,13 @@ double exposureAt(const Sensing& sensing, double share_of_clip) {
   return 1.0 + sensing.exposure_swing * std::sin(9.0 * t) * std::exp(-1.2 * t);
 }
 
+Color gainAt(const Sensing& sensing, double share_of_clip) {
+  const auto gain = static_cast<float>(exposureAt(sensing, share_of_clip));
+  const double balanced = std::clamp((share_of_clip - 0.45) / 0.1, 0.0, 1.0);
+  const auto cast = static_cast<float>(sensing.green_cast * (1.0 - balanced));
+  return gain * Color(1.0F - 0.6F * cast, 1.0F + cast, 1.0F - cast);
+}
+
 void sense(const Sensing& sensing, const Exact& exact, double focal_px, server::RgbdFrame& frame) {
   cv::RNG random(sensing.seed * 7919 + frame.index + 1);
   cv::Mat noise(exact.color.size(), CV_32FC3);

@@ -7,6 +7,7 @@
 #include <opencv2/core.hpp>
 
 #include "server/source/rgbd_source.hpp"
+#include "tests/evaluate/held/paint.hpp"
 
 namespace hapticast::evaluate::held {
 
@@ -25,6 +26,7 @@ struct Sensing {
   double beside_px = 0.0, below_px = 0.0;  ///< depth is drawn this far beside colour
   double flicker = 0.0;                    ///< rms of an estimator's scale and shift, share
   double exposure_swing = 0.0;             ///< share by which the brightness changes in the clip
+  double green_cast = 0.0;                 ///< share of green too much until the camera balances
   double color_noise = 1.5;                ///< rms, levels
   int jpeg_quality = 88;                   ///< 0: not compressed
   double near_mm = 300.0;                  ///< what 255 and 0 are where depth is in 8 bits
@@ -43,6 +45,9 @@ struct Exact {
 
 /// The brightness of colour at a moment of the clip (share 0..1 of its length).
 double exposureAt(const Sensing& sensing, double share_of_clip);
+
+/// The gain of each colour at a moment: the brightness, and a green cast in the first half.
+Color gainAt(const Sensing& sensing, double share_of_clip);
 
 /// The frame's colour and depth; `focal_px` of the camera.
 void sense(const Sensing& sensing, const Exact& exact, double focal_px, server::RgbdFrame& frame);

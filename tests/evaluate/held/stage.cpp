@@ -160,6 +160,7 @@ void Stage::setClutter() {
 void Stage::setPerson() {
   const double x = mirror * draw.between(-60, 60);
   const double z = -470.0 + draw.between(-30, 30);
+  person_mm = {x, 0, z};
   Thing person;
   person.id = kPerson;
   person.blend_mm = 30.0;
@@ -228,6 +229,7 @@ std::size_t Stage::addPaintsOf(Kind kind) {
       first.gloss = 0.25F;
       break;
     case Kind::kBox:
+    case Kind::kTablet:
       first.pattern = pick({Pattern::kLabel, Pattern::kDots, Pattern::kChecks, Pattern::kPlain});
       first.scale_mm = 28.0;
       first.gloss = 0.15F;

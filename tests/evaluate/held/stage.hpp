@@ -24,8 +24,9 @@ class Stage {
 
   Draw draw;
   Scene scene;
-  Pose to_camera;                                              ///< table to camera
-  double mirror = 1.0;                                         ///< -1: left and right are exchanged
+  Pose to_camera;                 ///< table to camera
+  Vec3 person_mm = Vec3::Zero();  ///< the middle of the person, in the table's frame
+  double mirror = 1.0;            ///< -1: left and right are exchanged
   std::size_t skin = 0, fingertip = 0, sleeve = 0, shirt = 0;  ///< paints of this person
 
   /// A place or direction told for the unmirrored scene.
