@@ -11,6 +11,7 @@ namespace hapticast::evaluate::held {
 namespace {
 
 constexpr double kReach_mm = 150.0;  // from the click, in the picture and in depth
+constexpr int kLikely = 3;           // probably the object: within this part of the reach
 constexpr int kClick_px = 4;         // radius of what is certainly the object
 constexpr int kFrame_px = 8;         // certain background around the window
 constexpr int kRounds = 5;
@@ -40,7 +41,9 @@ cv::Mat grabCutAt(const Recording& recording, std::size_t frame, const Vec2& cli
   const cv::Rect inner = server::grown(around, reach_px, color.size());
   const cv::Rect window = server::grown(around, reach_px + kFrame_px, color.size());
   cv::Mat marks(color.size(), CV_8UC1, cv::Scalar(cv::GC_BGD));
-  marks(inner).setTo(cv::GC_PR_FGD);
+  // To begin with "probably the object" everywhere, or nowhere, gives GrabCut far worse masks.
+  marks(inner).setTo(cv::GC_PR_BGD);
+  marks(server::grown(around, reach_px / kLikely, color.size())).setTo(cv::GC_PR_FGD);
   const cv::Mat depth = depthInMillimetres(recording, frame);
   const cv::Mat beyond = (cv::abs(depth - z_mm) > kReach_mm) & (depth > 0);
   marks.setTo(cv::GC_BGD, beyond);

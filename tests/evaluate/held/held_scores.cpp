@@ -120,7 +120,7 @@ double velocityError(const Recording& recording, const Run& run) {
   return std::sqrt(speeds / frames) < kMoves_mm_s ? -1.0 : std::sqrt(errors / speeds);
 }
 
-// Regression of the estimated on the true velocity, along each axis.
+// Regression of the estimated on the true velocity, along each axis. No object has no velocity.
 void scoreVelocityGain(const Recording& recording, const Run& run, Scores& out) {
   Vec2 products = Vec2::Zero();
   Vec2 squares = Vec2::Zero();
@@ -128,9 +128,10 @@ void scoreVelocityGain(const Recording& recording, const Run& run, Scores& out) 
   double fast = 0.0;
   double wrong = 0.0;
   for (std::size_t i = 0; i < run.largest.size(); ++i) {
-    if (recording.truth[i].visibleShare() < kSeenEnough || !run.largest[i]) continue;
+    if (recording.truth[i].visibleShare() < kSeenEnough) continue;
     const Vec2 exact = trueVelocity(recording, recording.truth[i].centre);
-    const Vec2 got = run.largest[i]->motion.velocity_mm_s.head<2>();
+    const Vec2 got =
+        run.largest[i] ? Vec2(run.largest[i]->motion.velocity_mm_s.head<2>()) : Vec2::Zero();
     frames += 1.0;
     products += got.cwiseProduct(exact);
     squares += exact.cwiseProduct(exact);
@@ -227,11 +228,11 @@ Scores scoresOf(const Recording& recording, const Run& run) {
   Scores out;
   scoreMasks(recording, run, out);
   countBlankFrames(recording, run, out);
+  scoreVelocityGain(recording, run, out);
   if (!run.refused.empty()) return out;
   scoreRelief(recording, run, out);
   out.renamed = renamedShare(recording, run);
   out.velocity_error = velocityError(recording, run);
-  scoreVelocityGain(recording, run, out);
   out.grid_share = gridShare(recording, run);
   if (rests(recording) && run.heights.size() > kSettled)
     out.noise_N = forceNoise_N(run.heights, kSettled, run.heights.size(),

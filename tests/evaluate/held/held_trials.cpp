@@ -21,12 +21,15 @@ constexpr std::size_t kAfter = 5;  // frames in which a correction may not empty
 constexpr double kEmpty = 0.1;     // of the true area
 constexpr int kNear_px = 40;       // a hand beside the object
 
-// The hands' pixels within `reach_px` of the object, but not at its very edge.
-cv::Mat handBeside(const Truth& truth, int reach_px) {
+// The hands' pixels, but not at the object's very edge.
+cv::Mat handsIn(const Truth& truth) {
   const cv::Mat hands =
       (truth.id == static_cast<int>(kHand)) | (truth.id == static_cast<int>(kOtherHand));
-  const cv::Mat own = truth.mask();
-  return hands & server::dilatedBy(own, reach_px) & ~server::dilatedBy(own, 3);
+  return hands & ~server::dilatedBy(truth.mask(), 3);
+}
+
+cv::Mat handsBeside(const Truth& truth, int reach_px) {
+  return handsIn(truth) & server::dilatedBy(truth.mask(), reach_px);
 }
 
 // Adds a correction for `frame`. Returns whether it says something new.
@@ -37,7 +40,7 @@ bool say(const Recording& recording, const Run& run, std::size_t frame, Words& w
     (wrong->foreign ? words.off : words.on).push_back({wrong->middle_px, time_s});
     return true;
   }
-  if (const auto hand = innermost(handBeside(recording.truth[frame], kNear_px)))
+  if (const auto hand = innermost(handsBeside(recording.truth[frame], kNear_px)))
     words.off.push_back({*hand, time_s});
   return false;
 }
@@ -174,8 +177,7 @@ TurnedScores compareTurned(const Recording& recording) {
   TurnedScores out;
   const Truth& truth = recording.truth.front();
   out.on_object = leastOverlapTurned(recording, *innermost(truth.mask()));
-  const int whole_picture = truth.id.cols;
-  if (const auto hand = innermost(handBeside(truth, whole_picture)))
+  if (const auto hand = innermost(handsIn(truth)))
     out.on_hand = leastOverlapTurned(recording, *hand);
   return out;
 }
@@ -184,7 +186,7 @@ Trials tryOut(const Recording& recording, const Run& run, const Words& click, do
   Trials out;
   for (std::size_t i = 0; i < out.starts.size(); ++i) {
     const std::size_t frame = i * recording.frames.size() / out.starts.size();
-    const bool at_hand = cv::countNonZero(handBeside(recording.truth[frame], 8)) > 0;
+    const bool at_hand = cv::countNonZero(handsBeside(recording.truth[frame], 8)) > 0;
     if (at_hand && recording.truth[frame].visibleShare() > kShownEnough)
       out.starts[i] = clickAround(recording, frame, clicks);
   }
