@@ -174,7 +174,7 @@ void App::Impl::run() {
   service_.start([this] { stop(); }, [this] { reload(); });
   browse();
   const SliceSettings slices{.error_mm = heightError_mm(settings_.vision)};
-  if (settings_.explain)
+  if (settings_.vision.explain)
     spdlog::info("heights on the wire are exact to {:.3g} mm", slices.error_mm);
   std::vector<StreamSink*> sinks{&service_.broadcaster()};
   if (relay_) sinks.push_back(&*relay_);
@@ -246,7 +246,7 @@ void App::Impl::play(EncoderThread& encoder) {
     process(*frame, media_time, encoder);
     if (settings_.http) counter_.set(pacer.skipped(), encoder.times(), signer_.signingTime());
     range_teller_.log(vision_.mapped());
-    if (settings_.explain)
+    if (settings_.vision.explain)
       plan_teller_.log(vision_.plan(), encoder.reliefBytes(), media_clock_.now());
     logSkippedFrames(pacer);
   }

@@ -263,9 +263,10 @@ std::unique_ptr<CLI::App> commandLine(Settings& settings) {
   addMaterialOptions(*app, settings.vision.material, settings.vision.mass_kg);
   addScene(*app, settings);
   addPreview(*app, settings.preview);
-  app->add_flag(
-      "--explain", settings.explain,
-      "Log the stages that the server leaves out for each object, with reason, saving and cost");
+  app->add_flag("--explain", settings.vision.explain,
+                "Log the stages that the server leaves out for each object, with reason, saving "
+                "and cost. Log "
+                "the candidates for the first mask, with their scores");
   app->add_flag("--quiet", settings.quiet, "Only warnings and errors");
   addConfigFile(*app);
   app->final_callback([&settings, parsed = app.get()] {

@@ -47,7 +47,6 @@ struct Settings {
   Scene scene;                         ///< the author's work, from the scene file and from flags
   std::vector<KeyMaskFile> key_masks;  ///< those of the scene file
   std::string preview;  ///< output of the preview: FILE.png or a folder; empty: no preview
-  bool explain = false;
   bool quiet = false;
   FlagTexts flags;  ///< all flags that were set, in any way, with their texts
 };

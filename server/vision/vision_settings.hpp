@@ -89,6 +89,7 @@ struct VisionSettings {
   /// --compensate-pan: accelerations and impacts are relative to the background, not to the
   /// picture.
   bool compensate_pan = false;
+  bool explain = false;  ///< --explain: log how the first mask was chosen
 
   /// Returns the material of the object with this number.
   [[nodiscard]] const Material& materialOf(int number) const {

@@ -121,6 +121,10 @@ cv::Mat pieceAt(const cv::Mat& mask, const cv::Point& at) {
   return (labels == labels.at<int>(at)) & mask;
 }
 
+bool contains(const cv::Mat& mask, const cv::Point& at) {
+  return cv::Rect({0, 0}, mask.size()).contains(at) && mask.at<unsigned char>(at) != 0;
+}
+
 cv::Point findDeepestPoint(const cv::Mat& mask) {
   cv::Mat framed;
   cv::copyMakeBorder(mask, framed, 1, 1, 1, 1, cv::BORDER_CONSTANT, cv::Scalar(0));

@@ -43,6 +43,8 @@ Pieces findPieces(const cv::Mat& mask);
 /// Returns the piece of `mask` that contains the pixel `at`. All pixels are 0 if `at` is not in
 /// `mask`.
 cv::Mat pieceAt(const cv::Mat& mask, const cv::Point& at);
+/// Returns whether `at` is a pixel of `mask`.
+bool contains(const cv::Mat& mask, const cv::Point& at);
 /// Returns the pixel of `mask` that is farthest from all pixels outside it. The picture's border
 /// counts as outside.
 cv::Point findDeepestPoint(const cv::Mat& mask);

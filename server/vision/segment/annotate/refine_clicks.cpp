@@ -7,7 +7,6 @@
 
 #include "server/vision/base/masks.hpp"
 #include "server/vision/segment/appearance/graph_cut.hpp"
-#include "server/vision/segment/initialise/initial_mask.hpp"
 
 namespace hapticast::server {
 
@@ -16,6 +15,7 @@ namespace {
 // Tuned on drawn scenes of objects in hands.
 constexpr double kSays_mm = 30.0;    // up to here a point outweighs its colours
 constexpr double kMeant_mm = 100.0;  // up to here a point means the pixels connected to it
+constexpr double kMostAdded = 0.5;   // chosen, of the mask: a point means a missing part
 constexpr int kWordMargin_px = 30;
 
 // Data of a correction in one small view.
@@ -56,23 +56,33 @@ cv::Mat nearnessTo(const cv::Mat& clicked, double reach_px) {
   return cv::max(1.0 - distance / reach_px, 0.0);
 }
 
-// Returns the region connected to a positive point: similar in colour, near in space, on no plane.
-cv::Mat drawClickDisc(const GraphRoi& view, const cv::Point& at, double px_per_mm) {
+// Returns the region connected to a positive point: similar in colour, within `reach_mm`, on no
+// plane.
+cv::Mat growRegion(const GraphRoi& view, const cv::Point& at, double px_per_mm, double reach_mm) {
   const int radius = discRadius(view);
   cv::Mat out = connectedTo(view, at, radius);
   const auto depth_mm = double(view.depth.at<float>(at));
   cv::Mat off = view.plane.clone();
-  if (depth_mm > 0) off |= (view.depth > 0) & (cv::abs(view.depth - depth_mm) > kMeant_mm);
+  if (depth_mm > 0) off |= (view.depth > 0) & (cv::abs(view.depth - depth_mm) > reach_mm);
   out.setTo(0, off);
   cv::Mat within = cv::Mat::zeros(out.size(), CV_8UC1);
-  cv::circle(within, at, std::max(radius, int(kMeant_mm * px_per_mm)), cv::Scalar(255), cv::FILLED);
+  cv::circle(within, at, std::max(radius, int(reach_mm * px_per_mm)), cv::Scalar(255), cv::FILLED);
   out &= within;
   cv::circle(out, at, radius, cv::Scalar(255), cv::FILLED);
   return pieceAt(out, at);
 }
 
+// Returns the region that a positive point adds to the mask `old`. Where the colours are also those
+// of other things, the region is larger than the object. Then only pixels near the point count.
+cv::Mat drawClickDisc(const GraphRoi& view, const cv::Mat& old, const cv::Point& at,
+                      double px_per_mm) {
+  const cv::Mat region = growRegion(view, at, px_per_mm, kMeant_mm);
+  if (cv::countNonZero(region & ~old) <= kMostAdded * cv::countNonZero(old)) return region;
+  return growRegion(view, at, px_per_mm, kSays_mm);
+}
+
 Correction prepareCorrection(const FrameContext& scene, const cv::Mat& mask,
-                             const Annotation& annotation) {
+                             const Annotation& annotation, const std::vector<cv::Point>& held) {
   const cv::Size picture = mask.size();
   cv::Rect box = boxAround(mask, kWordMargin_px);
   const std::vector<cv::Point> on = positions(annotation.on);
@@ -83,7 +93,7 @@ Correction prepareCorrection(const FrameContext& scene, const cv::Mat& mask,
   Correction out;
   out.view = GraphRoi::around(scene, box & cv::Rect({0, 0}, picture), kCutOfCorrection.most_px);
   out.old = out.view.shrunk(mask);
-  out.clicked_positive = drawDiscs(out.view, on);
+  out.clicked_positive = drawDiscs(out.view, on) | drawDiscs(out.view, held);
   out.clicked_negative = drawDiscs(out.view, annotation.off);
   out.connected_negative = out.clicked_negative.clone();
   for (const cv::Point& point : annotation.off) {
@@ -96,7 +106,7 @@ Correction prepareCorrection(const FrameContext& scene, const cv::Mat& mask,
   out.connected_positive = out.clicked_positive.clone();
   for (const cv::Point& point : on) {
     if (out.view.box.contains(point))
-      out.connected_positive |= drawClickDisc(out.view, out.view.toRoi(point), px_per_mm);
+      out.connected_positive |= drawClickDisc(out.view, out.old, out.view.toRoi(point), px_per_mm);
   }
   out.nearby_positive = nearnessTo(out.connected_positive, std::max(reach_px, 3.0));
   out.nearby_negative = nearnessTo(out.clicked_negative, std::max(reach_px, 3.0));
@@ -155,8 +165,8 @@ cv::Mat selectPieces(const Correction& c, const cv::Mat& cut) {
 }  // namespace
 
 cv::Mat refineWithClicks(const FrameContext& scene, const cv::Mat& mask,
-                         const Annotation& annotation) {
-  const Correction c = prepareCorrection(scene, mask, annotation);
+                         const Annotation& annotation, const std::vector<cv::Point>& held) {
+  const Correction c = prepareCorrection(scene, mask, annotation, held);
   const cv::Mat cut = minimumCut(computeTerms(c), c.view, scene.noise, kCutOfCorrection);
   return c.view.inPicture(selectPieces(c, cut), mask.size());
 }

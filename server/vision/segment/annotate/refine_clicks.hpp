@@ -4,6 +4,7 @@
 #pragma once
 
 #include <opencv2/core.hpp>
+#include <vector>
 
 #include "server/vision/segment/annotate/annotation_track.hpp"
 #include "server/vision/segment/appearance/object_roi.hpp"
@@ -11,9 +12,10 @@
 namespace hapticast::server {
 
 /// Returns `mask`, corrected by the author's points. The regions of positive points are added, and
-/// the regions of negative points are removed. All pixels are 0 if nothing remains. `mask` and the
-/// result: CV_8UC1, 0/255, size of the image.
+/// the regions of negative points are removed. `held`: earlier positive points, px; their pixels
+/// remain, but they add no region. All pixels are 0 if nothing remains. `mask` and the result:
+/// CV_8UC1, 0/255, size of the image.
 cv::Mat refineWithClicks(const FrameContext& scene, const cv::Mat& mask,
-                         const Annotation& annotation);
+                         const Annotation& annotation, const std::vector<cv::Point>& held);
 
 }  // namespace hapticast::server

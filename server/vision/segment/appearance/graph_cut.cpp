@@ -10,23 +10,25 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr int kParts = 5;           // as in GrabCut
-constexpr int kMostSamples = 800;   // chosen for time
-constexpr float kLeastSpread = 16;  // squared, Lab: effect of a camera's noise and shading
+constexpr int kParts = 5;                  // as in GrabCut
+constexpr std::size_t kMostSamples = 800;  // chosen for time
+constexpr float kLeastSpread = 16;         // squared, Lab: effect of a camera's noise and shading
 
+// Returns colours in an order that does not depend on how the picture is turned.
 cv::Mat collectSamples(const cv::Mat& lab, const cv::Mat& where) {
-  const int count = cv::countNonZero(where);
-  const int stride = std::max(1, count / kMostSamples);
-  cv::Mat out(0, 3, CV_32F);
-  out.reserve(static_cast<std::size_t>(count / stride) + 1);
-  int seen = 0;
+  std::vector<std::array<float, 3>> colors;
+  colors.reserve(lab.total());
   for (int v = 0; v < lab.rows; ++v) {
     for (int u = 0; u < lab.cols; ++u) {
-      if (where.at<unsigned char>(v, u) == 0 || seen++ % stride != 0) continue;
       const auto& at = lab.at<cv::Vec3f>(v, u);
-      out.push_back(cv::Mat(1, 3, CV_32F, const_cast<float*>(at.val)).clone());
+      if (where.at<unsigned char>(v, u) != 0) colors.push_back({at[0], at[1], at[2]});
     }
   }
+  std::sort(colors.begin(), colors.end());
+  const std::size_t stride = std::max<std::size_t>(1, colors.size() / kMostSamples);
+  cv::Mat out(static_cast<int>((colors.size() + stride - 1) / stride), 3, CV_32F);
+  for (int i = 0; i < out.rows; ++i)
+    std::copy_n(colors[static_cast<std::size_t>(i) * stride].begin(), 3, out.ptr<float>(i));
   return out;
 }
 
@@ -140,8 +142,10 @@ cv::Mat minimumCut(const CutTerms& terms, const GraphRoi& view, const DepthNoise
     const float to = view.depth.at<float>(b);
     const bool step = from > 0 && to > 0 && std::abs(from - to) > view.step_mm(noise, from);
     const float apart = a.x != b.x && a.y != b.y ? 0.7071F : 1.0F;
-    const float cost =
-        weights.together * apart * std::exp(-beta * square) * (step ? weights.across_step : 1.0F);
+    const float valley = std::max(view.valley.at<float>(a), view.valley.at<float>(b));
+    const float across =
+        step ? weights.across_step : 1.0F - (1.0F - weights.across_valley) * valley;
+    const float cost = weights.together * apart * std::exp(-beta * square) * across;
     graph.addEdges(a.y * unary.cols + a.x, b.y * unary.cols + b.x, cost, cost);
   });
   graph.maxFlow();

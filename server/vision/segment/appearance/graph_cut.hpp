@@ -58,6 +58,7 @@ struct CutWeights {
   float sure = 1e3F;           ///< evidence of a seed: more than all other terms of a pixel
   float together = 6.0F;       ///< cost of a cut between two neighbours of equal colour
   float across_step = 0.25F;   ///< factor of that cost across a step in depth
+  float across_valley = 0.3F;  ///< factor of that cost in a deep valley of the surface
 };
 
 // The table of the weights, one row for each user of a cut.

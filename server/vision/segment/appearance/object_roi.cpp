@@ -14,10 +14,46 @@ namespace {
 
 constexpr double kUsualFocal = 0.94;  // relative to the width: field of view of most cameras
 
+// Chosen: a crease between finger and object is some 5 mm deep and 10 mm wide.
+constexpr double kValley_mm = 8.0;       // reach of the mean around a pixel
+constexpr double kLeastValley_mm = 0.7;  // shallower: curvature of one body
+constexpr double kMostValley_mm = 3.0;
+
+// Returns the mean of the measured depths around each pixel (Gaussian weights), 0 without any.
+cv::Mat meanDepth(const cv::Mat& depth, const cv::Mat& measured, double sigma_px) {
+  cv::Mat sum;
+  cv::Mat weight;
+  cv::GaussianBlur(depth, sum, {}, sigma_px);
+  cv::GaussianBlur(measured, weight, {}, sigma_px);
+  cv::Mat out;
+  cv::divide(sum, cv::max(weight, 1e-3), out);
+  return out;
+}
+
+// Concave creases, by the difference of two means of depth (difference of Gaussians).
+cv::Mat findValleys(const GraphRoi& view, const DepthNoise& noise, double px_per_mm) {
+  cv::Mat measured;
+  cv::Mat(view.depth > 0).convertTo(measured, CV_32F, 1.0 / 255.0);
+  const double sigma_px = std::clamp(kValley_mm * px_per_mm, 2.0, 8.0);
+  const cv::Mat deeper = meanDepth(view.depth, measured, std::max(1.0, 0.3 * sigma_px)) -
+                         meanDepth(view.depth, measured, sigma_px);
+  cv::Mat out(view.depth.size(), CV_32FC1);
+  for (int v = 0; v < out.rows; ++v) {
+    for (int u = 0; u < out.cols; ++u) {
+      const auto z = double(view.depth.at<float>(v, u));
+      const double least_mm = kLeastValley_mm + 0.5 * noise.at(z);
+      const double depth_mm = double(deeper.at<float>(v, u)) - least_mm;
+      out.at<float>(v, u) =
+          z > 0 ? static_cast<float>(std::clamp(depth_mm / kMostValley_mm, 0.0, 1.0)) : 0.0F;
+    }
+  }
+  return out;
+}
+
 }  // namespace
 
 double pixelsPerMm(double depth_mm, const cv::Size& picture) {
-  return kUsualFocal * picture.width / std::max(depth_mm, 1.0);
+  return kUsualFocal * std::max(picture.width, picture.height) / std::max(depth_mm, 1.0);
 }
 
 GraphRoi GraphRoi::around(const FrameContext& scene, const cv::Rect& box, double most_px) {
@@ -30,12 +66,16 @@ GraphRoi GraphRoi::around(const FrameContext& scene, const cv::Rect& box, double
   cv::resize(scene.images.depth(box), out.depth, size, 0, 0, cv::INTER_NEAREST);
   const cv::Mat plane = onPlanes(scene.images.depth, box, scene.planes);
   cv::resize(plane, out.plane, size, 0, 0, cv::INTER_NEAREST);
-  const int factor = std::max(1, scene.images.color.cols / kUsualWidth_px);
+  const cv::Size picture = scene.images.color.size();
+  const int factor = std::max(1, std::max(picture.width, picture.height) / kUsualWidth_px);
   cv::Mat usual;
   cv::resize(scene.images.color(box), usual, {}, 1.0 / factor, 1.0 / factor, cv::INTER_AREA);
   cv::resize(scene.skin.in(usual), out.skin, size, 0, 0, cv::INTER_NEAREST);
   out.color.convertTo(out.lab, CV_32F, 1.0 / 255.0);
   cv::cvtColor(out.lab, out.lab, cv::COLOR_BGR2Lab);
+  const double middle_mm = std::max(1.0, medianDepth(out.depth, out.depth > 0, 4));
+  const double px_per_mm = out.shrink * pixelsPerMm(middle_mm, scene.images.color.size());
+  out.valley = findValleys(out, scene.noise, px_per_mm);
   return out;
 }
 
@@ -62,9 +102,9 @@ cv::Point GraphRoi::toRoi(const cv::Point& at) const {
 namespace {
 
 constexpr double kLargestPatch_px = 90e3;  // chosen for time: 300 x 300
-// Chosen, of a histogram: the least share of an occurring colour.
-constexpr float kOwnColor = 0.002F;
-constexpr double kMostPast = 0.5;  // chosen, of the object
+constexpr double kMostPast = 0.5;          // chosen, of the object
+// Chosen, nats: colours of skin with less evidence for the object are a hand's.
+constexpr float kRatherHand = -0.3F;
 
 // Returns the bounding box of `from` after the similarity.
 cv::Rect movedBox(const cv::Rect& from, const cv::Matx23d& similarity, const cv::Size& picture) {
@@ -79,7 +119,7 @@ cv::Rect movedBox(const cv::Rect& from, const cv::Matx23d& similarity, const cv:
 }
 
 int factorFor(const cv::Rect& object, const cv::Size& picture) {
-  const int largest = std::max(1, picture.width / kUsualWidth_px);
+  const int largest = std::max(1, std::max(picture.width, picture.height) / kUsualWidth_px);
   for (int factor = 1; factor < largest; ++factor) {
     const int margin = 2 * (kBand_px + kRing_px);
     const double width = double(object.width) / factor + margin;
@@ -112,20 +152,6 @@ void findDistance(ObjectRoi& patch) {
   }
 }
 
-// Returns 255 at hand colours that are not the object's own.
-cv::Mat findHand(const cv::Mat& color, const ObjectLimits& limits) {
-  cv::Mat out = limits.hand->in(color);
-  if (limits.own == nullptr) return out;
-  for (int v = 0; v < out.rows; ++v) {
-    const auto* from = color.ptr<cv::Vec3b>(v);
-    auto* to = out.ptr<unsigned char>(v);
-    for (int u = 0; u < out.cols; ++u) {
-      if ((*limits.own)[ColorHistogram::binIndex(from[u])] > kOwnColor) to[u] = 0;
-    }
-  }
-  return out;
-}
-
 void findHidden(ObjectRoi& patch, const ObjectLimits& limits) {
   const cv::Mat square = cv::Mat::ones(3, 3, CV_8UC1);
   if (limits.nearest_mm > 0 || limits.hand != nullptr) {
@@ -146,6 +172,20 @@ void findHidden(ObjectRoi& patch, const ObjectLimits& limits) {
 }
 
 }  // namespace
+
+cv::Mat findHand(const cv::Mat& color, const ObjectLimits& limits) {
+  if (limits.hand == nullptr) return cv::Mat::zeros(color.size(), CV_8UC1);
+  cv::Mat out = limits.hand->in(color);
+  if (limits.colors.empty()) return out;
+  for (int v = 0; v < out.rows; ++v) {
+    const auto* from = color.ptr<cv::Vec3b>(v);
+    auto* to = out.ptr<unsigned char>(v);
+    for (int u = 0; u < out.cols; ++u) {
+      if (limits.colors[ColorHistogram::binIndex(from[u])] > kRatherHand) to[u] = 0;
+    }
+  }
+  return out;
+}
 
 cv::Matx33d ObjectRoi::toPicture() const {
   const double f = factor;

@@ -37,6 +37,8 @@ struct GraphRoi {
   cv::Mat depth;        ///< CV_32FC1, working depth, mm, 0: not measured
   cv::Mat plane;        ///< CV_8UC1, 255 on a plane or behind a supporting plane
   cv::Mat skin;         ///< CV_8UC1, 255: skin
+  /// CV_32FC1, 0..1: depth of valleys in the surface. Two bodies that touch meet in a valley.
+  cv::Mat valley;
 
   /// Returns the region `box` (px of the picture), reduced so that it has at most `most_px` pixels.
   static GraphRoi around(const FrameContext& scene, const cv::Rect& box, double most_px);
@@ -93,11 +95,13 @@ struct ObjectRoi {
 struct ObjectLimits {
   double nearest_mm = 0.0;           ///< 0: unknown
   double farthest_mm = 0.0;          ///< 0: unknown
-  const SkinColors* hand = nullptr;  ///< skin colours; null: the object itself resembles skin
-  /// Colours of the object itself, which count as no hand even if they resemble skin; null:
-  /// unknown.
-  const ColorHistogram* own = nullptr;
+  const SkinColors* hand = nullptr;  ///< skin colours; null: unknown
+  /// Evidence of each colour bin for the object (colorEvidence()). Colours of skin that are rather
+  /// the object's count as no hand. Empty: unknown.
+  std::vector<float> colors{};
 };
+/// Returns 255 in `color` (CV_8UC3) where `limits` say that a pixel is a hand, 0 elsewhere.
+cv::Mat findHand(const cv::Mat& color, const ObjectLimits& limits);
 /// Returns the patch around the object, whose mask in the last picture was `mask` (0/255).
 /// `similarity` maps px of the last picture to px of this picture.
 ObjectRoi patchAround(const FrameImages& images, const cv::Mat& mask, const cv::Matx23d& similarity,

@@ -21,6 +21,11 @@ constexpr int kTriples = 250;  // chosen: almost surely finds a plane with 6 % o
 constexpr double kSmallestPlane = 0.06;   // chosen, of the picture: size of tables and walls
 constexpr double kSmallestGround = 0.02;  // the same limit for ground planes
 constexpr double kGroundSlope = 1.5;      // mm of depth per px; chosen: more than an oblique wall
+constexpr double kSupportingRing = 0.08;  // chosen, of the ring around an object
+// Chosen: a smaller plane may be the front of the object. It is a support only if most of the
+// object lies in front of it.
+constexpr double kSurelySupport = 0.15;
+constexpr double kInFront = 0.7;
 
 struct LatticePoint {
   double u, v, z;
@@ -116,14 +121,15 @@ Plane bestPlane(const std::vector<LatticePoint>& points, const DepthNoise& noise
   return best;
 }
 
-// Returns whether the plane is a table or floor: seen at a grazing angle, nearer further down.
+// Returns whether the plane is a table or floor: seen at a grazing angle. The picture may be
+// turned, so the direction does not count.
 bool isGround(const std::vector<LatticePoint>& points, const Plane& plane) {
   std::vector<double> ranges;
   for (const LatticePoint& p : points) {
     if (std::abs(plane.behind(p.u, p.v, p.z)) <= 1.0) ranges.push_back(p.z);
   }
   const double range = computeMedian(ranges);
-  return plane.b > 2 * std::abs(plane.a) && range * range * plane.b > kGroundSlope;
+  return range * range * std::hypot(plane.a, plane.b) > kGroundSlope;
 }
 
 }  // namespace
@@ -184,6 +190,24 @@ cv::Mat onPlanes(const cv::Mat& depth, const cv::Rect& box, const std::vector<Pl
   return out;
 }
 
+namespace {
+
+// Returns the share of the measured pixels of `mask` that lie in front of the plane.
+double shareInFront(const cv::Mat& depth, const cv::Mat& mask, const Plane& plane) {
+  int measured = 0;
+  int in_front = 0;
+  for (int v = 0; v < mask.rows; v += 2) {
+    for (int u = 0; u < mask.cols; u += 2) {
+      if (mask.at<unsigned char>(v, u) == 0 || depth.at<float>(v, u) <= 0.0F) continue;
+      ++measured;
+      in_front += plane.behind(u, v, double(depth.at<float>(v, u))) < -1.0 ? 1 : 0;
+    }
+  }
+  return double(in_front) / std::max(1, measured);
+}
+
+}  // namespace
+
 void findSupports(const cv::Mat& depth, const cv::Mat& mask, std::vector<Plane>& planes) {
   const cv::Rect box = boxAround(mask, 42);
   if (box.empty()) return;
@@ -191,7 +215,10 @@ void findSupports(const cv::Mat& depth, const cv::Mat& mask, std::vector<Plane>&
   const int area = cv::countNonZero(ring);
   for (Plane& plane : planes) {
     const cv::Mat on = onPlanes(depth, box, {plane}) & ring;
-    plane.support = plane.support || cv::countNonZero(on) > 0.08 * area;
+    const bool carries = cv::countNonZero(on) > kSupportingRing * area;
+    plane.support =
+        plane.support ||
+        (carries && (plane.share > kSurelySupport || shareInFront(depth, mask, plane) > kInFront));
   }
 }
 

@@ -7,7 +7,6 @@
 
 #include "server/vision/base/masks.hpp"
 #include "server/vision/segment/follow/narrow_band_tracker.hpp"
-#include "server/vision/segment/follow/select_initial_mask.hpp"
 
 namespace hapticast::server {
 
@@ -15,7 +14,8 @@ namespace {
 
 // Chosen, IoU: above it the tracked mask remains, so that it can rest.
 constexpr double kAsTaught = 0.97;
-constexpr double kAnother = 0.05;  // chosen, IoU: below it a mask shows another object
+constexpr double kAnother = 0.05;               // chosen, IoU: below it a mask shows another object
+constexpr double kLargeCorrection = 1.0 / 3.0;  // of the mask: a larger correction is logged
 constexpr double kNear = 2.0;  // chosen, in object widths: reach of a point that marks the object
 constexpr std::size_t kPast_bytes = std::size_t{768} << 20U;  // chosen: 10 s of 640x480
 
@@ -33,10 +33,6 @@ PropagatedMask toPropagatedMask(const TrackedMask& object, bool given) {
 std::size_t countBytes(const FrameImages& images) {
   return images.color.total() * images.color.elemSize() + images.gray.total() +
          images.depth.total() * images.depth.elemSize();
-}
-
-bool contains(const cv::Mat& mask, const cv::Point& point) {
-  return mask.at<unsigned char>(point) != 0;
 }
 
 // Returns the distance from `point` to the nearest pixel of `mask`, in widths of the mask.
@@ -83,13 +79,12 @@ void NarrowBandTracker::adoptTaught(const FrameImages& images,
     const TrackedMask* object = findNumbered(objects_, propagated.number);
     const bool as_propagated = object != nullptr && object->present() && !propagated.given &&
                                computeOverlap(object->mask(), mask) >= kAsTaught;
-    if (!as_propagated) place(propagated.number, mask, images, propagated.given);
+    if (!as_propagated) place(propagated.number, mask, images);
   }
 }
 
 // Sets the mask of the object with this number; the object may be lost or not exist yet.
-void NarrowBandTracker::place(int number, const cv::Mat& mask, const FrameImages& images,
-                              bool given) {
+void NarrowBandTracker::place(int number, const cv::Mat& mask, const FrameImages& images) {
   TrackedMask* object = findNumbered(objects_, number);
   if (object == nullptr) {
     object = &objects_.emplace_back(next_id_++, mask, images, scene_, 0);
@@ -97,7 +92,7 @@ void NarrowBandTracker::place(int number, const cv::Mat& mask, const FrameImages
   } else if (!object->present()) {
     object->rename(next_id_++);
   }
-  object->adopt(mask, images, scene_, given);
+  object->adopt(mask, images, scene_);
 }
 
 void NarrowBandTracker::applyAnnotation(const Annotation& annotation, const FramePair& frames) {
@@ -112,8 +107,7 @@ void NarrowBandTracker::applyAnnotation(const Annotation& annotation, const Fram
       continue;
     Annotation of_it{{}, annotation.off, {}};
     std::copy_if(annotation.on.begin(), annotation.on.end(), std::back_inserter(of_it.on), is_on);
-    object.correct(images, scene_, of_it);
-    propagate(object, frames, false);
+    correct(object, of_it, frames);
   }
   for (const ObjectPoint& point : annotation.on) applyPoint(point, annotation, frames);
   if (annotation.masks.empty()) return;
@@ -126,7 +120,7 @@ void NarrowBandTracker::applyAnnotation(const Annotation& annotation, const Fram
     if (known != nullptr && known->present() && computeOverlap(known->mask(), mask) < kAnother)
       spdlog::warn("the mask drawn for frame {} does not match object {}; the server uses the mask",
                    frames.index, number);
-    place(number, mask, images, true);
+    place(number, mask, images);
     propagate(*findNumbered(objects_, number), frames, true);
   }
 }
@@ -151,11 +145,11 @@ void NarrowBandTracker::applyPoint(const ObjectPoint& point, const Annotation& a
   TrackedMask* object =
       point.number != 0 ? findNumbered(objects_, point.number) : findObjectAt(point.at_px);
   if (object != nullptr && object->present()) {
-    object->correct(images, scene_, {{point}, annotation.off, {}});
-    propagate(*object, frames, false);
+    correct(*object, {{point}, annotation.off, {}}, frames);
     return;
   }
   ChosenStart start = selectInitialMask(images, scene_, point.at_px, annotation.off);
+  logChoice(point, start);
   if (!start.object) {
     spdlog::warn("--object {:.0f},{:.0f}@{:.2f}: {}; it is left out",
                  point.at_px.x * frames.own_px.x(), point.at_px.y * frames.own_px.y(),
@@ -165,8 +159,23 @@ void NarrowBandTracker::applyPoint(const ObjectPoint& point, const Annotation& a
   int number = point.number != 0 ? point.number : named_ + 1;
   if (object != nullptr) number = object->number();
   while (object == nullptr && findNumbered(objects_, number) != nullptr) ++number;
-  place(number, start.object->mask(), images, false);
+  place(number, start.object->mask(), images);
+  findNumbered(objects_, number)->addAnchor(point.at_px);
   propagate(*findNumbered(objects_, number), frames, false);
+}
+
+void NarrowBandTracker::correct(TrackedMask& object, const Annotation& annotation,
+                                const FramePair& frames) {
+  const cv::Mat before = object.mask();
+  object.correct(frames.now, scene_, annotation);
+  const cv::Mat now =
+      object.present() ? object.mask() : cv::Mat(cv::Mat::zeros(before.size(), CV_8UC1));
+  const double changed = double(cv::countNonZero(before != now)) / cv::countNonZero(before);
+  if (changed > kLargeCorrection)
+    spdlog::info("the points at {:.2f} s change {:.0f} % of the mask of object {}{}",
+                 frames.clip_time_s, 100.0 * changed, object.number(),
+                 object.present() ? "" : "; nothing of the object remains, so it is lost there");
+  propagate(object, frames, false);
 }
 
 // Stores earlier frames while later annotations may still change them.

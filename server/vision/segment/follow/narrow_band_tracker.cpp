@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "server/vision/segment/follow/narrow_band_tracker.hpp"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 
 #include "server/vision/base/masks.hpp"
-#include "server/vision/segment/follow/select_initial_mask.hpp"
 #include "server/vision/segment/initialise/initial_mask.hpp"
 
 namespace hapticast::server {
@@ -25,6 +26,7 @@ constexpr double kPlaneIsObject = 0.3;  // chosen: share of an object's pixels o
 NarrowBandTracker::NarrowBandTracker(const VisionSettings& settings, std::uint32_t& next_id,
                                      ClipAnnotations* annotations)
     : annotation_track_(settings),
+      explain_(settings.explain),
       named_(static_cast<int>(settings.objects.size())),
       next_id_(next_id),
       annotations_(annotations) {
@@ -109,7 +111,13 @@ void NarrowBandTracker::updatePlanes(const FrameImages& images) {
   if (!new_scene_ && refitPlanes(images.depth, scene_.planes)) return;
   if (!new_scene_ && frame_ - planes_frame_ < kNewPlanesAfter) return;
   new_scene_ = false;
-  scene_.planes = findPlanes(images.depth, scene_.noise);
+  cv::Mat background = images.depth;
+  for (const TrackedMask& object : objects_) {
+    if (!object.present()) continue;
+    if (background.data == images.depth.data) background = images.depth.clone();
+    background.setTo(0, object.mask());  // an object's front is no supporting plane
+  }
+  scene_.planes = findPlanes(background, scene_.noise);
   for (const TrackedMask& object : objects_) removePlanes(object, images);
   planes_frame_ = frame_;
 }
@@ -138,11 +146,19 @@ void NarrowBandTracker::startAtPoints(const FrameImages& images) {
       continue;
     }
     ChosenStart start = selectInitialMask(images, scene_, point.at_px, annotation.off);
+    logChoice(point, start);
     if (!start.object) throwNoObject({double(point.at_px.x), double(point.at_px.y)}, start.why_not);
     scene_.planes = std::move(start.planes);
     start.object->rememberAppearance(images, scene_);
+    start.object->addAnchor(point.at_px);
     add(std::move(*start.object), point.number);
   }
+}
+
+void NarrowBandTracker::logChoice(const ObjectPoint& point, const ChosenStart& start) const {
+  if (!explain_) return;
+  for (const std::string& line : start.explanation)
+    spdlog::info("first mask at {},{}: {}", point.at_px.x, point.at_px.y, line);
 }
 
 bool NarrowBandTracker::choosesByItself(const FramePair& frames) const {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "server/vision/segment/annotate/annotation_track.hpp"
+#include "server/vision/segment/follow/select_initial_mask.hpp"
 #include "server/vision/segment/follow/tracked_mask.hpp"
 #include "server/vision/segment/segmenter.hpp"
 
@@ -55,7 +56,10 @@ class NarrowBandTracker final : public Segmenter {
   void adoptTaught(const FrameImages& images, const std::vector<PropagatedMask>& masks);
   void applyAnnotation(const Annotation& annotation, const FramePair& frames);
   void applyPoint(const ObjectPoint& point, const Annotation& annotation, const FramePair& frames);
-  void place(int number, const cv::Mat& mask, const FrameImages& images, bool given);
+  void place(int number, const cv::Mat& mask, const FrameImages& images);
+  /// Corrects the mask of `object` in this frame and those before it.
+  void correct(TrackedMask& object, const Annotation& annotation, const FramePair& frames);
+  void logChoice(const ObjectPoint& point, const ChosenStart& start) const;
   TrackedMask* findObjectAt(const cv::Point& point);
   void keepHistory(const FramePair& frames);
   void propagate(TrackedMask& object, const FramePair& frames, bool given);
@@ -69,6 +73,7 @@ class NarrowBandTracker final : public Segmenter {
   };
 
   AnnotationTrack annotation_track_;
+  bool explain_;
   int named_;  // number of objects that the author's scene names
   std::uint32_t& next_id_;
   ClipAnnotations* annotations_;

@@ -37,7 +37,7 @@ cv::Mat computeEvidence(const FrameContext& scene, const GraphRoi& view, const K
   };
   add(kCutOfRedetection.other_depth, beyond);
   add(kCutOfRedetection.plane, view.plane & ~beyond);
-  if (known.limits.hand != nullptr) add(kCutOfRedetection.skin, view.skin);
+  add(kCutOfRedetection.skin, view.skin & findHand(view.color, known.limits));
   if (known.mask.empty()) return out;
   const cv::Mat mask = view.shrunk(known.mask);
   cv::Mat inner;
@@ -74,8 +74,10 @@ cv::Mat redetect(const FrameContext& scene, const KnownObject& known) {
     const cv::Rect tight = boxAround(known.mask, 0);
     box = boxAround(known.mask, 10 + int(kMargin * std::max(tight.width, tight.height)));
   }
+  if (!known.window.empty()) box = known.window;
   if (box.area() < 100) return {};
-  const double most_px = known.mask.empty() ? kWhole_px : kCutOfRedetection.most_px;
+  const bool whole = known.mask.empty() && known.window.empty();
+  const double most_px = whole ? kWhole_px : kCutOfRedetection.most_px;
   const GraphRoi view = GraphRoi::around(scene, box, most_px);
   const cv::Mat cut =
       minimumCut({computeEvidence(scene, view, known)}, view, scene.noise, kCutOfRedetection);

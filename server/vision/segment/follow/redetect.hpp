@@ -15,7 +15,9 @@ struct KnownObject {
   const ContourMemory& memory;
   ObjectLimits limits;
   double usual_px = 0.0;  ///< area in the picture when nothing hides the object, px
-  cv::Mat mask;           ///< expected mask, 0/255, size of the image; empty: search everywhere
+  cv::Mat mask{};         ///< expected mask, 0/255, size of the image; empty: unknown
+  /// Where to search if `mask` is empty, px; empty: everywhere.
+  cv::Rect window{};
 };
 
 /// Searches for the object in this frame. Returns its mask (CV_8UC1, 0/255, size of the image), or

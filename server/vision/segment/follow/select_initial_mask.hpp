@@ -6,6 +6,7 @@
 
 #include <opencv2/core.hpp>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "server/vision/segment/follow/tracked_mask.hpp"
@@ -16,7 +17,10 @@ namespace hapticast::server {
 struct ChosenStart {
   std::optional<TrackedMask> object;  ///< the object, still without an id; nullopt: there is none
   const char* why_not = nullptr;      ///< the cause if there is no object, else null
-  std::vector<Plane> planes;          ///< planes of the scene, without those through the object
+  /// Planes of the scene, without those through the object.
+  std::vector<Plane> planes{};
+  /// One line for each candidate, with its score and the score's terms, for --explain.
+  std::vector<std::string> explanation{};
 };
 
 /// Returns the object at `point` with its mask, or the cause if there is none. The mask excludes

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/vision/base/masks.hpp"
 #include "server/vision/segment/annotate/refine_clicks.hpp"
 #include "server/vision/segment/follow/redetect.hpp"
 #include "server/vision/segment/initialise/initial_mask.hpp"
@@ -15,14 +16,15 @@ namespace {
 
 constexpr double kSettled = 0.004;  // of the area: a smaller change counts as rest
 constexpr int kWeakFrames = 5;      // chosen, in a row: then the object is lost
-constexpr int kSearchEvery = 3;     // chosen: a search costs as much as a frame
 // Chosen, of the whole: with less visible the model does not change.
 constexpr double kMostlySeen = 0.6;
+constexpr double kLeastSeen = 0.08;  // chosen, of its area: with less visible it is hidden
 // Chosen, of the area in a frame: outside of these two limits the.
 constexpr double kLeastGrowth = 0.8;
 constexpr double kMostGrowth = 1.25;  // decision is rejected
 constexpr double kWeaker = 0.7;       // chosen: quality of a frame without a sure measurement
 constexpr double kOwnColors = 0.5;    // mean colour evidence of certain pixels of the object
+constexpr double kClearlyOwn = 0.2;   // more of that evidence: another position is better
 constexpr double kSurelyColor = 0.8;  // mean colour evidence of pixels that may be uncovered again
 constexpr double kUsualFollows = 0.01;  // chosen: the usual size adapts in four seconds
 constexpr int kLookEvery = 15;  // chosen, frames: a re-detection costs as much as two frames
@@ -31,14 +33,17 @@ constexpr double kAsUsual = 0.1;  // chosen, ln of an area: largest loss
 constexpr int kAgainRounds = 3;
 constexpr double kNearest = 0.6;  // chosen, of its last depth: range of the search
 constexpr double kFarthest = 1.6;
-constexpr double kLessLike = 0.8;         // of its initial score: limit for a found object ...
-constexpr double kMostUnlike = 1.2;       // ... and limit for the tracked object
-constexpr double kMostAgain = 1.6;        // of its usual area
-constexpr double kSurelyLikeSkin = 0.05;  // limit in an author's key mask, which has no hand
+constexpr int kSearchEverywhere = 3;  // chosen, frames: costs twice as much as a search nearby
+constexpr double kSearchReach = 1.5;  // chosen, widths of the object around its last place
+constexpr double kMostUnlike = 1.2;   // of its initial score: limit for the tracked object
+// Limits for a found object, chosen: how much its score may lie below the initial one, and the
+// least overlap of its colours with the first ones.
+constexpr LikeLimits kLikeNear{1.2, 0.6};
+constexpr LikeLimits kLikeEverywhere{0.5, 0.75};
+constexpr double kMostAgain = 1.6;  // of its usual area
 // Measured: after a correction the rest had 0.55 to 0.59 of the object's colours if it was another
 // object, else 0.71 or more.
 constexpr double kOfOtherColors = 0.65;
-constexpr double kLikeSkin = 0.2;  // chosen, of its pixels: then colour cannot separate hands
 
 // Returns the colours of the picture without the object, of every second pixel and row.
 ColorHistogram elsewhere(const FrameImages& images, const cv::Mat& mask) {
@@ -96,16 +101,14 @@ void TrackedMask::relax(const FrameImages& images, const SceneContext& scene, in
     mask_ = wholePicture(mask, patch, images);
     if (changed < kSettled * area) break;
   }
-  learnAppearance(patchAround(images, mask_), images, scene, kLikeSkin);
+  learnAppearance(patchAround(images, mask_), images, scene);
 }
 
 void TrackedMask::learnAppearance(const ObjectRoi& patch, const FrameImages& images,
-                                  const SceneContext& scene, double most_skin) {
+                                  const SceneContext& scene) {
   forgetColors(scene);
   updateMemory(patch, mask_(patch.box), memory_);
   memory_.elsewhere = elsewhere(images, mask_);
-  const cv::Mat skin = scene.skin.in(patch.color) & patch.inside;
-  like_skin_ = cv::countNonZero(skin) > most_skin * cv::countNonZero(patch.inside);
   whole_ = mask_;
   isSeenWell(patch);
 }
@@ -118,11 +121,12 @@ void TrackedMask::isSeenWell(const ObjectRoi& patch) {
   usual_px_ = usual_px_ > 0 ? usual_px_ + kUsualFollows * (area - usual_px_) : area;
   quality_ = 1.0;
   weak_ = 0;
+  last_sure_ = whole_;
 }
 
 ObjectLimits TrackedMask::limits(const SceneContext& scene) const {
-  return {depth_.nearest_mm(scene.noise), depth_.farthest_mm(scene.noise),
-          like_skin_ ? nullptr : &scene.skin, own_.empty() ? nullptr : &own_};
+  return {depth_.nearest_mm(scene.noise), depth_.farthest_mm(scene.noise), &scene.skin,
+          computeColorEvidence(memory_)};
 }
 
 // Returns whether the decision is plausible.
@@ -152,17 +156,22 @@ void TrackedMask::update(const FrameImages& images, const ObjectFlow& flow,
                          const SceneContext& scene) {
   cv::Matx23d similarity = flow.similarity;
   ObjectRoi patch = expected(images, similarity, scene);
-  // A motion that leads to other colours was not the object's.
-  if (patch.empty() || meanEvidence(memory_, patch.color, patch.inside) < 0.0) {
+  // A motion that leads to other colours was not the object's. What passes in front of the object
+  // pushes its motion.
+  const bool is_partly_hidden = cv::countNonZero(whole_ != mask_) > 0;
+  const double moved = patch.empty() ? -1.0 : meanEvidence(memory_, patch.color, patch.inside);
+  if (moved < 0.0 || is_partly_hidden) {
     const ObjectRoi still = expected(images, ObjectFlow{}.similarity, scene);
-    if (!still.empty() && meanEvidence(memory_, still.color, still.inside) > kOwnColors) {
+    const double least = std::max(kOwnColors, moved + kClearlyOwn);
+    if (!still.empty() && meanEvidence(memory_, still.color, still.inside) > least) {
       patch = still;
       similarity = ObjectFlow{}.similarity;
     }
   }
   if (patch.empty()) return lose();
   warpEvidence(memory_, patch, similarity);
-  const ContourResult now = decideContour(patch, scene.noise, scene.planes, memory_);
+  ContourResult now = decideContour(patch, scene.noise, scene.planes, memory_);
+  limitGrowth(patch, now.mask);
   const double expected_px = cv::countNonZero(patch.inside) * patch.factor * patch.factor;
   const bool nothing =
       cv::countNonZero(now.mask) < kSmallestObject_px || expected_px < kSmallestObject_px;
@@ -176,10 +185,20 @@ void TrackedMask::update(const FrameImages& images, const ObjectFlow& flow,
     quality_ *= kWeaker;
     ++weak_;
   }
+  moveAnchors(similarity);
   const bool is_uncertain = weak_ == 2 || weak_ > kWeakFrames;
   if ((is_uncertain || ++since_search_ >= kLookEvery) && redetectObject(images, scene)) return;
   const bool leaving = weak_ > 0 && !clearOfBorder(mask_);
+  if (cv::countNonZero(mask_) < kLeastSeen * area_px_) return lose();
   if (nothing || weak_ > kWeakFrames || leaving) lose();
+}
+
+// An object that is mostly hidden comes back where it was: it does not grow beyond its whole.
+void TrackedMask::limitGrowth(const ObjectRoi& patch, cv::Mat& mask) const {
+  if (patch.hidden.empty() || cv::countNonZero(patch.hidden) == 0) return;
+  const cv::Mat whole = patch.inside | patch.hidden;
+  const double seen = double(cv::countNonZero(patch.inside)) / std::max(1, cv::countNonZero(whole));
+  if (seen < kMostlySeen) mask &= atFullSize(dilatedBy(whole, 1), patch);
 }
 
 // Sets the mask to `seen`, which covers the patch's box; adds the hidden part to the whole.
@@ -193,7 +212,7 @@ void TrackedMask::setMask(const cv::Mat& seen, const ObjectRoi& patch, const Fra
 // the propagated mask, or neither resembles the object.
 bool TrackedMask::redetectObject(const FrameImages& images, const SceneContext& scene) {
   since_search_ = 0;
-  const KnownObject known{memory_, limits(scene), usual_px_, mask_};
+  const KnownObject known{memory_, limits(scene), usual_px_, mask_, {}};
   const FrameContext view = scene.view(images);
   const cv::Mat mask = redetect(view, known);
   if (mask.empty() || cv::countNonZero(mask) < kSmallestObject_px) return false;
@@ -218,34 +237,51 @@ void TrackedMask::rememberAppearance(const FrameImages& images, const SceneConte
 
 double TrackedMask::likeness(const FrameImages& images, const SceneContext& scene,
                              const cv::Mat& mask) const {
-  const KnownObject known{memory_, limits(scene), usual_px_, mask};
+  const KnownObject known{memory_, limits(scene), usual_px_, mask, {}};
   return reidentificationScore(scene.view(images), known, mask);
 }
 
 void TrackedMask::correct(const FrameImages& images, const SceneContext& scene,
                           const Annotation& annotation) {
   memory_.avoided = scene.avoided.histogram;
-  const cv::Mat mask = refineWithClicks(scene.view(images), mask_, annotation);
-  if (cv::countNonZero(mask) < kSmallestObject_px) return lose();
+  std::erase_if(anchors_, [&](const cv::Point2f& anchor) {
+    return std::any_of(annotation.off.begin(), annotation.off.end(), [&](const cv::Point& off) {
+      return cv::norm(anchor - cv::Point2f(off)) < 2 * kPoint_px;  // the later point counts
+    });
+  });
+  std::vector<cv::Point> held;
+  for (const cv::Point2f& anchor : anchors_) {
+    if (contains(mask_, anchor)) held.emplace_back(anchor);
+  }
+  const cv::Mat mask = refineWithClicks(scene.view(images), mask_, annotation, held);
+  for (const ObjectPoint& point : annotation.on) addAnchor(point.at_px);
+  const bool nothing = cv::countNonZero(mask) < kSmallestObject_px;
+  if (nothing && held.empty()) return lose();
+  if (nothing) return;
   // The rest of another object, without the part at the point, is not the object either.
-  if (annotation.on.empty() &&
+  if (anchors_.empty() &&
       computeOverlap(ColorHistogram::fromImage(images.color, mask), memory_.first) < kOfOtherColors)
     return lose();
-  adopt(mask, images, scene, false);
+  adopt(mask, images, scene);
 }
 
-void TrackedMask::adopt(const cv::Mat& mask, const FrameImages& images, const SceneContext& scene,
-                        bool given) {
+void TrackedMask::adopt(const cv::Mat& mask, const FrameImages& images, const SceneContext& scene) {
   const ObjectRoi patch = patchAround(images, mask);
   if (patch.empty()) return;
-  const cv::Mat added = mask & ~mask_;
-  if (present() && cv::countNonZero(added) >= kSmallestObject_px)
-    own_.raise(ColorHistogram::fromImage(images.color, added), 1.0);
   mask_ = mask;
   lost_ = 0;
   since_search_ = 0;
-  learnAppearance(patch, images, scene, given ? kSurelyLikeSkin : kLikeSkin);
+  learnAppearance(patch, images, scene);
   rememberAppearance(images, scene);
+}
+
+// An anchor that is outside the object after its motion has drifted, and is dropped.
+void TrackedMask::moveAnchors(const cv::Matx23d& similarity) {
+  for (cv::Point2f& anchor : anchors_) {
+    const cv::Vec2d to = similarity * cv::Vec3d(double(anchor.x), double(anchor.y), 1.0);
+    anchor = {static_cast<float>(to[0]), static_cast<float>(to[1])};
+  }
+  std::erase_if(anchors_, [this](const cv::Point2f& anchor) { return !contains(whole_, anchor); });
 }
 
 void TrackedMask::yieldTo(const TrackedMask& other) {
@@ -267,10 +303,20 @@ void TrackedMask::lose() {
 
 std::optional<TrackedMask> TrackedMask::search(const FrameImages& images,
                                                const SceneContext& scene) {
-  if (lost_++ % kSearchEvery != 0) return std::nullopt;
+  const bool everywhere = lost_++ % kSearchEverywhere == 0;
+  const cv::Rect tight = boxAround(last_sure_, 0);
+  const cv::Rect near =
+      boxAround(last_sure_, int(kSearchReach * std::max(tight.width, tight.height)));
+  if (auto again = searchIn(near, kLikeNear, images, scene)) return again;
+  return everywhere ? searchIn({}, kLikeEverywhere, images, scene) : std::nullopt;
+}
+
+std::optional<TrackedMask> TrackedMask::searchIn(const cv::Rect& window, const LikeLimits& least,
+                                                 const FrameImages& images,
+                                                 const SceneContext& scene) const {
   const ObjectLimits anywhere{kNearest * depth_.middle_mm, kFarthest * depth_.middle_mm,
-                              like_skin_ ? nullptr : &scene.skin};
-  const KnownObject known{memory_, anywhere, usual_px_, {}};
+                              &scene.skin, computeColorEvidence(memory_)};
+  const KnownObject known{memory_, anywhere, usual_px_, {}, window};
   const FrameContext view = scene.view(images);
   const cv::Mat found = redetect(view, known);
   if (found.empty() || cv::countNonZero(found) < kSmallestObject_px) return std::nullopt;
@@ -285,7 +331,10 @@ std::optional<TrackedMask> TrackedMask::search(const FrameImages& images,
     again.mask_ = wholePicture(now.mask, patch, images);
   }
   const double like = reidentificationScore(view, known, again.mask_);
-  if (like < likeness_ - kLessLike || cv::countNonZero(again.mask_) > kMostAgain * usual_px_)
+  const double colors =
+      computeOverlap(ColorHistogram::fromImage(images.color, again.mask_), memory_.first);
+  if (like < likeness_ - least.less || colors < least.colors ||
+      cv::countNonZero(again.mask_) > kMostAgain * usual_px_)
     return std::nullopt;
   again.whole_ = again.mask_;
   again.lost_ = 0;

@@ -31,6 +31,12 @@ struct SceneContext {
   }
 };
 
+/// What a found object must have in common with the lost one.
+struct LikeLimits {
+  double less;    ///< how much its reidentificationScore() may be lower
+  double colors;  ///< least overlap of its colours with those of the first mask
+};
+
 /// Mask and appearance of one object, updated from frame to frame.
 class TrackedMask {
  public:
@@ -48,16 +54,19 @@ class TrackedMask {
   [[nodiscard]] double likeness(const FrameImages& images, const SceneContext& scene,
                                 const cv::Mat& mask) const;
   /// Corrects the mask by the author's points: pixels around positive points belong to the object,
-  /// those around negative points do not. Marks the object as lost if no pixel remains.
+  /// those around negative points do not. Regions of anchors remain. Without an anchor, marks the
+  /// object as lost if no pixel remains, or none of its colours.
   void correct(const FrameImages& images, const SceneContext& scene, const Annotation& annotation);
-  /// Replaces the object's mask by `mask` and computes the appearance model anew. `given`: if true,
-  /// `mask` is a key mask, which contains no hand.
-  void adopt(const cv::Mat& mask, const FrameImages& images, const SceneContext& scene, bool given);
+  /// Replaces the object's mask by `mask` and computes the appearance model anew.
+  void adopt(const cv::Mat& mask, const FrameImages& images, const SceneContext& scene);
+  /// Adds a point of the author on the object, px of this picture. It moves with the object, and no
+  /// later correction removes its region. Only a later --not beside the point removes it.
+  void addAnchor(const cv::Point& point) { anchors_.emplace_back(point); }
   /// Updates the mask for the next frame: moves it by `flow` and decides the pixels of its band
   /// anew.
   void update(const FrameImages& images, const ObjectFlow& flow, const SceneContext& scene);
-  /// Counts a frame in which the object is lost. In every third such frame it searches the whole
-  /// picture for the object's colours, at depths of 0.6 to 1.6 times its last depth. Returns the
+  /// Counts a frame in which the object is lost. Searches the whole picture for
+  /// the object's colours, at depths of 0.6 to 1.6 times its last depth. Returns the
   /// object if it was found, still without a new id; otherwise nullopt.
   [[nodiscard]] std::optional<TrackedMask> search(const FrameImages& images,
                                                   const SceneContext& scene);
@@ -90,13 +99,18 @@ class TrackedMask {
   TrackedMask() = default;
   void forgetColors(const SceneContext& scene);
   void relax(const FrameImages& images, const SceneContext& scene, int most_rounds);
-  void learnAppearance(const ObjectRoi& patch, const FrameImages& images, const SceneContext& scene,
-                       double most_skin);
+  void learnAppearance(const ObjectRoi& patch, const FrameImages& images,
+                       const SceneContext& scene);
   void isSeenWell(const ObjectRoi& patch);
   [[nodiscard]] ObjectLimits limits(const SceneContext& scene) const;
   [[nodiscard]] bool convinces(const ContourResult& now, double expected_px) const;
   [[nodiscard]] ObjectRoi expected(const FrameImages& images, const cv::Matx23d& similarity,
                                    const SceneContext& scene) const;
+  [[nodiscard]] std::optional<TrackedMask> searchIn(const cv::Rect& window, const LikeLimits& least,
+                                                    const FrameImages& images,
+                                                    const SceneContext& scene) const;
+  void limitGrowth(const ObjectRoi& patch, cv::Mat& mask) const;
+  void moveAnchors(const cv::Matx23d& similarity);
   void setMask(const cv::Mat& seen, const ObjectRoi& patch, const FrameImages& images);
   bool redetectObject(const FrameImages& images, const SceneContext& scene);
 
@@ -105,6 +119,7 @@ class TrackedMask {
   cv::Mat mask_;
   cv::Mat whole_;  // the mask with the part that nearer surfaces hide
   ContourMemory memory_;
+  cv::Mat last_sure_;  // whole_ of the last frame whose pixels decided the mask
   double quality_ = 1.0;
   int weak_ = 0;        // successive frames without a plausible decision
   int lost_ = 0;        // frames since the loss; 0: present
@@ -113,9 +128,7 @@ class TrackedMask {
   int since_search_ = 0;   // frames since the last search
   double likeness_ = 0.0;  // score of its initial mask
   DepthSpan depth_;
-  // Colours of pixels that the author added: no hand, even if they resemble skin.
-  ColorHistogram own_;
-  bool like_skin_ = false;  // its colours resemble skin
+  std::vector<cv::Point2f> anchors_;  // points of the author on the object, px
 };
 
 /// Returns the object of `objects` with this number, present or lost; null if there is none.

@@ -89,6 +89,14 @@ namespace {
 constexpr double kReach_mm = 300.0;  // of the view around the click: larger than objects in hands
 constexpr double kSame = 0.97;       // IoU
 constexpr int kNotRadius_px = 5;
+// Chosen: skin farther from the click than this probably is the hand's ...
+constexpr float kHandFrom_mm = 50.0F;
+constexpr std::size_t kHandPixels = 40;  // ... if there is this much of it
+constexpr double kNearHand = 0.5;        // share of that skin that may still be the object's
+constexpr int kClicked_px = 2;
+constexpr float kClicked_mm = 15.0F;
+constexpr double kRatherHand = 2.0;  // nats, of the hand's density against the object's
+constexpr double kLikeHand = -9.0;   // log density: within three standard deviations
 
 struct Reach {
   float near_mm, far_mm;
@@ -105,7 +113,7 @@ struct Surroundings {
   cv::Mat unary;      // CV_32FC1: evidence without colours
   cv::Mat not_log;    // CV_32FC1: log density of the negative colours; empty: none
   cv::Mat never;      // 255: discs of negative points
-  cv::Mat hand;       // 255: skin, unless the click is on skin
+  cv::Mat hand;       // 255: the hand that holds the object; none if the colours do not show one
   double px_per_mm = 1.0;
 };
 
@@ -181,6 +189,32 @@ cv::Mat placeEvidence(const Surroundings& s) {
   return out;
 }
 
+// The hand's colours are learnt from this hand: from those pixels of skin that are farthest from
+// the click (Bayes' rule with two Gaussian mixtures, as in Jones and Rehg 2002). So an object with
+// colours of skin differs from the hand that holds it.
+cv::Mat findHand(const Surroundings& s) {
+  cv::Mat skin = s.view.skin & s.component & (s.distance > kHandFrom_mm);
+  std::vector<float> far;
+  for (int v = 0; v < skin.rows; ++v) {
+    for (int u = 0; u < skin.cols; ++u) {
+      if (skin.at<unsigned char>(v, u) != 0) far.push_back(s.distance.at<float>(v, u));
+    }
+  }
+  cv::Mat none = cv::Mat::zeros(s.view.size(), CV_8UC1);
+  if (far.size() < kHandPixels) return none;
+  skin &= s.distance > computeQuantile(far, kNearHand);
+  cv::Mat clicked = none.clone();
+  cv::circle(clicked, s.at, kClicked_px, cv::Scalar(255), cv::FILLED);
+  const ColorMixture of_hand(s.view.lab, skin);
+  const ColorMixture of_object(s.view.lab, clicked | (s.component & (s.distance < kClicked_mm)));
+  if (of_hand.empty() || of_object.empty()) return none;
+  const cv::Mat hand = logDensities(of_hand, s.view.lab);
+  cv::Mat out =
+      (hand - logDensities(of_object, s.view.lab) > kRatherHand) & (hand > kLikeHand) & s.component;
+  cv::medianBlur(out, out, 3);
+  return out;
+}
+
 ColorMixture fitMixture(const NegativeColors& avoided) {
   if (avoided.samples.empty()) return {};
   return {avoided.samples, cv::Mat(avoided.samples.size(), CV_8UC1, cv::Scalar(255))};
@@ -199,10 +233,7 @@ Surroundings prepareSurroundings(const FrameContext& scene, const Click& click) 
       click.component.empty() ? cv::Mat(out.view.depth > 0) : out.view.shrunk(click.component);
   out.distance = distances(out, depth_mm, picture);
   out.px_per_mm = out.view.shrink * pixelsPerMm(depth_mm, picture);
-  const cv::Rect around =
-      cv::Rect(out.at.x - 2, out.at.y - 2, 5, 5) & cv::Rect({0, 0}, out.view.size());
-  const bool on_skin = cv::countNonZero(out.view.skin(around)) > 0.35 * around.area();
-  out.hand = on_skin ? cv::Mat::zeros(out.view.size(), CV_8UC1) : out.view.skin;
+  out.hand = findHand(out);
   out.unary = placeEvidence(out);
   out.never = cv::Mat::zeros(out.view.size(), CV_8UC1);
   const int radius = std::max(1, int(std::lround(kNotRadius_px * out.view.shrink)));
@@ -266,11 +297,19 @@ bool isNew(const std::vector<cv::Mat>& masks, const cv::Mat& mask) {
 }  // namespace
 
 std::vector<cv::Mat> candidateMasks(const FrameContext& scene, const Click& click) {
-  const Surroundings s = prepareSurroundings(scene, click);
+  Surroundings s = prepareSurroundings(scene, click);
   std::vector<cv::Mat> small;
-  for (const Reach& reach : kReaches) {
-    cv::Mat mask = cutWithin(s, reach, scene.noise);
-    if (!mask.empty() && isNew(small, mask)) small.push_back(mask);
+  const auto cutAll = [&] {
+    for (const Reach& reach : kReaches) {
+      cv::Mat mask = cutWithin(s, reach, scene.noise);
+      if (!mask.empty() && isNew(small, mask)) small.push_back(mask);
+    }
+  };
+  cutAll();
+  if (cv::countNonZero(s.hand) > 0) {  // the colours may be the object's after all
+    s.hand.setTo(0);
+    s.unary = placeEvidence(s);
+    cutAll();
   }
   std::vector<cv::Mat> out;
   out.reserve(small.size());

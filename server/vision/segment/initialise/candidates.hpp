@@ -5,6 +5,7 @@
 #pragma once
 
 #include <opencv2/core.hpp>
+#include <string>
 #include <vector>
 
 #include "server/vision/segment/annotate/clip_annotations.hpp"
@@ -33,11 +34,31 @@ struct Click {
 /// Returns up to eight different masks that contain the click (CV_8UC1, 0/255, size of the image).
 std::vector<cv::Mat> candidateMasks(const FrameContext& scene, const Click& click);
 
-/// Returns how well `mask` covers one object and nothing else (objectness): about 3 for a good
-/// mask, higher is better. The score rises if the colours differ from those of the ring around the
-/// mask. It rises if the contour lies on edges of colour and depth. It also rises with a solid
-/// shape and with the share of measured depth. Skin lowers it, and so does a size that does not fit
-/// a hand.
+/// Terms of the objectness score of a mask. Shares are 0..1.
+struct ObjectnessTerms {
+  double apart = 0.0;  ///< distance of its colours from those of the ring around it (Bhattacharyya)
+  double missing = 0.0;  ///< pixels of the ring with colours of the mask only, over its area
+  double edge = 0.0;     ///< mean strength of the edges of colour or depth along the contour
+  double weak = 0.0;     ///< share of the contour without an edge
+  double contact = 0.0;  ///< share of the contour where the depth continues outside
+  double border = 0.0;   ///< share of the contour at the picture's border
+  double solid = 0.0;    ///< area over that of the visible convex hull
+  double known = 0.0;    ///< share of pixels with depth
+  double stray = 0.0;    ///< share of pixels whose distance from the median depth exceeds the width
+  double skin = 0.0;     ///< share of pixels with colours of skin
+  double width_mm = 0.0;  ///< diameter of a disc with its area
+};
+
+/// Returns the terms of `mask` (CV_8UC1, 0/255, size of the image). All are 0 if it has fewer than
+/// ten pixels at the size of the view.
+ObjectnessTerms computeObjectnessTerms(const FrameContext& scene, const cv::Mat& mask);
+
+/// Returns how well a mask with these terms covers one object and nothing else (objectness): about
+/// 3 for a good mask, higher is better.
+double objectness(const ObjectnessTerms& terms);
+/// Returns the score and its terms for the log.
+std::string toText(const ObjectnessTerms& terms);
+/// Returns the score of `mask`.
 double objectness(const FrameContext& scene, const cv::Mat& mask);
 
 /// Returns the object's width in space, mm: the diameter of a disc with the area of `mask` at the

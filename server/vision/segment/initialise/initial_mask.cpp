@@ -184,22 +184,24 @@ ObjectStart findObject(const cv::Mat& depth, const cv::Point& point, const Depth
     const auto through = [&](const Plane& plane) {
       return std::abs(plane.behind(point.x, point.y, range)) <= 1.0;
     };
-    for (const Plane& plane : planes) {
-      if (through(plane) && plane.share > kSurelyGround)
-        return {{}, "the point is on the plane that carries the objects", {}};
-    }
+    const bool on_ground = std::any_of(planes.begin(), planes.end(), [&](const Plane& plane) {
+      return through(plane) && plane.share > kSurelyGround;
+    });
     std::erase_if(planes, through);
+    if (on_ground)
+      return {{}, "the point is on the plane that carries the objects", false, std::move(planes)};
   }
   cv::Mat mask;
   for (int round = 0; round < 2; ++round) {  // the second round has the supports
     const cv::Mat labels = depthComponents(depth, onPlanes(depth, whole, planes), noise);
     const int label = labelNear(labels, point);
-    if (label == 0) return {{}, "there is no depth", {}};
+    if (label == 0) return {{}, "there is no depth", false, std::move(planes)};
     mask = tidy(labels == label);
     findSupports(depth, mask, planes);
   }
-  if (cv::countNonZero(mask) < kSmallestObject_px) return {{}, "there are too few pixels", {}};
-  return {mask, nullptr, std::move(planes)};
+  if (cv::countNonZero(mask) < kSmallestObject_px)
+    return {{}, "there are too few pixels", true, std::move(planes)};
+  return {mask, nullptr, false, std::move(planes)};
 }
 
 cv::Mat cutByColor(const FrameImages& images, const cv::Mat& mask, const std::vector<Plane>& planes,

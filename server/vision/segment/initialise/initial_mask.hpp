@@ -32,6 +32,7 @@ cv::Mat nearestCompact(const FrameImages& images, const cv::Mat& labels);
 struct ObjectStart {
   cv::Mat mask;
   const char* why_not = nullptr;
+  bool too_small = false;  ///< the component at the point has too few pixels
   std::vector<Plane> planes;
 };
 /// Returns the object at `point`. A plane through the point counts as a side of the object, unless

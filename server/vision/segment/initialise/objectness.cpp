@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Objectness score of a mask, in the spirit of Alexe, Deselaers and Ferrari 2010; see
 // candidates.hpp. Thread: the one that runs Vision.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
@@ -22,7 +24,7 @@ constexpr float kFirstOfRing_px = 1.5F;
 constexpr float kLastOfRing_px = 12.0F;
 constexpr float kIn_px = 2.5F;
 constexpr float kOut_px = 3.0F;
-constexpr double kSmall_mm = 80.0;
+constexpr double kSmall_mm = 60.0;
 constexpr double kLarge_mm = 250.0;
 
 struct MaskView {
@@ -67,6 +69,14 @@ double depthEdge(const MaskView& m, const cv::Point& in, const cv::Point& out,
   return std::min(1.0, double(std::abs(inside - outside)) / (3.0 * step));
 }
 
+// Returns the depth of a valley between a place inside and one outside, 0..1.
+double valleyBetween(const MaskView& m, const cv::Point& in, const cv::Point& out) {
+  double deepest = 0.0;
+  for (const cv::Point& at : {in, (in + out) / 2, out})
+    deepest = std::max(deepest, double(m.view.valley.at<float>(at)));
+  return deepest;
+}
+
 Contour alongContour(const MaskView& m, const DepthNoise& noise) {
   cv::Mat du;
   cv::Mat dv;
@@ -93,7 +103,7 @@ Contour alongContour(const MaskView& m, const DepthNoise& noise) {
       }
       const double color = std::min(
           1.0, cv::norm(m.view.lab.at<cv::Vec3f>(in) - m.view.lab.at<cv::Vec3f>(out)) / 25.0);
-      const double depth = depthEdge(m, in, out, noise);
+      const double depth = std::max(depthEdge(m, in, out, noise), valleyBetween(m, in, out));
       const bool hand =
           m.view.skin.at<unsigned char>(out) != 0 && m.view.skin.at<unsigned char>(in) == 0;
       const double edge = hand ? 1.0 : std::max(color, depth);
@@ -183,19 +193,37 @@ Body fitBody(const MaskView& m, const cv::Size& picture) {
 
 }  // namespace
 
-double objectness(const FrameContext& scene, const cv::Mat& mask) {
-  if (cv::countNonZero(mask) == 0) return -10.0;
+ObjectnessTerms computeObjectnessTerms(const FrameContext& scene, const cv::Mat& mask) {
+  if (cv::countNonZero(mask) == 0) return {};
   const MaskView m = makeView(scene, mask);
-  if (m.area < 10.0) return -10.0;
+  if (m.area < 10.0) return {};
   const Contour contour = alongContour(m, scene.noise);
   const Colors colors = collectColors(m);
   const Body body = fitBody(m, mask.size());
-  const double small = std::max(0.0, std::log(kSmall_mm / body.diameter_mm));
-  const double large = std::max(0.0, std::log(body.diameter_mm / kLarge_mm));
-  return 0.3 * colors.apart + 1.4 * contour.edge - 0.7 * contour.weak - 1.5 * contour.contact +
-         0.2 * body.solid - 1.5 * contour.border - 1.1 * small - 0.8 * large + 0.3 * body.known -
-         2.0 * std::max(0.0, 0.6 - body.known) - 0.2 * std::min(0.4, colors.missing) -
-         0.6 * body.skin - 2.0 * std::min(0.5, body.stray);
+  return {colors.apart, colors.missing, contour.edge, contour.weak, contour.contact, contour.border,
+          body.solid,   body.known,     body.stray,   body.skin,    body.diameter_mm};
+}
+
+double objectness(const ObjectnessTerms& t) {
+  if (t.width_mm <= 0.0) return -10.0;
+  const double small = std::max(0.0, std::log(kSmall_mm / t.width_mm));
+  const double large = std::max(0.0, std::log(t.width_mm / kLarge_mm));
+  return 0.3 * t.apart + 1.6 * t.edge - 0.7 * t.weak - 1.8 * t.contact - 1.5 * t.border +
+         0.2 * t.solid - 2.0 * std::max(0.0, 0.6 - t.known) - 0.2 * std::min(0.4, t.missing) -
+         0.8 * t.skin - 2.0 * std::min(0.5, t.stray) - 0.8 * small - 0.8 * large;
+}
+
+std::string toText(const ObjectnessTerms& t) {
+  return fmt::format(
+      "score {:.2f}: edge {:.2f}, weak {:.2f}, contact {:.2f}, border {:.2f}, "
+      "colours apart {:.2f}, missing {:.2f}, solid {:.2f}, measured {:.2f}, stray {:.2f}, "
+      "skin {:.2f}, width {:.0f} mm",
+      objectness(t), t.edge, t.weak, t.contact, t.border, t.apart, t.missing, t.solid, t.known,
+      t.stray, t.skin, t.width_mm);
+}
+
+double objectness(const FrameContext& scene, const cv::Mat& mask) {
+  return objectness(computeObjectnessTerms(scene, mask));
 }
 
 double widthInSpace_mm(const FrameContext& scene, const cv::Mat& mask) {
