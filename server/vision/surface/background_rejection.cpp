@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <opencv2/imgproc.hpp>
 
 #include "common/geometry.hpp"
@@ -31,18 +32,22 @@ const std::array<cv::Point, 8> kAround{
 bool lonely(const cv::Mat& depth, const cv::Mat& known, const cv::Point& at, double sigma,
             int wanted, bool slopes) {
   const cv::Rect whole({0, 0}, depth.size());
-  const auto isKnown = [&](const cv::Point& p) {
-    return whole.contains(p) && known.at<unsigned char>(p) != 0;
-  };
+  // Far from the border no place needs a check.
+  const bool inner = at.x > 1 && at.y > 1 && at.x + 2 < depth.cols && at.y + 2 < depth.rows;
+  const auto* z = depth.ptr<float>(at.y) + at.x;
+  const auto* k = known.ptr<uchar>(at.y) + at.x;
+  const auto depth_row = static_cast<std::ptrdiff_t>(depth.step1());
+  const auto known_row = static_cast<std::ptrdiff_t>(known.step1());
   const auto step_mm = static_cast<float>(8 + 5 * sigma);
   int near = 0;
   for (const cv::Point& by : kAround) {
-    const cv::Point next = at + by;
-    if (!isKnown(next)) continue;
-    const float slope = depth.at<float>(at) - depth.at<float>(next);
+    const std::ptrdiff_t to_z = by.y * depth_row + by.x;
+    const std::ptrdiff_t to_k = by.y * known_row + by.x;
+    if ((!inner && !whole.contains(at + by)) || k[to_k] == 0) continue;
+    const float slope = z[0] - z[to_z];
     bool hangs = std::abs(slope) <= step_mm;
-    if (!hangs && slopes && isKnown(next + by))
-      hangs = std::abs(slope - depth.at<float>(next) + depth.at<float>(next + by)) <= step_mm;
+    if (!hangs && slopes && (inner || whole.contains(at + 2 * by)) && k[2 * to_k] != 0)
+      hangs = std::abs(slope - z[to_z] + z[2 * to_z]) <= step_mm;
     if (hangs && ++near >= wanted) return false;
   }
   return true;
@@ -50,17 +55,18 @@ bool lonely(const cv::Mat& depth, const cv::Mat& known, const cv::Point& at, dou
 
 // Depths of the object's core and of the background, extrapolated to the rim.
 struct Sides {
-  cv::Mat object;  // CV_32FC1 at half size; both empty if one of them is unknown
+  int reduction = 2;
+  cv::Mat object;  // CV_32FC1 at 1 / reduction; both empty if one of them is unknown
   cv::Mat behind;
   bool clean = false;  // the object's depth has no noise
   bool sharp = false;  // it is clean, and no pixel mixes object and background
   double sigma = 0.0;  // noise of the object's depth, mm
 
   [[nodiscard]] double objectDepth(int u, int v) const {
-    return double(object.at<float>(v / 2, u / 2));
+    return double(object.at<float>(v / reduction, u / reduction));
   }
   [[nodiscard]] double backgroundDepth(int u, int v) const {
-    return double(behind.at<float>(v / 2, u / 2));
+    return double(behind.at<float>(v / reduction, u / reduction));
   }
 };
 
@@ -137,11 +143,12 @@ bool sharpEdges(const cv::Mat& depth, const cv::Mat& mask, const Sides& sides) {
 }
 
 Sides findSides(const cv::Mat& depth, const cv::Mat& mask, const cv::Mat& core_known,
-                const DepthNoise& noise) {
+                const DepthNoise& noise, int reduction) {
   const cv::Mat around = (dilatedBy(mask, kRim_px) == 0) & (depth > 0);
   if (cv::countNonZero(core_known) < kFewestBeside || cv::countNonZero(around) < kFewestBeside)
     return {};
-  Sides out{filledAtHalfSize(depth, core_known), filledAtHalfSize(depth, around)};
+  Sides out{reduction, filledAtReducedSize(depth, core_known, reduction),
+            filledAtReducedSize(depth, around, reduction)};
   const double depth_mm = cv::mean(depth, core_known)[0];
   out.sigma = noise.at(depth_mm);
   out.clean = noise.clean(depth_mm);
@@ -167,9 +174,9 @@ bool contoursAgree(const cv::Mat& depth, const cv::Mat& mask, const cv::Mat& kno
 }
 
 cv::Mat foregroundPixels(const cv::Mat& depth, const cv::Mat& mask, const cv::Mat& known,
-                         const DepthNoise& noise) {
+                         const DepthNoise& noise, int reduction) {
   const cv::Mat core = erodedBy(mask, kRim_px);
-  const Sides sides = findSides(depth, mask, core & known, noise);
+  const Sides sides = findSides(depth, mask, core & known, noise, 2 * reduction);
   cv::Mat keep = known.clone();
   for (int v = 0; v < depth.rows; ++v) {
     const auto* is_known = known.ptr<unsigned char>(v);
