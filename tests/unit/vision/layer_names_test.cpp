@@ -3,7 +3,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "server/vision/surface/layers.hpp"
+#include "server/vision/surface/layer_cutter.hpp"
 
 namespace hapticast::server {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/vision/surface/layers.hpp"
+#include "server/vision/surface/layer_cutter.hpp"
 
 #include <gtest/gtest.h>
 
