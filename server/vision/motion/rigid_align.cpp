@@ -34,6 +34,14 @@ constexpr double kUnlikeLevels = 40.0;
 constexpr float kUnlike_mm = 60.0F;
 constexpr int kCoveredLevel = 200;  // of 255: coarse pixels mostly covered by the object
 
+// Returns every `by`-th pixel and row.
+cv::Mat everyPixel(const cv::Mat& image, int by) {
+  if (by == 1) return image;
+  cv::Mat out;
+  cv::resize(image, out, image.size() / by, 0, 0, cv::INTER_NEAREST);
+  return out;
+}
+
 }  // namespace
 
 RigidTemplate::RigidTemplate(const cv::Mat& gray, const Surface& surface, const CameraModel& camera)
@@ -57,8 +65,9 @@ RigidTemplate::RigidTemplate(const cv::Mat& gray, const Surface& surface, const 
   coarse_.box_px = {box_.x / f, box_.y / f, box_.width / f, box_.height / f};
   const cv::Size size = coarse_.box_px.size();
   if (size.empty()) return;
-  cv::resize(gray(box_), coarse_.gray, size, 0, 0, cv::INTER_AREA);
-  cv::resize(surface.mask, coarse_.mask, size, 0, 0, cv::INTER_AREA);
+  const int by = surface.reduction;
+  cv::resize(everyPixel(gray(box_), by), coarse_.gray, size, 0, 0, cv::INTER_AREA);
+  cv::resize(everyPixel(surface.mask, by), coarse_.mask, size, 0, 0, cv::INTER_AREA);
   cv::resize(surface.depth, coarse_.depth, size, 0, 0, cv::INTER_NEAREST);
 }
 

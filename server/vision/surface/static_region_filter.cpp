@@ -61,6 +61,7 @@ HoldImages StaticRegionFilter::makeTileImages(const cv::Mat& gray, const Surface
   out.depth = movedTo(now.depth, now.box, area_, CV_32FC1);
   out.mask = movedTo(now.mask, now.box, area_, CV_8UC1);
   out.measured = movedTo(now.measured, now.box, area_, CV_8UC1);
+  out.row_step = now.reduction;
   return out;
 }
 
