@@ -358,8 +358,8 @@ cv::Mat filledByBlocks(const cv::Mat& values, const cv::Mat& known, const cv::Ma
   const cv::Mat small = pushPull(blockMeans(values.mul(weight), reduction), blocks);
   const cv::Mat small_known = blocks > 1e-6;
   const cv::Mat small_wanted = blockMeans(asWeight(wanted), reduction) > 0;
-  const cv::Mat out =
-      swept(small, small_wanted | small_known, small_wanted & ~small_known, kSweeps, true);
+  const cv::Mat out = swept(small, small_wanted | small_known, small_wanted & ~small_known,
+                            kSweeps / reduction, true);
   return enlarged(out, reduction, values.size());
 }
 
