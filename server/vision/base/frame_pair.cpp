@@ -158,12 +158,8 @@ bool SceneCuts::next(const FrameImages& images) {
                       std::max(2, images.gray.rows / kCompared_px));
   cv::Mat gray;
   cv::Mat depth;
-  if (const int factor = largestReduction(images.gray.size()); factor > 1) {
-    cv::resize(images.gray, gray, images.gray.size() / factor, 0, 0, cv::INTER_NEAREST);
-  } else {
-    gray = images.gray;
-  }
-  cv::resize(gray, gray, size, 0, 0, cv::INTER_AREA);
+  const cv::Mat usual = everyPixel(images.gray, largestReduction(images.gray.size()));
+  cv::resize(usual, gray, size, 0, 0, cv::INTER_AREA);
   gray.convertTo(gray, CV_32F);
   cv::resize(images.depth, depth, size, 0, 0, cv::INTER_NEAREST);
   bool cut = false;

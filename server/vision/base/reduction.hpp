@@ -4,6 +4,7 @@
 #pragma once
 
 #include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 
 namespace hapticast::server {
 
@@ -24,6 +25,14 @@ inline int reductionFor(const cv::Size& region, const cv::Size& picture, double 
     if (double(region.area()) / (factor * factor) <= most_px) return factor;
   }
   return largest;
+}
+
+/// Returns every `by`-th pixel and row of `image`; `image` itself if `by` is 1.
+inline cv::Mat everyPixel(const cv::Mat& image, int by) {
+  if (by == 1) return image;
+  cv::Mat out;
+  cv::resize(image, out, image.size() / by, 0, 0, cv::INTER_NEAREST);
+  return out;
 }
 
 }  // namespace hapticast::server

@@ -9,6 +9,7 @@
 
 #include "common/least_squares.hpp"
 #include "server/vision/base/masks.hpp"
+#include "server/vision/base/reduction.hpp"
 
 namespace hapticast::server {
 
@@ -33,14 +34,6 @@ constexpr double kFound = 0.5;      // measured: with fewer the error may be sev
 constexpr double kUnlikeLevels = 40.0;
 constexpr float kUnlike_mm = 60.0F;
 constexpr int kCoveredLevel = 200;  // of 255: coarse pixels mostly covered by the object
-
-// Returns every `by`-th pixel and row.
-cv::Mat everyPixel(const cv::Mat& image, int by) {
-  if (by == 1) return image;
-  cv::Mat out;
-  cv::resize(image, out, image.size() / by, 0, 0, cv::INTER_NEAREST);
-  return out;
-}
 
 }  // namespace
 
