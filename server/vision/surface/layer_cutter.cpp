@@ -15,8 +15,8 @@ namespace {
 
 constexpr double kKeptStep = 0.7;  // chosen, of the step that caused a cut: limit to remove the cut
 // Chosen, frames: noise of fur gives a name for three to five frames in a row.
-constexpr int kVoteFrames = 8;
-constexpr int kLead = 128;         // chosen, of 255 votes: by which another name has to lead
+constexpr int kVoteFrames = 6;
+constexpr int kLead = 85;          // chosen, of 255 votes: by which another name has to lead
 constexpr int kFollows_px = 2;     // chosen: motion of an edge in a frame relative to its surface
 constexpr int kBeside_px = 9;      // chosen: window of the mean depth of a layer beside its edge
 constexpr double kClearly = 0.25;  // chosen, of a step: by which a depth is nearer to one layer

@@ -11,12 +11,13 @@
 namespace hapticast::server {
 
 /// Splits one object into layers frame by frame, with persistent names. Each pixel has votes for
-/// the names, which move with the object: a running mean over some 8 frames of the names that the
+/// the names, which move with the object: a running mean over some 6 frames of the names that the
 /// depth steps gave it. A layer of this frame has the name for which its pixels have most votes. A
-/// pixel changes its name when another name has half of the votes more. That takes 11 frames in a
-/// row. It changes at once if it is at most 2 px from pixels that had the new name, and its
-/// measured depth is clearly that of the new name. Layers stay separate until the step between them
-/// is below 0.7 `step_mm`. A surface with a reduction is split at the reduced size.
+/// pixel changes its name when another name leads by a third of the votes. That takes seven frames
+/// in a row, or more with frames between that disagree. It changes at once if it is at most 2 px
+/// from pixels that had the new name, and its measured depth is clearly that of the new name.
+/// Layers stay separate until the step between them is below 0.7 `step_mm`. A surface with a
+/// reduction is split at the reduced size.
 class LayerCutter {
  public:
   /// Returns the surfaces of the layers of `surface`. Element i is the layer with the name i + 1;

@@ -16,8 +16,6 @@ namespace hapticast::server {
 
 namespace {
 
-// Chosen: with fewer pixels a surface deviates from the fit at full size.
-constexpr double kFewestFitted_px = 1.7;
 constexpr double kFewestSigma_px = 2.0;  // chosen: fewer pixels would be visible in the result
 constexpr double kBeyond = 0.1;          // chosen, of half a step: tolerance of a wider fit
 constexpr int kOrders = 5;               // moments x^0 .. x^4
@@ -236,7 +234,7 @@ struct Centred {
 
 cv::Mat quadraticFit(const cv::Mat& values, const cv::Mat& mask, double sigma_px) {
   const Centred in(values, mask);
-  const int factor = std::min(4, static_cast<int>(sigma_px / kFewestFitted_px));
+  const int factor = std::min(4, static_cast<int>(sigma_px / kFewestSigma_px));
   return in.mean + (factor > 1 ? fitInFewerPixels(in.values, in.weight, sigma_px, factor)
                                : fitAtPixels(in.values, in.weight, mask, sigma_px));
 }

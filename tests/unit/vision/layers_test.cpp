@@ -124,8 +124,14 @@ TEST(Layers, TheirNumberDoesNotFlicker) {
     const double step = i < 6 ? 0 : (i < 20 ? (i % 4 == 0 ? 20.0 : 34.0) : 0.0);
     counts.push_back(present(cutter.cut(body({kHand}, step), kStep_mm)));
   }
-  for (std::size_t i = 0; i < counts.size(); ++i)
-    EXPECT_EQ(counts[i], i >= 11 && i < 22 ? 2U : 1U) << i;
+  // It begins once and ends once.
+  const auto begin = std::find(counts.begin(), counts.end(), 2U);
+  const auto end = std::find(begin, counts.end(), 1U);
+  EXPECT_GE(begin - counts.begin(), 11);
+  EXPECT_LT(begin - counts.begin(), 20);
+  EXPECT_GE(end - counts.begin(), 22);
+  ASSERT_LT(end - counts.begin(), 29);
+  EXPECT_EQ(std::count(end, counts.end(), 1U), counts.end() - end);
 }
 
 TEST(Layers, AFrameWithoutTheStepKeepsTheCutWhereTheObjectIsNow) {
@@ -136,7 +142,7 @@ TEST(Layers, AFrameWithoutTheStepKeepsTheCutWhereTheObjectIsNow) {
   const std::vector<Surface> parts = cutter.cut(flat, kStep_mm);
   ASSERT_EQ(parts.size(), 2U);
   EXPECT_EQ(parts[0].box, kHand + flat.box.tl());
-  EXPECT_EQ(present(cutter.cut(flat, kStep_mm)), 2U);
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(present(cutter.cut(flat, kStep_mm)), 2U) << i;
   EXPECT_EQ(present(cutter.cut(flat, kStep_mm)), 1U);
 }
 
