@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kKeptStep = 0.7;  // chosen, of the step that caused a cut: limit to remove the cut
 // Chosen, frames: noise of fur gives a name for three to five frames in a row.
-constexpr int kVoteFrames = 6;
+constexpr int kVoteFrames = 8;
 constexpr int kLead = 85;          // chosen, of 255 votes: by which another name has to lead
 constexpr int kFollows_px = 2;     // chosen: motion of an edge in a frame relative to its surface
 constexpr int kBeside_px = 9;      // chosen: window of the mean depth of a layer beside its edge

@@ -11,9 +11,9 @@
 namespace hapticast::server {
 
 /// Splits one object into layers frame by frame, with persistent names. Each pixel has votes for
-/// the names, which move with the object: a running mean over some 6 frames of the names that the
+/// the names, which move with the object: a running mean over some 8 frames of the names that the
 /// depth steps gave it. A layer of this frame has the name for which its pixels have most votes. A
-/// pixel changes its name when another name leads by a third of the votes. That takes seven frames
+/// pixel changes its name when another name leads by a third of the votes. That takes nine frames
 /// in a row, or more with frames between that disagree. It changes at once if it is at most 2 px
 /// from pixels that had the new name, and its measured depth is clearly that of the new name.
 /// Layers stay separate until the step between them is below 0.7 `step_mm`. A surface with a
