@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "server/vision/motion/object_pose.hpp"
-#include "server/vision/surface/layers.hpp"
+#include "server/vision/surface/layer_cutter.hpp"
 #include "server/vision/track.hpp"
 #include "server/vision/vision_settings.hpp"
 

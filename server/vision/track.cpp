@@ -58,7 +58,8 @@ Track::Track(const TrackSettings& settings, const Segment& segment, const FrameP
       plan_(startPlan(settings)),
       mask_(segment.mask),
       motion_(settings.pose, frames.now.gray, now_.surface = denoisedSurface(segment, frames)),
-      full_area_px_(double(cv::countNonZero(segment.mask))) {
+      full_area_px_(double(cv::countNonZero(segment.mask))),
+      middle_px_(findMiddle(segment.mask)) {
   now_.id = segment.id;
   now_.number = segment.number;
   now_.quality = segment.quality;
@@ -122,7 +123,9 @@ void Track::update(const Segment& segment, const FramePair& frames) {
   }
   now_.pose.background_px = background_px_;
   now_.cells = cells(frames, before);
-  last_step_px_ = findMiddle(segment.mask) - findMiddle(mask_);
+  const cv::Point2d middle_px = findMiddle(segment.mask);
+  last_step_px_ = middle_px - middle_px_;
+  middle_px_ = middle_px;
   mask_ = segment.mask;
 }
 

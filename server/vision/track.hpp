@@ -113,6 +113,7 @@ class Track {
   bool rests_ = false;         // the object did not change in this frame
   int lost_ = 0;               // frames since the object was lost; 0: present
   double full_area_px_ = 0.0;  // area of the whole object at its present size
+  cv::Point2d middle_px_;      // centroid of mask_
   cv::Vec2d last_step_px_{0, 0};
   cv::Vec2d background_px_{0, 0};  // sum of the background's motion behind the object
 };

@@ -7,17 +7,19 @@
 #include <random>
 
 #include "server/vision/base/masks.hpp"
+#include "server/vision/base/reduction.hpp"
 #include "server/vision/base/statistics.hpp"
 
 namespace hapticast::server {
 
 namespace {
 
-constexpr int kEvery_px = 4;               // chosen: 19200 samples of a usual picture suffice
+// Chosen, in a usual picture: its 19200 samples suffice. Larger pictures have as many.
+constexpr int kEvery_px = 4;
 constexpr float kSameGray = 9.0F;          // chosen, levels: above a camera's noise over 4 x 4 px
 constexpr double kRestingShare = 0.7;      // chosen, of the samples: with less the camera moves
 constexpr std::size_t kFewestPairs = 300;  // chosen
-constexpr int kAsWide_px = 12;             // chosen: depth is mixed around objects
+constexpr int kAsWide_px = 12;  // chosen, in a usual picture: depth is mixed around objects
 // Chosen: an estimator's scale varies by 1 to 5 %, a sensor's by less than a thousandth.
 constexpr double kHop = 0.004;
 // A hop of the whole picture at rest: only an estimator causes it.
@@ -89,18 +91,29 @@ ScaleShift estimateShift(const auto& pairs) {
   return refined(pairs, best);
 }
 
-// Samples the brightness as means of kEvery_px x kEvery_px, and the depth in their middle.
-cv::Mat sparseGray(const cv::Mat& gray) {
+// Samples the brightness as means of `every_px` x `every_px`, and the depth in their middle.
+cv::Mat sparseGray(const cv::Mat& gray, int every_px) {
   cv::Mat out;
-  cv::resize(gray, out, {gray.cols / kEvery_px, gray.rows / kEvery_px}, 0, 0, cv::INTER_AREA);
+  cv::resize(gray, out, {gray.cols / every_px, gray.rows / every_px}, 0, 0, cv::INTER_AREA);
   out.convertTo(out, CV_32F);
   return out;
 }
 
-cv::Mat sparse(const cv::Mat& image) {
+cv::Mat sparse(const cv::Mat& image, int every_px) {
+  if (every_px == 1) return image;
   cv::Mat out;
-  cv::resize(image, out, {image.cols / kEvery_px, image.rows / kEvery_px}, 0, 0, cv::INTER_NEAREST);
+  cv::resize(image, out, {image.cols / every_px, image.rows / every_px}, 0, 0, cv::INTER_NEAREST);
   return out;
+}
+
+// Returns 255 at the samples on or beside an object. The dilation works at the usual size and only
+// around the objects.
+cv::Mat aroundObjects(const cv::Mat& objects, int factor) {
+  const cv::Mat usual = sparse(objects, factor);
+  const cv::Rect box = boxAround(usual, kAsWide_px + 1);
+  cv::Mat out = cv::Mat::zeros(usual.size(), CV_8UC1);
+  if (!box.empty()) dilatedBy(usual(box), kAsWide_px).copyTo(out(box));
+  return sparse(out, kEvery_px);
 }
 
 // Estimates a change of exposure as the median gain of all samples.
@@ -182,15 +195,16 @@ cv::Mat DepthScaleAlignment::steady(const cv::Mat& depth, const cv::Mat& gray,
                                     const cv::Mat& objects) {
   ++frame_;
   if (!shown_ && frame_ > kFirstLook && frame_ % kLookEvery != 0) return depth;
-  const cv::Mat small_depth = sparse(depth);
-  const cv::Mat small_gray = sparseGray(gray);
+  const int factor = largestReduction(depth.size());
+  const cv::Mat small_depth = sparse(depth, factor * kEvery_px);
+  const cv::Mat small_gray = sparseGray(gray, factor * kEvery_px);
   if (depth_.empty()) {
     depth_ = small_depth.clone();
     gray_ = small_gray.clone();
     age_ = cv::Mat::ones(depth_.size(), CV_32FC1);
     return depth;
   }
-  const cv::Mat around = objects.empty() ? cv::Mat() : sparse(dilatedBy(objects, kAsWide_px));
+  const cv::Mat around = objects.empty() ? cv::Mat() : aroundObjects(objects, factor);
   const std::vector<Pair> pairs = restingPairs(small_depth, small_gray, around);
   ScaleShift hop;
   if (camera_rests_ && pairs.size() >= kFewestPairs) {

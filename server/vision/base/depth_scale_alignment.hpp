@@ -52,8 +52,8 @@ class DepthScaleAlignment {
   int hops_ = 0;         // hops so far that alternated in direction
   double last_hop_ = 0;  // last hop of all resting samples, as a share of the depth
   int frame_ = 0;
-  cv::Mat depth_;  // sampled every kEvery_px, CV_32FC1: mean depth at rest, mm; 0: not measured
-  cv::Mat gray_;   // sampled every kEvery_px, CV_32FC1: mean brightness at rest
+  cv::Mat depth_;  // of each sample, CV_32FC1: mean depth at rest, mm; 0: not measured
+  cv::Mat gray_;   // of each sample, CV_32FC1: mean brightness at rest
   cv::Mat age_;    // frames for which each sample is at rest, CV_32FC1
 };
 

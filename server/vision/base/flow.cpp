@@ -112,8 +112,10 @@ PointTracks trackPoints(const cv::Mat& last_gray, const cv::Mat& gray,
   cv::buildOpticalFlowPyramid(gray, pyramid, window, 3);
   cv::calcOpticalFlowPyrLK(last_pyramid, pyramid, points, forward, found, error, window, levels,
                            until, cv::OPTFLOW_USE_INITIAL_FLOW, 1e-4);
+  // The way back is only compared with kThereAndBack_px.
+  const cv::TermCriteria roughly(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 30, 0.03);
   cv::calcOpticalFlowPyrLK(pyramid, last_pyramid, forward, back, found_back, error, window, levels,
-                           until, cv::OPTFLOW_USE_INITIAL_FLOW, 1e-4);
+                           roughly, cv::OPTFLOW_USE_INITIAL_FLOW, 1e-4);
   const cv::Rect2f inside(0, 0, static_cast<float>(gray.cols - 1),
                           static_cast<float>(gray.rows - 1));
   for (std::size_t i = 0; i < points.size(); ++i) {

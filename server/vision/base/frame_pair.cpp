@@ -14,7 +14,20 @@ namespace {
 
 constexpr float kLargestDepth_mm = 1e5F;  // chosen: beyond the reach of depth cameras
 
+// Returns whether all depths are valid and in mm, so that the picture is used as it is.
+bool isWorkingDepth(const cv::Mat& depth) {
+  for (int v = 0; v < depth.rows; ++v) {
+    const auto* row = depth.ptr<float>(v);
+    int invalid = 0;
+    for (int u = 0; u < depth.cols; ++u)
+      invalid += int(row[u] >= 0.0F) & int(row[u] < kLargestDepth_mm) ? 0 : 1;
+    if (invalid > 0) return false;
+  }
+  return true;
+}
+
 cv::Mat workingDepth(const cv::Mat& depth, const SourceInfo& info) {
+  if (info.depth_kind != DepthKind::kHeight && isWorkingDepth(depth)) return depth;
   cv::Mat out(depth.size(), CV_32FC1);
   const DepthRange range = info.depth_range.value_or(kHeightRange);
   const auto step = static_cast<float>((range.far_mm - range.near_mm) / 255.0);
@@ -145,7 +158,8 @@ bool SceneCuts::next(const FrameImages& images) {
                       std::max(2, images.gray.rows / kCompared_px));
   cv::Mat gray;
   cv::Mat depth;
-  cv::resize(images.gray, gray, size, 0, 0, cv::INTER_AREA);
+  const cv::Mat usual = everyPixel(images.gray, largestReduction(images.gray.size()));
+  cv::resize(usual, gray, size, 0, 0, cv::INTER_AREA);
   gray.convertTo(gray, CV_32F);
   cv::resize(images.depth, depth, size, 0, 0, cv::INTER_NEAREST);
   bool cut = false;

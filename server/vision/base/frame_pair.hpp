@@ -9,6 +9,7 @@
 #include "server/source/rgbd_source.hpp"
 #include "server/vision/base/depth_noise.hpp"
 #include "server/vision/base/depth_scale_alignment.hpp"
+#include "server/vision/base/reduction.hpp"
 
 namespace hapticast::server {
 
@@ -21,9 +22,6 @@ namespace hapticast::server {
 /// (near) becomes 600 mm and level 0 (far) becomes 1000 mm. If this range is also the mapped range,
 /// level h has the height h / 255 * 30 mm, as in the thesis.
 inline constexpr DepthRange kHeightRange{600.0, 1000.0};
-
-/// Picture width to which constants in px refer, px. Larger pictures are sampled more coarsely.
-inline constexpr int kUsualWidth_px = 640;
 
 /// Images of one frame, all of one size.
 struct FrameImages {

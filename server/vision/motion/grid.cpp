@@ -20,20 +20,22 @@ struct Cell {
   std::array<std::vector<double>, 3> steps;
 };
 
-// Returns the points of `mask` to track.
-std::vector<cv::Point> latticeOver(const cv::Mat& mask) {
+// Returns the points of `mask` to track, `step_px` apart.
+std::vector<cv::Point> latticeOver(const cv::Mat& mask, int step_px = kSampleStep_px) {
   std::vector<cv::Point> out;
-  for (int v = kSampleStep_px / 2; v < mask.rows; v += kSampleStep_px) {
-    for (int u = kSampleStep_px / 2; u < mask.cols; u += kSampleStep_px) {
+  for (int v = step_px / 2; v < mask.rows; v += step_px) {
+    for (int u = step_px / 2; u < mask.cols; u += step_px) {
       if (mask.at<unsigned char>(v, u) != 0) out.emplace_back(u, v);
     }
   }
   return out;
 }
 
-// Returns the index of the cell that contains a pixel of the box.
-std::size_t cellIndex(const cv::Point& in_box, const CellFlow& flow) {
-  return static_cast<std::size_t>(in_box.y / kGridCell_px * flow.columns + in_box.x / kGridCell_px);
+// Returns the index of the cell that contains a pixel of the box. Cells have kGridCell_px, or
+// `reduction` times as many.
+std::size_t cellIndex(const cv::Point& in_box, const CellFlow& flow, int reduction = 1) {
+  const int cell_px = reduction * kGridCell_px;
+  return static_cast<std::size_t>(in_box.y / cell_px * flow.columns + in_box.x / cell_px);
 }
 
 void addTracks(const cv::Mat& last_gray, const cv::Mat& gray, const cv::Mat& last_mask,
@@ -139,36 +141,90 @@ CellFlow cellFlow(const cv::Mat& last_gray, const cv::Mat& gray, const cv::Mat& 
   return out;
 }
 
-CellFlow residualFlow(const cv::Mat& last_gray, const cv::Mat& gray, const Surface& before,
-                      const Surface& now, const PredictedMotion& explained) {
-  CellFlow out = cellsOver(now.box);
-  std::vector<Cell> cells(static_cast<std::size_t>(out.columns * out.rows));
-  const cv::Rect area = grown(before.box | now.box, kWindowMargin_px, last_gray.size());
-  const cv::Point2f corner(static_cast<float>(area.x), static_cast<float>(area.y));
+namespace {
+
+// Two pictures reduced around an object, and the way between their places and the picture's.
+struct ReducedPair {
+  cv::Rect area;  // px of the picture
+  int reduction = 1;
+  cv::Mat last, now;
+
+  ReducedPair(const cv::Mat& last_gray, const cv::Mat& gray, const cv::Rect& around, int by)
+      : area(around.tl(), around.size() / by * by), reduction(by) {
+    last = last_gray(area);
+    now = gray(area);
+    if (by == 1) return;
+    cv::resize(last, last, area.size() / by, 0, 0, cv::INTER_AREA);
+    cv::resize(now, now, area.size() / by, 0, 0, cv::INTER_AREA);
+  }
+  [[nodiscard]] cv::Point2f toReduced(const cv::Point2f& at) const {
+    return (at - cv::Point2f(area.tl()) - middle()) / static_cast<float>(reduction);
+  }
+  [[nodiscard]] cv::Point2f toPicture(const cv::Point2f& at) const {
+    return static_cast<float>(reduction) * at + middle() + cv::Point2f(area.tl());
+  }
+
+ private:
+  // The middle of a block of pixels.
+  [[nodiscard]] cv::Point2f middle() const {
+    const float half = 0.5F * static_cast<float>(reduction - 1);
+    return {half, half};
+  }
+};
+
+// Interpolates the steps between the middles of cells that are `reduction` times as large.
+cv::Mat interpolateSteps(const cv::Mat& large, int reduction, const CellFlow& cells) {
+  if (reduction == 1) return large;
+  cv::Mat out;
+  cv::resize(large, out, large.size() * reduction, 0, 0, cv::INTER_LINEAR);
+  return out(cv::Rect(0, 0, cells.columns, cells.rows)).clone();
+}
+
+// Adds the residual steps of a lattice of points to the cells of `size`.
+void addResiduals(const ReducedPair& pair, const Surface& before, const Surface& now,
+                  const PredictedMotion& explained, const CellFlow& size,
+                  std::vector<Cell>& cells) {
   std::vector<cv::Point2f> points;
   std::vector<cv::Point2f> guesses;
-  for (const cv::Point& in_box : latticeOver(before.mask)) {
+  for (const cv::Point& in_box : latticeOver(before.mask, pair.reduction * kSampleStep_px)) {
     const cv::Point2f at = cv::Point2f(before.box.tl() + in_box);
     const cv::Vec3d step = explained(at, double(before.depth.at<float>(in_box)));
-    points.push_back(at - corner);
-    guesses.push_back(points.back() + cv::Point2f(float(step[0]), float(step[1])));
+    points.push_back(pair.toReduced(at));
+    guesses.push_back(points.back() + cv::Point2f(float(step[0]), float(step[1])) /
+                                          static_cast<float>(pair.reduction));
   }
-  const PointTracks tracks = trackPoints(last_gray(area), gray(area), points, guesses);
+  const PointTracks tracks = trackPoints(pair.last, pair.now, points, guesses);
   for (std::size_t i = 0; i < tracks.from.size(); ++i) {
-    const cv::Point2f& from = tracks.from[i];
-    const cv::Point2f& to = tracks.to[i];
-    const cv::Point2f was = from + corner;
-    const cv::Point here = cv::Point(cvRound(to.x), cvRound(to.y)) + area.tl() - now.box.tl();
+    const cv::Point2f was = pair.toPicture(tracks.from[i]);
+    const cv::Point2f is = pair.toPicture(tracks.to[i]);
+    const cv::Point here = cv::Point(cvRound(is.x), cvRound(is.y)) - now.box.tl();
     if (!cv::Rect({0, 0}, now.box.size()).contains(here) || now.mask.at<unsigned char>(here) == 0)
       continue;
     const auto depth_mm = double(before.depth.at<float>(cv::Point(was) - before.box.tl()));
     const cv::Vec3d step = explained(was, depth_mm);
-    Cell& cell = cells[cellIndex(here, out)];
-    cell.steps[0].push_back(double(to.x - from.x) - step[0]);
-    cell.steps[1].push_back(double(to.y - from.y) - step[1]);
+    const cv::Point2f moved = pair.reduction * (tracks.to[i] - tracks.from[i]);
+    Cell& cell = cells[cellIndex(here, size, pair.reduction)];
+    cell.steps[0].push_back(double(moved.x) - step[0]);
+    cell.steps[1].push_back(double(moved.y) - step[1]);
     cell.steps[2].push_back(double(now.depth.at<float>(here)) - depth_mm - step[2]);
   }
-  out.step = computeMedians(cells, out, /*known=*/true);
+}
+
+}  // namespace
+
+CellFlow residualFlow(const cv::Mat& last_gray, const cv::Mat& gray, const Surface& before,
+                      const Surface& now, const PredictedMotion& explained) {
+  const ReducedPair pair(
+      last_gray, gray,
+      grown(before.box | now.box, now.reduction * kWindowMargin_px, last_gray.size()),
+      now.reduction);
+  CellFlow large;
+  large.columns = (gridCells(now.box.width) + now.reduction - 1) / now.reduction;
+  large.rows = (gridCells(now.box.height) + now.reduction - 1) / now.reduction;
+  std::vector<Cell> cells(static_cast<std::size_t>(large.columns * large.rows));
+  addResiduals(pair, before, now, explained, large, cells);
+  CellFlow out = cellsOver(now.box);
+  out.step = interpolateSteps(computeMedians(cells, large, /*known=*/true), now.reduction, out);
   return out;
 }
 

@@ -40,7 +40,8 @@ CellFlow cellFlow(const cv::Mat& last_gray, const cv::Mat& gray, const cv::Mat& 
 using PredictedMotion = std::function<cv::Vec3d(const cv::Point2f& at_px, double depth_mm)>;
 
 /// Measures the residual motion in cells: the measured motion minus the motion that `explained`
-/// predicts. Cells without a measurement have motion 0.
+/// predicts. Cells without a measurement have motion 0. Where `now` has a reduction, the pictures
+/// are reduced by it, and the steps of larger cells are interpolated.
 CellFlow residualFlow(const cv::Mat& last_gray, const cv::Mat& gray, const Surface& before,
                       const Surface& now, const PredictedMotion& explained);
 

@@ -9,6 +9,7 @@
 
 #include "common/least_squares.hpp"
 #include "server/vision/base/masks.hpp"
+#include "server/vision/base/reduction.hpp"
 
 namespace hapticast::server {
 
@@ -57,8 +58,9 @@ RigidTemplate::RigidTemplate(const cv::Mat& gray, const Surface& surface, const 
   coarse_.box_px = {box_.x / f, box_.y / f, box_.width / f, box_.height / f};
   const cv::Size size = coarse_.box_px.size();
   if (size.empty()) return;
-  cv::resize(gray(box_), coarse_.gray, size, 0, 0, cv::INTER_AREA);
-  cv::resize(surface.mask, coarse_.mask, size, 0, 0, cv::INTER_AREA);
+  const int by = surface.reduction;
+  cv::resize(everyPixel(gray(box_), by), coarse_.gray, size, 0, 0, cv::INTER_AREA);
+  cv::resize(everyPixel(surface.mask, by), coarse_.mask, size, 0, 0, cv::INTER_AREA);
   cv::resize(surface.depth, coarse_.depth, size, 0, 0, cv::INTER_NEAREST);
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <opencv2/imgproc.hpp>
 
 #include "common/geometry.hpp"
@@ -19,6 +20,8 @@ constexpr int kRim_px = 5;
 constexpr double kMixed = 0.1;     // chosen, of the pixels at an edge
 constexpr double kStrange = 0.02;  // chosen, of the pixels at a rim: share of a body's corners
 constexpr int kFewestBeside = 20;  // chosen: pixels that determine the inside and the surroundings
+constexpr float kSameDepth_mm = 8.0F;  // chosen: neighbours of a surface without noise
+constexpr int kFewestAlike = 3;        // chosen: neighbours of the same depth inside a surface
 // Chosen: a ball's rim steepens by up to 1.4 times its slope for each pixel.
 constexpr double kBend = 1.5;
 const std::array<cv::Point, 8> kAround{
@@ -31,18 +34,22 @@ const std::array<cv::Point, 8> kAround{
 bool lonely(const cv::Mat& depth, const cv::Mat& known, const cv::Point& at, double sigma,
             int wanted, bool slopes) {
   const cv::Rect whole({0, 0}, depth.size());
-  const auto isKnown = [&](const cv::Point& p) {
-    return whole.contains(p) && known.at<unsigned char>(p) != 0;
-  };
-  const auto step_mm = static_cast<float>(8 + 5 * sigma);
+  // Far from the border no place needs a check.
+  const bool inner = at.x > 1 && at.y > 1 && at.x + 2 < depth.cols && at.y + 2 < depth.rows;
+  const auto* z = depth.ptr<float>(at.y) + at.x;
+  const auto* k = known.ptr<uchar>(at.y) + at.x;
+  const auto depth_row = static_cast<std::ptrdiff_t>(depth.step1());
+  const auto known_row = static_cast<std::ptrdiff_t>(known.step1());
+  const auto step_mm = static_cast<float>(double(kSameDepth_mm) + 5 * sigma);
   int near = 0;
   for (const cv::Point& by : kAround) {
-    const cv::Point next = at + by;
-    if (!isKnown(next)) continue;
-    const float slope = depth.at<float>(at) - depth.at<float>(next);
+    const std::ptrdiff_t to_z = by.y * depth_row + by.x;
+    const std::ptrdiff_t to_k = by.y * known_row + by.x;
+    if ((!inner && !whole.contains(at + by)) || k[to_k] == 0) continue;
+    const float slope = z[0] - z[to_z];
     bool hangs = std::abs(slope) <= step_mm;
-    if (!hangs && slopes && isKnown(next + by))
-      hangs = std::abs(slope - depth.at<float>(next) + depth.at<float>(next + by)) <= step_mm;
+    if (!hangs && slopes && (inner || whole.contains(at + 2 * by)) && k[2 * to_k] != 0)
+      hangs = std::abs(slope - z[to_z] + z[2 * to_z]) <= step_mm;
     if (hangs && ++near >= wanted) return false;
   }
   return true;
@@ -50,17 +57,18 @@ bool lonely(const cv::Mat& depth, const cv::Mat& known, const cv::Point& at, dou
 
 // Depths of the object's core and of the background, extrapolated to the rim.
 struct Sides {
-  cv::Mat object;  // CV_32FC1 at half size; both empty if one of them is unknown
+  int reduction = 2;
+  cv::Mat object;  // CV_32FC1 at 1 / reduction; both empty if one of them is unknown
   cv::Mat behind;
   bool clean = false;  // the object's depth has no noise
   bool sharp = false;  // it is clean, and no pixel mixes object and background
   double sigma = 0.0;  // noise of the object's depth, mm
 
   [[nodiscard]] double objectDepth(int u, int v) const {
-    return double(object.at<float>(v / 2, u / 2));
+    return double(object.at<float>(v / reduction, u / reduction));
   }
   [[nodiscard]] double backgroundDepth(int u, int v) const {
-    return double(behind.at<float>(v / 2, u / 2));
+    return double(behind.at<float>(v / reduction, u / reduction));
   }
 };
 
@@ -137,11 +145,12 @@ bool sharpEdges(const cv::Mat& depth, const cv::Mat& mask, const Sides& sides) {
 }
 
 Sides findSides(const cv::Mat& depth, const cv::Mat& mask, const cv::Mat& core_known,
-                const DepthNoise& noise) {
+                const DepthNoise& noise, int reduction) {
   const cv::Mat around = (dilatedBy(mask, kRim_px) == 0) & (depth > 0);
   if (cv::countNonZero(core_known) < kFewestBeside || cv::countNonZero(around) < kFewestBeside)
     return {};
-  Sides out{filledAtHalfSize(depth, core_known), filledAtHalfSize(depth, around)};
+  Sides out{reduction, filledAtReducedSize(depth, core_known, reduction),
+            filledAtReducedSize(depth, around, reduction)};
   const double depth_mm = cv::mean(depth, core_known)[0];
   out.sigma = noise.at(depth_mm);
   out.clean = noise.clean(depth_mm);
@@ -166,25 +175,47 @@ bool contoursAgree(const cv::Mat& depth, const cv::Mat& mask, const cv::Mat& kno
   return strange < kStrange * cv::countNonZero(rim);
 }
 
+namespace {
+
+// Returns whether three of the four direct neighbours have nearly the same depth, whatever the
+// noise. Then the pixel is not lonely, and no slower test is necessary.
+bool hasCompany(const cv::Mat& depth, const cv::Mat& known, int v, int u) {
+  if (v == 0 || u == 0 || v + 1 >= depth.rows || u + 1 >= depth.cols) return false;
+  const auto* z = depth.ptr<float>(v) + u;
+  const auto* k = known.ptr<uchar>(v) + u;
+  const auto depth_row = static_cast<std::ptrdiff_t>(depth.step1());
+  const auto known_row = static_cast<std::ptrdiff_t>(known.step1());
+  const auto beside = [&](std::ptrdiff_t to_z, std::ptrdiff_t to_k) {
+    return int(k[to_k] != 0) & int(std::abs(z[0] - z[to_z]) <= kSameDepth_mm);
+  };
+  return beside(-1, -1) + beside(1, 1) + beside(-depth_row, -known_row) +
+             beside(depth_row, known_row) >=
+         kFewestAlike;
+}
+
+}  // namespace
+
 cv::Mat foregroundPixels(const cv::Mat& depth, const cv::Mat& mask, const cv::Mat& known,
-                         const DepthNoise& noise) {
+                         const DepthNoise& noise, int reduction) {
   const cv::Mat core = erodedBy(mask, kRim_px);
-  const Sides sides = findSides(depth, mask, core & known, noise);
+  const Sides sides = findSides(depth, mask, core & known, noise, reduction + 1);
   cv::Mat keep = known.clone();
   for (int v = 0; v < depth.rows; ++v) {
     const auto* is_known = known.ptr<unsigned char>(v);
     const auto* is_core = core.ptr<unsigned char>(v);
     for (int u = 0; u < depth.cols; ++u) {
       if (is_known[u] == 0) continue;
+      const bool rim = is_core[u] == 0;
+      if (!rim && hasCompany(depth, known, v, u)) continue;
       const auto z = double(depth.at<float>(v, u));
       // On clean depth the apparent noise of a steep rim is its curvature.
       const double sigma = sides.sharp ? sides.sigma : noise.at(z);
-      const bool rim = is_core[u] == 0;
-      const bool drop = (rim && !sides.object.empty() &&
-                         background(z, sides.objectDepth(u, v), sides.backgroundDepth(u, v), sigma,
-                                    sides.sharp)) ||
-                        (!(rim && sides.sharp) &&
-                         lonely(depth, known, {u, v}, sigma, rim ? 2 : 3, !rim && sides.clean));
+      const bool drop =
+          (rim && !sides.object.empty() &&
+           background(z, sides.objectDepth(u, v), sides.backgroundDepth(u, v), sigma,
+                      sides.sharp)) ||
+          (!(rim && sides.sharp) &&
+           lonely(depth, known, {u, v}, sigma, rim ? 2 : kFewestAlike, !rim && sides.clean));
       if (drop) keep.at<unsigned char>(v, u) = 0;
     }
   }

@@ -15,9 +15,10 @@ inline constexpr int kGateReach_px = 15;
 
 /// Returns a mask (CV_8UC1, 0/255) of those pixels of `known` that belong to the object. `known`:
 /// the pixels inside `mask` whose depth was measured. Both are CV_8UC1, 0/255. `depth`: CV_32FC1,
-/// mm; it must extend kGateReach_px beyond the mask.
+/// mm; it must extend kGateReach_px beyond the mask. `reduction`: factor by which it reduces the
+/// two depths with which it compares.
 cv::Mat foregroundPixels(const cv::Mat& depth, const cv::Mat& mask, const cv::Mat& known,
-                         const DepthNoise& noise);
+                         const DepthNoise& noise, int reduction = 1);
 
 /// Returns whether `mask` and the object's depth end at the same contour. That is so if nearly all
 /// pixels at the rim of the mask continue the object's surface.

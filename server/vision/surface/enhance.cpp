@@ -8,6 +8,7 @@
 
 #include "server/vision/base/flow.hpp"
 #include "server/vision/base/masks.hpp"
+#include "server/vision/base/reduction.hpp"
 #include "server/vision/surface/background_rejection.hpp"
 #include "server/vision/surface/quadratic_fit.hpp"
 
@@ -79,7 +80,12 @@ Surface rawSurface(const cv::Mat& depth, const cv::Mat& mask, const DepthNoise& 
   const cv::Rect box = boxAround(mask, 0);
   const cv::Mat known = mask(box) & (depth(box) > 0);
   const bool rounded = noise.eight_bit && noise.clean(cv::mean(depth(box), known)[0]);
-  return {box, mask(box).clone(), depth(box).clone(), known, rounded ? noise.quantum_mm : 0.0};
+  return {box,
+          mask(box).clone(),
+          depth(box).clone(),
+          known,
+          rounded ? noise.quantum_mm : 0.0,
+          reductionFor(box.size(), mask.size(), kLargestSurface_px)};
 }
 
 Surface cleanSurface(const cv::Mat& depth, const cv::Mat& mask, const DepthNoise& noise,
@@ -95,8 +101,9 @@ Surface cleanSurface(const cv::Mat& depth, const cv::Mat& mask, const DepthNoise
   const cv::Mat near_depth = depth(wide);
   const cv::Mat known = object & (near_depth > 0);
   const bool trusted = exact_mask && contoursAgree(near_depth, object, known, noise);
-  const cv::Mat measured = trusted ? known : foregroundPixels(near_depth, object, known, noise);
-  out.depth = filled(near_depth, measured, object)(inner).clone();
+  const cv::Mat measured =
+      trusted ? known : foregroundPixels(near_depth, object, known, noise, out.reduction);
+  out.depth = filled(near_depth, measured, object, out.reduction)(inner).clone();
   out.measured = measured(inner).clone();
   return out;
 }
@@ -108,7 +115,8 @@ Surface warpSurface(const cv::Mat& mask, const Surface& before, const cv::Matx23
   out.measured =
       warpImage(before.measured, before.box, out.box, similarity, cv::INTER_NEAREST) & out.mask;
   const cv::Mat depth = warpImage(before.depth, before.box, out.box, similarity, cv::INTER_NEAREST);
-  out.depth = filled(depth, out.measured & (depth > 0), out.mask);
+  out.reduction = reductionFor(out.box.size(), mask.size(), kLargestSurface_px);
+  out.depth = filled(depth, out.measured & (depth > 0), out.mask, out.reduction);
   out.quantum_mm = before.quantum_mm;
   return out;
 }

@@ -45,36 +45,13 @@ struct Layers {
 Layers findLayers(const Surface& surface, double step_mm,
                   const DepthRange& mapped_range = kAllDepths);
 
-// Temporal consistency of an object's layers: each layer has a name (a number) that persists from
-// frame to frame, even if the depth is noisy. Thread: the one that runs Vision.
+/// Returns the measured pixels (CV_8UC1, 0/255) whose 3 x 3 neighbourhood has two measured depths
+/// that differ by more than `step_mm`.
+cv::Mat findSteps(const Surface& surface, double step_mm);
 
-/// Splits one object into layers frame by frame, with persistent names. The layers of the last
-/// frame are moved with the object. A layer has the name of that moved layer with which it shares
-/// most pixels. A pixel changes its name after it had another one in three successive frames. It
-/// changes at once if it is at most 2 px from pixels that had the new name. Layers stay separate
-/// until the step between them is below 0.7 `step_mm`.
-class LayerCutter {
- public:
-  /// Returns the surfaces of the layers of `surface`. Element i is the layer with the name i + 1;
-  /// its box is empty if the layer has no pixels. Without depth steps it returns `surface` alone.
-  /// The first call orders the names from near to far. `mapped_range`: see findLayers().
-  std::vector<Surface> cut(const Surface& surface, double step_mm,
-                           const DepthRange& mapped_range = kAllDepths);
-
- private:
-  [[nodiscard]] cv::Mat assignNames(const Surface& surface, double step_mm,
-                                    const DepthRange& mapped_range);
-  [[nodiscard]] cv::Mat isSettled(const Surface& surface, const cv::Mat& now,
-                                  const cv::Mat& before);
-  [[nodiscard]] cv::Mat warpedNames(const cv::Mat& image, const Surface& surface) const;
-
-  cv::Mat names_;  // names over the last box, CV_8UC1, 1 ..; empty for one layer
-  // Over the last box: for how many successive frames a pixel has had another name.
-  cv::Mat pending_changes_;
-  int count_ = 0;  // number of names; 0: no frame yet
-  cv::Mat last_mask_;
-  cv::Rect last_box_;
-  cv::Point2d last_centroid_px_;
-};
+/// Does the same as the function above, for a surface and its steps (CV_8UC1, 0/255) that are
+/// sampled every `reduction` px.
+Layers findLayers(const Surface& surface, const cv::Mat& step, double step_mm,
+                  const DepthRange& mapped_range, int reduction = 1);
 
 }  // namespace hapticast::server

@@ -284,45 +284,107 @@ cv::Mat pushPull(const cv::Mat& weighted, const cv::Mat& weight) {
   return mean;
 }
 
-cv::Mat swept(const cv::Mat& from, const cv::Mat& inside, const std::vector<cv::Point>& holes) {
-  cv::Mat values = from.clone();
-  const cv::Rect whole({0, 0}, values.size());
-  const cv::Point steps[] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
-  for (int round = 0; round < kSweeps; ++round) {
-    for (const cv::Point& at : holes) {
-      float sum = 0;
-      int count = 0;
-      for (const cv::Point& step : steps) {
-        if (!whole.contains(at + step) || inside.at<unsigned char>(at + step) == 0) continue;
-        sum += values.at<float>(at + step);
-        ++count;
-      }
-      if (count > 0) values.at<float>(at) = sum / static_cast<float>(count);
+// The neighbours of a hole inside a mask, as offsets in a continuous image.
+struct Hole {
+  int at = 0;
+  int count = 0;
+  std::array<int, 4> beside{};
+};
+
+std::vector<Hole> findHoles(const cv::Mat& holes, const cv::Mat& inside) {
+  std::vector<Hole> out;
+  const int columns = holes.cols;
+  for (int v = 0; v < holes.rows; ++v) {
+    const auto* row = holes.ptr<uchar>(v);
+    const auto* in = inside.ptr<uchar>(v);
+    for (int u = 0; u < columns; ++u) {
+      if (row[u] == 0) continue;
+      Hole hole{v * columns + u};
+      const auto add = [&hole](bool is_inside, int offset) {
+        if (is_inside) hole.beside[std::size_t(hole.count++)] = hole.at + offset;
+      };
+      add(u + 1 < columns && in[u + 1] != 0, 1);
+      add(u > 0 && in[u - 1] != 0, -1);
+      add(v + 1 < holes.rows && inside.at<uchar>(v + 1, u) != 0, columns);
+      add(v > 0 && inside.at<uchar>(v - 1, u) != 0, -columns);
+      if (hole.count > 0) out.push_back(hole);
     }
   }
-  return values;
+  return out;
+}
+
+// Relaxes the holes of `values` to the mean of their neighbours inside `inside`. With `red_black`
+// no hole waits for the hole before it, which is faster.
+cv::Mat swept(const cv::Mat& values, const cv::Mat& inside, const cv::Mat& holes, int sweeps,
+              bool red_black) {
+  cv::Mat out = values.clone();
+  auto* all = out.ptr<float>();
+  std::vector<Hole> order = findHoles(holes, inside);
+  if (red_black) {
+    std::stable_partition(order.begin(), order.end(), [&](const Hole& hole) {
+      return (hole.at / out.cols + hole.at % out.cols) % 2 == 0;
+    });
+  }
+  for (int round = 0; round < sweeps; ++round) {
+    for (const Hole& hole : order) {
+      float sum = 0;
+      for (int i = 0; i < hole.count; ++i) sum += all[hole.beside[std::size_t(i)]];
+      all[hole.at] = sum / static_cast<float>(hole.count);
+    }
+  }
+  return out;
+}
+
+cv::Mat asWeight(const cv::Mat& mask) {
+  cv::Mat out;
+  mask.convertTo(out, CV_32F, 1.0 / 255.0);
+  return out;
+}
+
+// Returns `small`, each pixel of which is a block of `reduction` x `reduction`, at full size.
+cv::Mat enlarged(const cv::Mat& small, int reduction, const cv::Size& size) {
+  cv::Mat out;
+  cv::resize(small, out, small.size() * reduction, 0, 0, cv::INTER_LINEAR);
+  return out(cv::Rect({0, 0}, size));
+}
+
+// Returns a filling that is smooth up to the size of a block.
+cv::Mat filledByBlocks(const cv::Mat& values, const cv::Mat& known, const cv::Mat& wanted,
+                       int reduction) {
+  const cv::Mat weight = asWeight(known);
+  const cv::Mat blocks = blockMeans(weight, reduction);
+  const cv::Mat small = pushPull(blockMeans(values.mul(weight), reduction), blocks);
+  const cv::Mat small_known = blocks > 1e-6;
+  const cv::Mat small_wanted = blockMeans(asWeight(wanted), reduction) > 0;
+  const cv::Mat out = swept(small, small_wanted | small_known, small_wanted & ~small_known,
+                            kSweeps / reduction, true);
+  return enlarged(out, reduction, values.size());
 }
 
 }  // namespace
 
-cv::Mat filledAtHalfSize(const cv::Mat& values, const cv::Mat& known) {
-  cv::Mat weight;
-  known.convertTo(weight, CV_32F, 1.0 / 255.0);
+cv::Mat filledAtReducedSize(const cv::Mat& values, const cv::Mat& known, int reduction) {
+  cv::Mat weight = asWeight(known);
   cv::Mat weighted = values.mul(weight);
+  if (reduction > 2)
+    return pushPull(blockMeans(weighted, reduction), blockMeans(weight, reduction));
   const cv::Size half((values.cols + 1) / 2, (values.rows + 1) / 2);
   cv::resize(weighted, weighted, half, 0, 0, cv::INTER_AREA);
   cv::resize(weight, weight, half, 0, 0, cv::INTER_AREA);
   return pushPull(weighted, weight);
 }
 
-cv::Mat filled(const cv::Mat& values, const cv::Mat& known, const cv::Mat& wanted) {
-  std::vector<cv::Point> holes;
-  cv::findNonZero(wanted & (known == 0), holes);
-  if (holes.empty() || cv::countNonZero(known) == 0) return values.clone();
+cv::Mat filled(const cv::Mat& values, const cv::Mat& known, const cv::Mat& wanted, int reduction) {
+  const cv::Mat holes = wanted & (known == 0);
+  if (cv::countNonZero(holes) == 0 || cv::countNonZero(known) == 0) return values.clone();
   cv::Mat out;
-  cv::resize(filledAtHalfSize(values, known), out, values.size(), 0, 0, cv::INTER_LINEAR);
+  if (reduction > 1) {
+    out = filledByBlocks(values, known, wanted, reduction);
+  } else {
+    cv::resize(filledAtReducedSize(values, known, 2), out, values.size(), 0, 0, cv::INTER_LINEAR);
+  }
   values.copyTo(out, known);
-  return swept(out, wanted | known, holes);
+  return swept(out, wanted | known, holes, kSweeps / (reduction * reduction), reduction > 1);
 }
 
 }  // namespace hapticast::server

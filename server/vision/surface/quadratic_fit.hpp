@@ -27,11 +27,13 @@ cv::Mat widerFit(const cv::Mat& height, const cv::Mat& rounded, const cv::Mat& m
 /// Returns `values` (CV_32FC1), in which the pixels of `wanted` outside `known` are filled smoothly
 /// from those of `known`. Returns an unchanged copy if no pixel is known or none is to be filled.
 /// `known` and `wanted` are masks (CV_8UC1, 0/255). The method is push-pull inpainting (Gortler et
-/// al. 1996), then membrane sweeps (Gauss-Seidel steps of Laplace's equation).
-cv::Mat filled(const cv::Mat& values, const cv::Mat& known, const cv::Mat& wanted);
+/// al. 1996), then membrane sweeps (Gauss-Seidel steps of Laplace's equation). With a `reduction`
+/// above 1 most sweeps work at 1 / reduction of the size, and the last ones at full size.
+cv::Mat filled(const cv::Mat& values, const cv::Mat& known, const cv::Mat& wanted,
+               int reduction = 1);
 
-/// Returns `values` at half size, with all pixels outside `known` filled by push-pull only. That
-/// suffices for comparisons.
-cv::Mat filledAtHalfSize(const cv::Mat& values, const cv::Mat& known);
+/// Returns `values` at 1 / reduction of the size, with all pixels outside `known` filled by
+/// push-pull only. That suffices for comparisons.
+cv::Mat filledAtReducedSize(const cv::Mat& values, const cv::Mat& known, int reduction);
 
 }  // namespace hapticast::server

@@ -61,6 +61,7 @@ HoldImages StaticRegionFilter::makeTileImages(const cv::Mat& gray, const Surface
   out.depth = movedTo(now.depth, now.box, area_, CV_32FC1);
   out.mask = movedTo(now.mask, now.box, area_, CV_8UC1);
   out.measured = movedTo(now.measured, now.box, area_, CV_8UC1);
+  out.row_step = now.reduction;
   return out;
 }
 
@@ -178,10 +179,14 @@ void StaticRegionFilter::countShare() {
   share_ = all > 0 ? double(still) / all : 0.0;
 }
 
-Surface StaticRegionFilter::surface(double quantum_mm) const {
+Surface StaticRegionFilter::surface(const Surface& now) const {
   const cv::Rect tight = cv::boundingRect(held_.mask);
-  return {tight + area_.tl(), held_.mask(tight).clone(), held_.depth(tight).clone(),
-          held_.measured(tight) & held_.mask(tight), quantum_mm};
+  return {tight + area_.tl(),
+          held_.mask(tight).clone(),
+          held_.depth(tight).clone(),
+          held_.measured(tight) & held_.mask(tight),
+          now.quantum_mm,
+          now.reduction};
 }
 
 Surface StaticRegionFilter::apply(const cv::Mat& gray, const Surface& now, const StaticNoise& noise,
@@ -196,7 +201,7 @@ Surface StaticRegionFilter::apply(const cv::Mat& gray, const Surface& now, const
   keepReference(seen);
   countShare();
   if (cv::countNonZero(held_.mask) == 0) return now;
-  return surface(now.quantum_mm);
+  return surface(now);
 }
 
 StaticRegionFilter StaticRegionFilter::copy() const {

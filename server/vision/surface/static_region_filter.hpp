@@ -56,7 +56,7 @@ class StaticRegionFilter {
   void blendTile(const cv::Rect& rect, bool mask_held, const cv::Mat& weight,
                  const HoldImages& now);
   void countShare();
-  [[nodiscard]] Surface surface(double quantum_mm) const;
+  [[nodiscard]] Surface surface(const Surface& now) const;
 
   cv::Rect area_;  // px, corners on tiles
   // Held values over area_; gray: the reference. No other object shares these images.

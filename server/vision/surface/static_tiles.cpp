@@ -114,21 +114,21 @@ StaticTiles::Reading StaticTiles::readTile(int column, int row, const HoldImages
   const bool whole = out.pixels < kFewestPixels;
   double change = 0, off = 0, sum = 0, square = 0;
   int changed = 0;
-  for (int v = rect.y; v < rect.br().y; ++v) {
+  for (int v = rect.y + now.row_step / 2; v < rect.br().y; v += now.row_step) {
     const auto* gray = now.gray.ptr<float>(v);
     const auto* reference = held.gray.ptr<float>(v);
     const auto* last = last_gray.ptr<float>(v);
     const auto* was_inside = held.mask.ptr<unsigned char>(v);
     for (int u = rect.x; u < rect.br().x; ++u) {
       if (gray[u] >= kDark && gray[u] <= kBright) {
-        change += double(std::abs(gray[u] - last[u]));
-        ++changed;
+        change += now.row_step * double(std::abs(gray[u] - last[u]));
+        changed += now.row_step;
       }
       if (!whole && was_inside[u] == 0) continue;
-      off += double(std::abs(gray[u] - reference[u]));
-      sum += double(reference[u]);
-      square += double(reference[u]) * double(reference[u]);
-      ++out.compared;
+      off += now.row_step * double(std::abs(gray[u] - reference[u]));
+      sum += now.row_step * double(reference[u]);
+      square += now.row_step * double(reference[u]) * double(reference[u]);
+      out.compared += now.row_step;
     }
   }
   if (changed >= kFewestChanged) out.color_change = change / changed;
@@ -144,7 +144,7 @@ void StaticTiles::readSurface(const cv::Rect& rect, const HoldImages& held, cons
                               const cv::Mat& core, Reading& out) {
   std::vector<float> offs;
   offs.reserve(static_cast<std::size_t>(rect.area()));
-  for (int v = rect.y; v < rect.br().y; ++v) {
+  for (int v = rect.y + now.row_step / 2; v < rect.br().y; v += now.row_step) {
     const auto* was_inside = held.mask.ptr<unsigned char>(v);
     const auto* is_inside = now.mask.ptr<unsigned char>(v);
     const auto* is_core = core.ptr<unsigned char>(v);
@@ -152,13 +152,13 @@ void StaticTiles::readSurface(const cv::Rect& rect, const HoldImages& held, cons
     const auto* depth = now.depth.ptr<float>(v);
     const auto* held_depth = held.depth.ptr<float>(v);
     for (int u = rect.x; u < rect.br().x; ++u) {
-      out.flipped += was_inside[u] != is_inside[u] ? 1 : 0;
+      out.flipped += was_inside[u] != is_inside[u] ? now.row_step : 0;
       if (is_core[u] == 0) continue;
-      ++out.core;
-      out.core_lost += is_inside[u] == 0 ? 1 : 0;
+      out.core += now.row_step;
+      out.core_lost += is_inside[u] == 0 ? now.row_step : 0;
       if (is_measured[u] == 0) continue;
       offs.push_back(depth[u] - held_depth[u]);
-      ++out.core_measured;
+      out.core_measured += now.row_step;
     }
   }
   out.depth_off_mm = middleMean(offs);
@@ -272,7 +272,7 @@ void StaticTiles::release(const std::vector<Reading>& readings, double drift_mm,
 cv::Mat StaticTiles::judge(const HoldImages& held, const cv::Mat& last_gray, const HoldImages& seen,
                            const StaticNoise& noise, bool repeated) {
   const cv::Mat gray = seen.gray / estimateGain(held, seen);
-  const HoldImages now{gray, seen.depth, seen.mask, seen.measured};
+  const HoldImages now{gray, seen.depth, seen.mask, seen.measured, seen.row_step};
   const cv::Mat core = erodedBy(held.mask, kCore_px);
   std::vector<Reading> readings;
   readings.reserve(tiles_.size());

@@ -18,6 +18,7 @@ struct HoldImages {
   cv::Mat depth;  ///< CV_32FC1, depth in mm; larger is farther
   cv::Mat mask;   ///< CV_8UC1, 0/255
   cv::Mat measured;  ///< CV_8UC1, 255 where `depth` was measured, 0 where it was filled
+  int row_step = 1;  ///< tiles are compared in every such row; each row counts as so many
 };
 
 /// What changed in a tile, so that it was released. kNew: the tile is new. kAllDepth: the depth of

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/vision/surface/layers.hpp"
+#include "server/vision/surface/layer_cutter.hpp"
 
 #include <gtest/gtest.h>
 
@@ -119,13 +119,19 @@ std::size_t present(const std::vector<Surface>& layers) {
 TEST(Layers, TheirNumberDoesNotFlicker) {
   LayerCutter cutter;
   std::vector<std::size_t> counts;
-  for (int i = 0; i < 30; ++i) {
+  for (int i = 0; i < 60; ++i) {
     // From frame 6 on a step that noise lifts above what is needed now and then.
-    const double step = i < 6 ? 0 : (i < 20 ? (i % 4 == 0 ? 20.0 : 34.0) : 0.0);
+    const double step = i < 6 ? 0 : (i < 40 ? (i % 4 == 0 ? 20.0 : 34.0) : 0.0);
     counts.push_back(present(cutter.cut(body({kHand}, step), kStep_mm)));
   }
-  for (std::size_t i = 0; i < counts.size(); ++i)
-    EXPECT_EQ(counts[i], i >= 11 && i < 22 ? 2U : 1U) << i;
+  // It begins once and ends once.
+  const auto begin = std::find(counts.begin(), counts.end(), 2U);
+  const auto end = std::find(begin, counts.end(), 1U);
+  EXPECT_GE(begin - counts.begin(), 11);
+  EXPECT_LT(begin - counts.begin(), 40);
+  EXPECT_GE(end - counts.begin(), 42);
+  ASSERT_LT(end - counts.begin(), 55);
+  EXPECT_EQ(std::count(end, counts.end(), 1U), counts.end() - end);
 }
 
 TEST(Layers, AFrameWithoutTheStepKeepsTheCutWhereTheObjectIsNow) {
@@ -136,7 +142,7 @@ TEST(Layers, AFrameWithoutTheStepKeepsTheCutWhereTheObjectIsNow) {
   const std::vector<Surface> parts = cutter.cut(flat, kStep_mm);
   ASSERT_EQ(parts.size(), 2U);
   EXPECT_EQ(parts[0].box, kHand + flat.box.tl());
-  EXPECT_EQ(present(cutter.cut(flat, kStep_mm)), 2U);
+  for (int i = 0; i < 7; ++i) EXPECT_EQ(present(cutter.cut(flat, kStep_mm)), 2U) << i;
   EXPECT_EQ(present(cutter.cut(flat, kStep_mm)), 1U);
 }
 

@@ -50,6 +50,31 @@ cv::Mat findValleys(const GraphRoi& view, const DepthNoise& noise, double px_per
   return out;
 }
 
+// Returns whether a depth is on one of the planes or behind a supporting one.
+bool isOnPlanes(const std::vector<Plane>& planes, double u, double v, double depth_mm) {
+  return std::any_of(planes.begin(), planes.end(), [&](const Plane& plane) {
+    const double behind = plane.behind(u, v, depth_mm);
+    return behind >= -1.0 && (behind <= 1.0 || plane.support);
+  });
+}
+
+// Returns onPlanes() at every pixel of a size to which the box is shrunk.
+cv::Mat sampledPlanes(const cv::Mat& depth, const cv::Rect& box, const cv::Size& size,
+                      const std::vector<Plane>& planes) {
+  cv::Mat out = cv::Mat::zeros(size, CV_8UC1);
+  const double step_u = 1.0 / (size.width / double(box.width));
+  const double step_v = 1.0 / (size.height / double(box.height));
+  for (int v = 0; v < size.height; ++v) {
+    const int from_v = box.y + std::min(static_cast<int>(v * step_v), box.height - 1);
+    for (int u = 0; u < size.width; ++u) {
+      const int from_u = box.x + std::min(static_cast<int>(u * step_u), box.width - 1);
+      const float z = depth.at<float>(from_v, from_u);
+      if (z > 0.0F && isOnPlanes(planes, from_u, from_v, double(z))) out.at<uchar>(v, u) = 255;
+    }
+  }
+  return out;
+}
+
 }  // namespace
 
 double pixelsPerMm(double depth_mm, const cv::Size& picture) {
@@ -64,8 +89,7 @@ GraphRoi GraphRoi::around(const FrameContext& scene, const cv::Rect& box, double
                       std::max(1, int(std::lround(box.height * out.shrink))));
   cv::resize(scene.images.color(box), out.color, size, 0, 0, cv::INTER_AREA);
   cv::resize(scene.images.depth(box), out.depth, size, 0, 0, cv::INTER_NEAREST);
-  const cv::Mat plane = onPlanes(scene.images.depth, box, scene.planes);
-  cv::resize(plane, out.plane, size, 0, 0, cv::INTER_NEAREST);
+  out.plane = sampledPlanes(scene.images.depth, box, size, scene.planes);
   const cv::Size picture = scene.images.color.size();
   const int factor = std::max(1, std::max(picture.width, picture.height) / kUsualWidth_px);
   cv::Mat usual;
@@ -260,10 +284,7 @@ cv::Mat bandOnPlanes(const ObjectRoi& patch, const std::vector<Plane>& planes) {
     auto* to = out.ptr<unsigned char>(v);
     for (int u = 0; u < out.cols; ++u) {
       if (depth[u] <= 0.0F || d[u] > kBand_px || d[u] <= -kBand_px) continue;
-      for (const Plane& plane : planes) {
-        const double behind = plane.behind(patch.pictureU(u), patch.pictureV(v), double(depth[u]));
-        if (behind >= -1.0 && (behind <= 1.0 || plane.support)) to[u] = 255;
-      }
+      if (isOnPlanes(planes, patch.pictureU(u), patch.pictureV(v), double(depth[u]))) to[u] = 255;
     }
   }
   return out;
