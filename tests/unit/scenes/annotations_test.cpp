@@ -89,9 +89,9 @@ TEST(AnnotationsTest, WhatAPointSaysIsNotItLeavesTheMaskAndNothingElse) {
   const FrameImages images = drawn.images();
   const SceneContext scene{measureNoise(drawn.depth), {}, {}, {}};
   const cv::Mat both = drawn.square | drawn.bar;
-  const cv::Mat left = refineWithClicks(scene.view(images), both, {{}, {{200, 95}}, {}});
+  const cv::Mat left = refineWithClicks(scene.view(images), both, {{}, {{200, 95}}, {}}, {});
   EXPECT_GT(test::overlap(left, drawn.square), 0.93);
-  const cv::Mat right = refineWithClicks(scene.view(images), both, {{}, {{110, 95}}, {}});
+  const cv::Mat right = refineWithClicks(scene.view(images), both, {{}, {{110, 95}}, {}}, {});
   EXPECT_LT(test::overlap(right, drawn.square), 0.1) << "the author may mean the bar";
 }
 
@@ -101,8 +101,48 @@ TEST(AnnotationsTest, WhatAPointSaysIsItJoinsTheMaskAndNothingElse) {
   const SceneContext scene{measureNoise(drawn.depth), {}, {}, {}};
   cv::Mat half = drawn.square.clone();
   half(cv::Rect(0, 0, 300, 85)).setTo(0);
-  const cv::Mat whole = refineWithClicks(scene.view(images), half, {{{{110, 75}, 0}}, {}, {}});
+  const cv::Mat whole = refineWithClicks(scene.view(images), half, {{{{110, 75}, 0}}, {}, {}}, {});
   EXPECT_GT(test::overlap(whole, drawn.square), 0.93);
+}
+
+// The first mask holds object and hand, as after a click on a thing in a hand.
+TEST(AnnotationsTest, NoNegativePointEmptiesAnObjectThatHoldsAPointOfTheAuthor) {
+  const SquareAndBar drawn;
+  const FrameImages images = drawn.images();
+  const SceneContext scene{measureNoise(drawn.depth), {}, {}, {}};
+  TrackedMask object(1, drawn.square | drawn.bar, images, scene, 0);
+  object.rememberAppearance(images, scene);
+  object.addAnchor({190, 95});
+  for (const cv::Point& off : {cv::Point(110, 95), cv::Point(90, 70)}) {
+    object.correct(images, scene, {{}, {off}, {}});
+    ASSERT_TRUE(object.present()) << off;
+    EXPECT_GT(test::overlap(object.mask(), drawn.bar), 0.85) << off;
+  }
+}
+
+TEST(AnnotationsTest, OfTwoPointsThatContradictEachOtherTheLaterOneCounts) {
+  const SquareAndBar drawn;
+  const FrameImages images = drawn.images();
+  const SceneContext scene{measureNoise(drawn.depth), {}, {}, {}};
+  TrackedMask object(1, drawn.square | drawn.bar, images, scene, 0);
+  object.addAnchor({190, 95});
+  object.correct(images, scene, {{}, {{192, 96}}, {}});
+  ASSERT_TRUE(object.present());
+  EXPECT_GT(test::overlap(object.mask(), drawn.square), 0.9);
+  object.correct(images, scene, {{{{190, 95}, 0}}, {}, {}});
+  ASSERT_TRUE(object.present());
+  EXPECT_GT(test::overlap(object.mask(), drawn.square | drawn.bar), 0.85);
+}
+
+TEST(AnnotationsTest, APointOnTheRimChangesTheRimOnly) {
+  const SquareAndBar drawn;
+  const FrameImages images = drawn.images();
+  const SceneContext scene{measureNoise(drawn.depth), {}, {}, {}};
+  const cv::Mat less = refineWithClicks(scene.view(images), drawn.square, {{}, {{82, 95}}, {}}, {});
+  EXPECT_GT(test::overlap(less, drawn.square), 0.93);
+  const cv::Mat more =
+      refineWithClicks(scene.view(images), drawn.square, {{{{152, 95}, 0}}, {}, {}}, {});
+  EXPECT_GT(test::overlap(more, drawn.square), 0.8) << "the bar has half of its area";
 }
 
 TEST(AnnotationsTest, ColorsThatAreNotItSpeakAgainstItButForItsOwn) {

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <opencv2/imgproc.hpp>
 #include <random>
@@ -151,6 +152,111 @@ TEST(ChooseAt, ABoxThatAnArmHoldsIsTakenWithoutTheArm) {
     truth(box).setTo(255);
     EXPECT_GT(test::overlap(start.object->mask(), truth), 0.9) << trial << " at " << click;
   }
+}
+
+// An arm, bare up to the picture's border, with a box of the colour `paint` in its hand.
+struct HeldBox {
+  Drawn drawn{kGrey};
+  cv::Mat truth = cv::Mat::zeros(kDrawn, CV_8UC1);
+  cv::Rect box;
+
+  HeldBox(const cv::Scalar& paint, const cv::Size& size, std::mt19937& random) {
+    box = {{110 + static_cast<int>(random() % 20), 60 + static_cast<int>(random() % 20)}, size};
+    const int arm = size.width / 2;
+    drawn.fill({box.x + arm / 2, box.br().y - size.height / 6, std::max(arm, 30),
+                kDrawn.height - box.br().y + size.height / 6},
+               kSkin, 705.0);
+    drawn.fill(box, paint, 700.0);
+    truth(box).setTo(255);
+  }
+  ChosenStart choose(const FrameImages& images, const cv::Point& click) const {
+    return selectInitialMask(images, {drawn.noise, drawn.planes, drawn.skin, {}}, click, {});
+  }
+};
+
+TEST(ChooseAt, AThingOfSkinsColourIsChosenWithoutTheArm) {
+  std::mt19937 random(11);
+  for (int trial = 0; trial < 6; ++trial) {
+    HeldBox held(cv::Scalar(60, 75, 140), {60, 70}, random);
+    const FrameImages images = held.drawn.finish(random);
+    const cv::Mat skin = held.drawn.skin.in(images.color);
+    ASSERT_GT(cv::countNonZero(skin & held.truth), 0.5 * cv::countNonZero(held.truth));
+    const cv::Point click(held.box.x + 10 + static_cast<int>(random() % 40),
+                          held.box.y + 10 + static_cast<int>(random() % 40));
+    const ChosenStart start = held.choose(images, click);
+    ASSERT_TRUE(start.object) << trial;
+    EXPECT_GT(test::overlap(start.object->mask(), held.truth), 0.85) << trial << " at " << click;
+  }
+}
+
+TEST(ChooseAt, ASmallThingInAHandIsChosen) {
+  std::mt19937 random(13);
+  for (int trial = 0; trial < 6; ++trial) {
+    HeldBox held(cv::Scalar(170, 60, 40), {14, 14}, random);
+    const FrameImages images = held.drawn.finish(random);
+    const ChosenStart start = held.choose(images, held.box.tl() + cv::Point(7, 6));
+    ASSERT_TRUE(start.object) << trial;
+    EXPECT_GT(test::overlap(start.object->mask(), held.truth), 0.7) << trial;
+  }
+}
+
+TEST(ChooseAt, TheChoiceIsTheSameHoweverThePictureIsTurned) {
+  std::mt19937 random(17);
+  for (const cv::Scalar& paint : {cv::Scalar(170, 60, 40), cv::Scalar(60, 75, 140)}) {
+    HeldBox held(paint, {60, 70}, random);
+    const FrameImages images = held.drawn.finish(random);
+    for (const cv::Point& click :
+         {held.box.tl() + cv::Point(20, 20), cv::Point(held.box.x + 35, kDrawn.height - 40)}) {
+      const ChosenStart upright = held.choose(images, click);
+      ASSERT_TRUE(upright.object);
+      cv::Mat at = cv::Mat::zeros(kDrawn, CV_8UC1);
+      at.at<unsigned char>(click) = 255;
+      for (const int turn : {cv::ROTATE_90_CLOCKWISE, cv::ROTATE_180}) {
+        cv::Mat color, depth, turned_at, back;
+        cv::rotate(images.color, color, turn);
+        cv::rotate(images.depth, depth, turn);
+        cv::rotate(at, turned_at, turn);
+        cv::Point turned_click;
+        cv::minMaxLoc(turned_at, nullptr, nullptr, nullptr, &turned_click);
+        const ChosenStart turned = held.choose(imagesWith(color, depth), turned_click);
+        ASSERT_TRUE(turned.object);
+        const bool quarter = turn == cv::ROTATE_90_CLOCKWISE;
+        cv::rotate(turned.object->mask(), back,
+                   quarter ? cv::ROTATE_90_COUNTERCLOCKWISE : cv::ROTATE_180);
+        EXPECT_GT(test::overlap(back, upright.object->mask()), 0.95) << click << " turn " << turn;
+      }
+    }
+  }
+}
+
+TEST(ChooseAt, TheExplanationNamesEachCandidateAndTheChosenOne) {
+  std::mt19937 random(19);
+  HeldBox held(cv::Scalar(170, 60, 40), {60, 70}, random);
+  const FrameImages images = held.drawn.finish(random);
+  const ChosenStart start = held.choose(images, held.box.tl() + cv::Point(20, 20));
+  ASSERT_GE(start.explanation.size(), 2U);
+  const auto chosen = [](const std::string& line) { return line.starts_with("chosen: "); };
+  EXPECT_EQ(std::count_if(start.explanation.begin(), start.explanation.end(), chosen), 1);
+  for (const std::string& line : start.explanation)
+    EXPECT_NE(line.find("score "), std::string::npos) << line;
+}
+
+TEST(Planes, TheFrontOfAnObjectIsNoSupport) {
+  cv::Mat depth(kDrawn, CV_32FC1, cv::Scalar(1500));
+  const cv::Rect front(100, 60, 80, 80);
+  depth(front).setTo(700);
+  depth(cv::Rect(180, 60, 40, 80)).setTo(700);  // a hand at the same depth
+  cv::Mat mask = cv::Mat::zeros(kDrawn, CV_8UC1);
+  mask(front).setTo(255);
+  Plane plane;
+  plane.c = 1.0 / 700.0;
+  plane.share = 0.12;
+  std::vector<Plane> planes{plane};
+  findSupports(depth, mask, planes);
+  EXPECT_FALSE(planes[0].support);
+  depth(front).setTo(600);  // now the object stands in front of that plane
+  findSupports(depth, mask, planes);
+  EXPECT_TRUE(planes[0].support);
 }
 
 }  // namespace

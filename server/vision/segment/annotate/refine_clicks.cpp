@@ -18,6 +18,16 @@ constexpr double kMeant_mm = 100.0;  // up to here a point means the pixels conn
 constexpr double kMostAdded = 0.5;   // chosen, of the mask: a point means a missing part
 constexpr int kWordMargin_px = 30;
 
+// Chosen: a point this near to the contour, in multiples of its distance, means a part so thin.
+constexpr double kThinPart = 3.0;
+
+// A point of a correction, px of the view.
+struct Clicked {
+  cv::Point at;
+  int radius;    // of the disc that the point means for certain
+  double reach;  // how far it outweighs the colours
+};
+
 // Data of a correction in one small view.
 struct Correction {
   GraphRoi view;
@@ -26,7 +36,8 @@ struct Correction {
   cv::Mat connected_positive;  // 255: the discs and their connected regions in colour and depth
   cv::Mat connected_negative;  // 255: the discs and their connected regions
   cv::Mat clicked_negative;    // 255
-  cv::Mat nearby_positive, nearby_negative;  // CV_32FC1: 1 at a point, 0 from kSays_mm on
+  cv::Mat held;                // 255: discs of earlier positive points
+  cv::Mat nearby_positive, nearby_negative;  // CV_32FC1: 1 at a point, 0 beyond its reach
 };
 
 int discRadius(const GraphRoi& view) {
@@ -40,76 +51,99 @@ std::vector<cv::Point> positions(const std::vector<ObjectPoint>& points) {
   return out;
 }
 
-cv::Mat drawDiscs(const GraphRoi& view, const std::vector<cv::Point>& points) {
-  cv::Mat out = cv::Mat::zeros(view.size(), CV_8UC1);
+// Returns the points inside the view. A point near the contour of `old` means a thin part: a rim or
+// a sliver.
+std::vector<Clicked> measureClicks(const GraphRoi& view, const cv::Mat& old,
+                                   const std::vector<cv::Point>& points, double px_per_mm) {
+  cv::Mat inner;
+  cv::Mat outer;
+  cv::distanceTransform(old, inner, cv::DIST_L2, 5);
+  cv::distanceTransform(old == 0, outer, cv::DIST_L2, 5);
+  std::vector<Clicked> out;
   for (const cv::Point& point : points) {
-    if (view.box.contains(point))
-      cv::circle(out, view.toRoi(point), discRadius(view), cv::Scalar(255), cv::FILLED);
+    if (!view.box.contains(point)) continue;
+    const cv::Point at = view.toRoi(point);
+    const auto thin_px = double(std::max(inner.at<float>(at), outer.at<float>(at)));
+    out.push_back({at, std::clamp(int(thin_px), 1, discRadius(view)),
+                   std::max(3.0, std::min(kSays_mm * px_per_mm, kThinPart * thin_px))});
   }
   return out;
 }
 
+cv::Mat drawDiscs(const GraphRoi& view, const std::vector<Clicked>& points) {
+  cv::Mat out = cv::Mat::zeros(view.size(), CV_8UC1);
+  for (const Clicked& point : points)
+    cv::circle(out, point.at, point.radius, cv::Scalar(255), cv::FILLED);
+  return out;
+}
+
 cv::Mat nearnessTo(const cv::Mat& clicked, double reach_px) {
-  if (cv::countNonZero(clicked) == 0) return cv::Mat::zeros(clicked.size(), CV_32FC1);
   cv::Mat distance;
   cv::distanceTransform(clicked == 0, distance, cv::DIST_L2, 5);
   return cv::max(1.0 - distance / reach_px, 0.0);
 }
 
-// Returns the region connected to a positive point: similar in colour, within `reach_mm`, on no
-// plane.
-cv::Mat growRegion(const GraphRoi& view, const cv::Point& at, double px_per_mm, double reach_mm) {
-  const int radius = discRadius(view);
-  cv::Mat out = connectedTo(view, at, radius);
-  const auto depth_mm = double(view.depth.at<float>(at));
+// Returns the region connected to a positive point: similar in colour, within `reach_px`, at most
+// as far in depth, on no plane.
+cv::Mat growRegion(const GraphRoi& view, const Clicked& point, double px_per_mm, double reach_px) {
+  cv::Mat out = connectedTo(view, point.at, point.radius);
+  const auto depth_mm = double(view.depth.at<float>(point.at));
   cv::Mat off = view.plane.clone();
-  if (depth_mm > 0) off |= (view.depth > 0) & (cv::abs(view.depth - depth_mm) > reach_mm);
+  if (depth_mm > 0)
+    off |= (view.depth > 0) & (cv::abs(view.depth - depth_mm) > reach_px / px_per_mm);
   out.setTo(0, off);
   cv::Mat within = cv::Mat::zeros(out.size(), CV_8UC1);
-  cv::circle(within, at, std::max(radius, int(reach_mm * px_per_mm)), cv::Scalar(255), cv::FILLED);
+  cv::circle(within, point.at, std::max(point.radius, int(reach_px)), cv::Scalar(255), cv::FILLED);
   out &= within;
-  cv::circle(out, at, radius, cv::Scalar(255), cv::FILLED);
-  return pieceAt(out, at);
+  cv::circle(out, point.at, point.radius, cv::Scalar(255), cv::FILLED);
+  return pieceAt(out, point.at);
 }
 
 // Returns the region that a positive point adds to the mask `old`. Where the colours are also those
 // of other things, the region is larger than the object. Then only pixels near the point count.
-cv::Mat drawClickDisc(const GraphRoi& view, const cv::Mat& old, const cv::Point& at,
-                      double px_per_mm) {
-  const cv::Mat region = growRegion(view, at, px_per_mm, kMeant_mm);
+cv::Mat regionOf(const GraphRoi& view, const cv::Mat& old, const Clicked& point, double px_per_mm) {
+  const double most_px = kMeant_mm * px_per_mm;
+  const double far_px = std::min(most_px, point.reach * kMeant_mm / kSays_mm);
+  const cv::Mat region = growRegion(view, point, px_per_mm, far_px);
   if (cv::countNonZero(region & ~old) <= kMostAdded * cv::countNonZero(old)) return region;
-  return growRegion(view, at, px_per_mm, kSays_mm);
+  return growRegion(view, point, px_per_mm, point.reach);
 }
 
 Correction prepareCorrection(const FrameContext& scene, const cv::Mat& mask,
                              const Annotation& annotation, const std::vector<cv::Point>& held) {
   const cv::Size picture = mask.size();
   cv::Rect box = boxAround(mask, kWordMargin_px);
-  const std::vector<cv::Point> on = positions(annotation.on);
-  for (const cv::Point& point : on) {
-    box |= cv::Rect(point.x - kWordMargin_px, point.y - kWordMargin_px, 2 * kWordMargin_px,
-                    2 * kWordMargin_px);
+  for (const ObjectPoint& point : annotation.on) {
+    box |= cv::Rect(point.at_px.x - kWordMargin_px, point.at_px.y - kWordMargin_px,
+                    2 * kWordMargin_px, 2 * kWordMargin_px);
   }
   Correction out;
   out.view = GraphRoi::around(scene, box & cv::Rect({0, 0}, picture), kCutOfCorrection.most_px);
   out.old = out.view.shrunk(mask);
-  out.clicked_positive = drawDiscs(out.view, on) | drawDiscs(out.view, held);
-  out.clicked_negative = drawDiscs(out.view, annotation.off);
-  out.connected_negative = out.clicked_negative.clone();
-  for (const cv::Point& point : annotation.off) {
-    if (out.view.box.contains(point))
-      out.connected_negative |= connectedTo(out.view, out.view.toRoi(point), discRadius(out.view));
-  }
   const double depth_mm = medianDepth(out.view.depth, out.old, 1);
   const double px_per_mm = pixelsPerMm(depth_mm, picture) * out.view.shrink;
-  const double reach_px = kSays_mm * px_per_mm;
+  const auto measured = [&](const std::vector<cv::Point>& points) {
+    return measureClicks(out.view, out.old, points, px_per_mm);
+  };
+  const std::vector<Clicked> on = measured(positions(annotation.on));
+  const std::vector<Clicked> off = measured(annotation.off);
+  out.clicked_positive = drawDiscs(out.view, on);
+  out.clicked_negative = drawDiscs(out.view, off);
+  out.held = drawDiscs(out.view, measured(held));
   out.connected_positive = out.clicked_positive.clone();
-  for (const cv::Point& point : on) {
-    if (out.view.box.contains(point))
-      out.connected_positive |= drawClickDisc(out.view, out.old, out.view.toRoi(point), px_per_mm);
+  out.connected_negative = out.clicked_negative.clone();
+  out.nearby_positive = cv::Mat::zeros(out.view.size(), CV_32FC1);
+  out.nearby_negative = out.nearby_positive.clone();
+  for (const Clicked& point : off) {
+    out.connected_negative |= connectedTo(out.view, point.at, point.radius);
+    const cv::Mat near = nearnessTo(drawDiscs(out.view, {point}), point.reach);
+    out.nearby_negative = cv::max(out.nearby_negative, near);
   }
-  out.nearby_positive = nearnessTo(out.connected_positive, std::max(reach_px, 3.0));
-  out.nearby_negative = nearnessTo(out.clicked_negative, std::max(reach_px, 3.0));
+  for (const Clicked& point : on) {
+    const cv::Mat region = regionOf(out.view, out.old, point, px_per_mm);
+    out.connected_positive |= region;
+    out.nearby_positive = cv::max(out.nearby_positive, nearnessTo(region, point.reach));
+  }
   return out;
 }
 
@@ -145,7 +179,7 @@ CutTerms computeTerms(const Correction& c) {
       out.at<float>(v, u) = static_cast<float>(sum);
     }
   }
-  return {out, c.clicked_positive & ~c.clicked_negative, c.clicked_negative};
+  return {out, (c.clicked_positive | c.held) & ~c.clicked_negative, c.clicked_negative};
 }
 
 // Returns the pieces with a positive point, and all pieces larger than a tenth of the largest
@@ -156,7 +190,7 @@ cv::Mat selectPieces(const Correction& c, const cv::Mat& cut) {
   cv::Mat out = cv::Mat::zeros(cut.size(), CV_8UC1);
   for (std::size_t i = 1; i < areas_px.size(); ++i) {
     const cv::Mat piece = labels == double(i);
-    const bool is_clicked = cv::countNonZero(piece & c.clicked_positive) > 0;
+    const bool is_clicked = cv::countNonZero(piece & (c.clicked_positive | c.held)) > 0;
     if (is_clicked || areas_px[i] > largest_px / 10) out |= piece;
   }
   return out;

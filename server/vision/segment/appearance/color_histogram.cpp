@@ -53,10 +53,13 @@ void ColorHistogram::adapt(const ColorHistogram& other, double share) {
   empty_ = false;
 }
 
-void ColorHistogram::raise(const ColorHistogram& other, double share) {
+void ColorHistogram::raise(const ColorHistogram& other, double share, const ColorHistogram& own) {
+  constexpr float kOwnShare = 0.25F;  // chosen
   if (other.empty_) return;
-  for (std::size_t i = 0; i < kBins; ++i)
+  for (std::size_t i = 0; i < kBins; ++i) {
+    if (own.fraction_[i] > kOwnShare * other.fraction_[i]) continue;
     fraction_[i] = std::max(fraction_[i], static_cast<float>(share) * other.fraction_[i]);
+  }
   empty_ = false;
 }
 

@@ -35,8 +35,10 @@ class ColorHistogram {
   /// Moves each fraction towards that of `other`: `share` = 0 leaves it, `share` = 1 replaces it.
   /// An empty histogram becomes `other`.
   void adapt(const ColorHistogram& other, double share);
-  /// Raises each fraction to at least `share` times that of `other`. The sum may then exceed 1.
-  void raise(const ColorHistogram& other, double share);
+  /// Raises each fraction to at least `share` times that of `other`, but not the fractions of
+  /// colours that are `own`: those that have a fourth of that fraction there. The sum may then
+  /// exceed 1.
+  void raise(const ColorHistogram& other, double share, const ColorHistogram& own);
   [[nodiscard]] bool empty() const { return empty_; }
   [[nodiscard]] float operator[](std::size_t bin) const { return fraction_[bin]; }
 

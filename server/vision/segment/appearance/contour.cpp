@@ -245,7 +245,7 @@ std::vector<float> computeColorEvidence(const ContourMemory& memory) {
                    kWholePicture * (1.0 - computeOverlap(memory.first, memory.elsewhere)));
   // Colours that the object shares with negative samples cannot separate the two.
   const double other = 1.0 - computeOverlap(memory.first, memory.avoided);
-  background.raise(memory.avoided, std::min(1.0, other / kUnlike));
+  background.raise(memory.avoided, std::min(1.0, other / kUnlike), memory.first);
   return colorEvidence(memory.first, memory.now, background);
 }
 

@@ -16,6 +16,7 @@ namespace {
 constexpr double kAsTaught = 0.97;
 constexpr double kAnother = 0.05;               // chosen, IoU: below it a mask shows another object
 constexpr double kLargeCorrection = 1.0 / 3.0;  // of the mask: a larger correction is logged
+constexpr double kAlikeColors = 0.5;            // chosen, overlap of two histograms
 constexpr double kNear = 2.0;  // chosen, in object widths: reach of a point that marks the object
 constexpr std::size_t kPast_bytes = std::size_t{768} << 20U;  // chosen: 10 s of 640x480
 
@@ -33,6 +34,26 @@ PropagatedMask toPropagatedMask(const TrackedMask& object, bool given) {
 std::size_t countBytes(const FrameImages& images) {
   return images.color.total() * images.color.elemSize() + images.gray.total() +
          images.depth.total() * images.depth.elemSize();
+}
+
+// Returns whether the point lies on the rim of a mask. Such a point means a sliver of background,
+// whose colours may also be the object's.
+bool isOnRim(const std::vector<TrackedMask>& objects, const cv::Point& point) {
+  return std::any_of(objects.begin(), objects.end(), [&](const TrackedMask& object) {
+    if (!object.present() || !contains(object.mask(), point)) return false;
+    const cv::Rect around =
+        cv::Rect(point.x - kPoint_px, point.y - kPoint_px, 2 * kPoint_px + 1, 2 * kPoint_px + 1) &
+        cv::Rect({0, 0}, object.mask().size());
+    return cv::countNonZero(object.mask()(around)) < around.area();
+  });
+}
+
+// Returns whether the colours of a negative point resemble those of an object. Then the point means
+// its region only.
+bool resemblesObject(const std::vector<TrackedMask>& objects, const NegativeColors& sample) {
+  return std::any_of(objects.begin(), objects.end(), [&](const TrackedMask& object) {
+    return computeOverlap(object.colors(), sample.histogram) > kAlikeColors;
+  });
 }
 
 // Returns the distance from `point` to the nearest pixel of `mask`, in widths of the mask.
@@ -97,8 +118,12 @@ void NarrowBandTracker::place(int number, const cv::Mat& mask, const FrameImages
 
 void NarrowBandTracker::applyAnnotation(const Annotation& annotation, const FramePair& frames) {
   const FrameImages& images = frames.now;
-  for (const cv::Point& point : annotation.off)
+  for (const cv::Point& point : annotation.off) {
+    NegativeColors sample;
+    addNegativeSample(scene_.view(images), point, sample);
+    if (isOnRim(objects_, point) || resemblesObject(objects_, sample)) continue;
     addNegativeSample(scene_.view(images), point, scene_.avoided);
+  }
   if (annotations_ != nullptr && annotations_->open) annotations_->avoided = scene_.avoided;
   for (TrackedMask& object : objects_) {
     const auto in_it = [&](const cv::Point& p) { return contains(object.mask(), p); };

@@ -28,6 +28,8 @@ constexpr double kDespiteDepth = 1.7;
 // wider than the second width belongs to a body: then the whole is meant.
 constexpr double kHeld_mm = 200.0;
 constexpr double kBody_mm = 260.0;
+constexpr double kPart_mm = 150.0;  // chosen: so does a part of this width with the body's colours
+constexpr double kAlike = 0.2;      // chosen, ObjectnessTerms::apart: the colours of such a part
 
 constexpr double kHand_mm = 60.0;  // chosen: a hand, or its fingers alone, is wider
 constexpr double kMostlySkin = 0.5;
@@ -40,7 +42,8 @@ struct Candidate {
 };
 
 bool isBody(const Candidate& part, const Candidate& whole) {
-  return part.terms.width_mm > kHeld_mm && whole.terms.width_mm > kBody_mm;
+  const double least_mm = part.terms.apart < kAlike ? kPart_mm : kHeld_mm;
+  return part.terms.width_mm > least_mm && whole.terms.width_mm > kBody_mm;
 }
 
 // Returns the patch of skin at the click, within the click's component of depth.

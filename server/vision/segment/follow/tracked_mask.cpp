@@ -244,6 +244,8 @@ double TrackedMask::likeness(const FrameImages& images, const SceneContext& scen
 void TrackedMask::correct(const FrameImages& images, const SceneContext& scene,
                           const Annotation& annotation) {
   memory_.avoided = scene.avoided.histogram;
+  // Where the mask was only moved, a negative point shows that the object is not there.
+  if (annotation.on.empty() && !isDecided()) return lose();
   std::erase_if(anchors_, [&](const cv::Point2f& anchor) {
     return std::any_of(annotation.off.begin(), annotation.off.end(), [&](const cv::Point& off) {
       return cv::norm(anchor - cv::Point2f(off)) < 2 * kPoint_px;  // the later point counts

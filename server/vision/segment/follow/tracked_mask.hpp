@@ -92,6 +92,8 @@ class TrackedMask {
   /// Returns whether the pixels of the newest frame decided the mask. Returns false if the mask was
   /// only moved.
   [[nodiscard]] bool isDecided() const { return weak_ == 0; }
+  /// Returns the colours of its first mask.
+  [[nodiscard]] const ColorHistogram& colors() const { return memory_.first; }
   [[nodiscard]] bool present() const { return lost_ == 0; }
   [[nodiscard]] int framesLost() const { return lost_; }
 

@@ -311,6 +311,10 @@ std::vector<cv::Mat> candidateMasks(const FrameContext& scene, const Click& clic
     s.unary = placeEvidence(s);
     cutAll();
   }
+  if (!s.not_log.empty()) {  // so may those of the negative points
+    s.not_log.release();
+    cutAll();
+  }
   std::vector<cv::Mat> out;
   out.reserve(small.size());
   for (const cv::Mat& mask : small)

@@ -139,10 +139,13 @@ cv::Mat depthComponents(const cv::Mat& depth, const cv::Mat& excluded, const Dep
   return labels;
 }
 
+int countBorderPixels(const cv::Mat& mask) {
+  return cv::countNonZero(mask.row(0)) + cv::countNonZero(mask.row(mask.rows - 1)) +
+         cv::countNonZero(mask.col(0)) + cv::countNonZero(mask.col(mask.cols - 1));
+}
+
 bool clearOfBorder(const cv::Mat& mask) {
-  const int border = cv::countNonZero(mask.row(0)) + cv::countNonZero(mask.row(mask.rows - 1)) +
-                     cv::countNonZero(mask.col(0)) + cv::countNonZero(mask.col(mask.cols - 1));
-  return border <= 0.1 * std::sqrt(double(cv::countNonZero(mask)));
+  return countBorderPixels(mask) <= 0.1 * std::sqrt(double(cv::countNonZero(mask)));
 }
 
 cv::Mat nearestCompact(const FrameImages& images, const cv::Mat& labels) {

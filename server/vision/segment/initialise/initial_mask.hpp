@@ -18,6 +18,9 @@ namespace hapticast::server {
 /// no label.
 cv::Mat depthComponents(const cv::Mat& depth, const cv::Mat& excluded, const DepthNoise& noise);
 
+/// Returns the number of pixels of `mask` at the picture's border. It counts corners twice.
+int countBorderPixels(const cv::Mat& mask);
+
 /// Returns whether `mask` has no pixels, or only few, at the picture's border.
 bool clearOfBorder(const cv::Mat& mask);
 

@@ -11,6 +11,7 @@
 #include "server/vision/base/statistics.hpp"
 #include "server/vision/segment/appearance/color_histogram.hpp"
 #include "server/vision/segment/initialise/candidates.hpp"
+#include "server/vision/segment/initialise/initial_mask.hpp"
 
 namespace hapticast::server {
 
@@ -32,6 +33,7 @@ struct MaskView {
   cv::Mat mask;
   cv::Mat distance;  // CV_32FC1, above 0 inside
   double area = 0.0;
+  double at_border_px = 0.0;  // pixels at the border of the picture
 };
 
 MaskView makeView(const FrameContext& scene, const cv::Mat& mask) {
@@ -48,6 +50,7 @@ MaskView makeView(const FrameContext& scene, const cv::Mat& mask) {
   cv::distanceTransform(out.mask == 0, outer, cv::DIST_L2, 5);
   out.distance = inner(cv::Rect({1, 1}, out.mask.size())) - outer;
   out.area = cv::countNonZero(out.mask);
+  out.at_border_px = countBorderPixels(mask);
   return out;
 }
 
@@ -114,7 +117,9 @@ Contour alongContour(const MaskView& m, const DepthNoise& noise) {
       if (known && depth < 0.6 && !hand) sum.contact += color > 0.6 ? 0.5 : 1.0;
     }
   }
-  count = std::max(count, 1.0);
+  const double at_border = m.view.shrink * m.at_border_px;
+  sum.border += at_border;
+  count = std::max(count + at_border, 1.0);
   return {sum.edge / count, sum.weak / count, sum.contact / count, sum.border / count};
 }
 
