@@ -101,7 +101,8 @@ cv::Mat growRegion(const GraphRoi& view, const Clicked& point, double px_per_mm,
 
 // Returns the region that a positive point adds to the mask `old`. Where the colours are also those
 // of other things, the region is larger than the object. Then only pixels near the point count.
-cv::Mat regionOf(const GraphRoi& view, const cv::Mat& old, const Clicked& point, double px_per_mm) {
+cv::Mat findAddedRegion(const GraphRoi& view, const cv::Mat& old, const Clicked& point,
+                        double px_per_mm) {
   const double most_px = kMeant_mm * px_per_mm;
   const double far_px = std::min(most_px, point.reach * kMeant_mm / kSays_mm);
   const cv::Mat region = growRegion(view, point, px_per_mm, far_px);
@@ -140,7 +141,7 @@ Correction prepareCorrection(const FrameContext& scene, const cv::Mat& mask,
     out.nearby_negative = cv::max(out.nearby_negative, near);
   }
   for (const Clicked& point : on) {
-    const cv::Mat region = regionOf(out.view, out.old, point, px_per_mm);
+    const cv::Mat region = findAddedRegion(out.view, out.old, point, px_per_mm);
     out.connected_positive |= region;
     out.nearby_positive = cv::max(out.nearby_positive, nearnessTo(region, point.reach));
   }

@@ -80,6 +80,21 @@ double valleyBetween(const MaskView& m, const cv::Point& in, const cv::Point& ou
   return deepest;
 }
 
+// Adds the properties of one pixel of the contour, with a place inside and one outside.
+void addPlace(const MaskView& m, const cv::Point& in, const cv::Point& out, const DepthNoise& noise,
+              Contour& sum) {
+  const double color =
+      std::min(1.0, cv::norm(m.view.lab.at<cv::Vec3f>(in) - m.view.lab.at<cv::Vec3f>(out)) / 25.0);
+  const double depth = std::max(depthEdge(m, in, out, noise), valleyBetween(m, in, out));
+  const bool hand =
+      m.view.skin.at<unsigned char>(out) != 0 && m.view.skin.at<unsigned char>(in) == 0;
+  const double edge = hand ? 1.0 : std::max(color, depth);
+  sum.edge += edge;
+  if (edge < 0.35) sum.weak += 1.0;
+  const bool known = m.view.depth.at<float>(out) > 0 && m.view.plane.at<unsigned char>(out) == 0;
+  if (known && depth < 0.6 && !hand) sum.contact += color > 0.6 ? 0.5 : 1.0;
+}
+
 Contour alongContour(const MaskView& m, const DepthNoise& noise) {
   cv::Mat du;
   cv::Mat dv;
@@ -100,21 +115,11 @@ Contour alongContour(const MaskView& m, const DepthNoise& noise) {
       const cv::Point2f at(static_cast<float>(u), static_cast<float>(v));
       const cv::Point in = at + way * (kIn_px / length);
       const cv::Point out = at - way * (kOut_px / length);
-      if (!whole.contains(in) || !whole.contains(out)) {
+      if (whole.contains(in) && whole.contains(out)) {
+        addPlace(m, in, out, noise, sum);
+      } else {
         sum.border += 1.0;
-        continue;
       }
-      const double color = std::min(
-          1.0, cv::norm(m.view.lab.at<cv::Vec3f>(in) - m.view.lab.at<cv::Vec3f>(out)) / 25.0);
-      const double depth = std::max(depthEdge(m, in, out, noise), valleyBetween(m, in, out));
-      const bool hand =
-          m.view.skin.at<unsigned char>(out) != 0 && m.view.skin.at<unsigned char>(in) == 0;
-      const double edge = hand ? 1.0 : std::max(color, depth);
-      sum.edge += edge;
-      if (edge < 0.35) sum.weak += 1.0;
-      const bool known =
-          m.view.depth.at<float>(out) > 0 && m.view.plane.at<unsigned char>(out) == 0;
-      if (known && depth < 0.6 && !hand) sum.contact += color > 0.6 ? 0.5 : 1.0;
     }
   }
   const double at_border = m.view.shrink * m.at_border_px;
