@@ -128,7 +128,7 @@ namespace {
 constexpr double kLargestPatch_px = 90e3;  // chosen for time: 300 x 300
 constexpr double kMostPast = 0.5;          // chosen, of the object
 // Chosen, nats: colours of skin with less evidence for the object are a hand's.
-constexpr float kRatherHand = -0.3F;
+constexpr float kRatherHand = -1.0F;
 
 // Returns the bounding box of `from` after the similarity.
 cv::Rect movedBox(const cv::Rect& from, const cv::Matx23d& similarity, const cv::Size& picture) {
