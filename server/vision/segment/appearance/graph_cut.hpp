@@ -84,7 +84,8 @@ inline constexpr CutWeights kCutOfRedetection{.most_px = 9e3,
                                               .skin = -3.0F,
                                               .other_depth = -3.0F,
                                               .per_px = 0.04F,
-                                              .farthest_px = 20.0F};
+                                              .farthest_px = 20.0F,
+                                              .across_valley = 1.0F};
 /// Correction of a mask by the author's points (refine_clicks).
 inline constexpr CutWeights kCutOfCorrection{
     .most_px = 20e3, .most_color = 4.0F, .far_color = 0.5F, .old_mask = 1.0F, .point = 1.5F};

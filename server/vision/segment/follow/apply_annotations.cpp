@@ -48,11 +48,17 @@ bool isOnRim(const std::vector<TrackedMask>& objects, const cv::Point& point) {
   });
 }
 
-// Returns whether the colours of a negative point resemble those of an object. Then the point means
-// its region only.
-bool resemblesObject(const std::vector<TrackedMask>& objects, const NegativeColors& sample) {
+// Returns whether the colours of a negative point resemble those at a point of the author on an
+// object. Then the negative point means its region only.
+bool resemblesAnchor(const FrameContext& scene, const std::vector<TrackedMask>& objects,
+                     const NegativeColors& sample) {
   return std::any_of(objects.begin(), objects.end(), [&](const TrackedMask& object) {
-    return computeOverlap(object.colors(), sample.histogram) > kAlikeColors;
+    const std::vector<cv::Point> anchors = object.visibleAnchors();
+    return std::any_of(anchors.begin(), anchors.end(), [&](const cv::Point& anchor) {
+      NegativeColors own;
+      addNegativeSample(scene, anchor, own);
+      return computeOverlap(own.histogram, sample.histogram) > kAlikeColors;
+    });
   });
 }
 
@@ -121,7 +127,8 @@ void NarrowBandTracker::applyAnnotation(const Annotation& annotation, const Fram
   for (const cv::Point& point : annotation.off) {
     NegativeColors sample;
     addNegativeSample(scene_.view(images), point, sample);
-    if (isOnRim(objects_, point) || resemblesObject(objects_, sample)) continue;
+    if (isOnRim(objects_, point) || resemblesAnchor(scene_.view(images), objects_, sample))
+      continue;
     addNegativeSample(scene_.view(images), point, scene_.avoided);
   }
   if (annotations_ != nullptr && annotations_->open) annotations_->avoided = scene_.avoided;

@@ -21,10 +21,12 @@ constexpr double kMostlySeen = 0.6;
 constexpr double kLeastSeen = 0.08;  // chosen, of its area: with less visible it is hidden
 // Chosen, of the area in a frame: outside of these two limits the.
 constexpr double kLeastGrowth = 0.8;
-constexpr double kMostGrowth = 1.25;  // decision is rejected
-constexpr double kWeaker = 0.7;       // chosen: quality of a frame without a sure measurement
-constexpr double kOwnColors = 0.5;    // mean colour evidence of certain pixels of the object
-constexpr double kClearlyOwn = 0.2;   // more of that evidence: another position is better
+constexpr double kMostGrowth = 1.25;    // decision is rejected
+constexpr double kWeaker = 0.7;         // chosen: quality of a frame without a sure measurement
+constexpr double kOwnColors = 0.5;      // mean colour evidence of certain pixels of the object
+constexpr double kPartlyHidden = 0.15;  // chosen, of the whole: less is noise of the depth
+constexpr double kDistinct = 0.65;      // chosen: overlap of the colours of object and background
+constexpr double kClearlyOwn = 0.4;     // more of that evidence: another position is better
 constexpr double kSurelyColor = 0.8;  // mean colour evidence of pixels that may be uncovered again
 constexpr double kUsualFollows = 0.01;  // chosen: the usual size adapts in four seconds
 constexpr int kLookEvery = 15;  // chosen, frames: a re-detection costs as much as two frames
@@ -125,8 +127,10 @@ void TrackedMask::isSeenWell(const ObjectRoi& patch) {
 }
 
 ObjectLimits TrackedMask::limits(const SceneContext& scene) const {
-  return {depth_.nearest_mm(scene.noise), depth_.farthest_mm(scene.noise), &scene.skin,
-          computeColorEvidence(memory_)};
+  // Where the background has the object's colours, colours show no hand either.
+  const bool distinct = computeOverlap(memory_.first, memory_.background) < kDistinct;
+  return {depth_.nearest_mm(scene.noise), depth_.farthest_mm(scene.noise),
+          distinct ? &scene.skin : nullptr, computeColorEvidence(memory_)};
 }
 
 // Returns whether the decision is plausible.
@@ -152,22 +156,28 @@ ObjectRoi TrackedMask::expected(const FrameImages& images, const cv::Matx23d& si
   return patchAround(images, whole_, similarity, within);
 }
 
+// Returns the patch at the place to which `similarity` leads. Returns the patch at the old place,
+// and sets `similarity` to rest, if the colours there are clearly more the object's. What passes in
+// front of an object pushes its motion.
+ObjectRoi TrackedMask::locate(const FrameImages& images, const SceneContext& scene,
+                              cv::Matx23d& similarity) const {
+  ObjectRoi patch = expected(images, similarity, scene);
+  const bool is_partly_hidden =
+      cv::countNonZero(whole_ != mask_) > kPartlyHidden * cv::countNonZero(whole_);
+  const double moved = patch.empty() ? -1.0 : meanEvidence(memory_, patch.color, patch.inside);
+  if (moved >= 0.0 && !is_partly_hidden) return patch;
+  const cv::Matx23d rest = ObjectFlow{}.similarity;
+  ObjectRoi still = expected(images, rest, scene);
+  const double least = std::max(kOwnColors, moved + kClearlyOwn);
+  if (still.empty() || meanEvidence(memory_, still.color, still.inside) <= least) return patch;
+  similarity = rest;
+  return still;
+}
+
 void TrackedMask::update(const FrameImages& images, const ObjectFlow& flow,
                          const SceneContext& scene) {
   cv::Matx23d similarity = flow.similarity;
-  ObjectRoi patch = expected(images, similarity, scene);
-  // A motion that leads to other colours was not the object's. What passes in front of the object
-  // pushes its motion.
-  const bool is_partly_hidden = cv::countNonZero(whole_ != mask_) > 0;
-  const double moved = patch.empty() ? -1.0 : meanEvidence(memory_, patch.color, patch.inside);
-  if (moved < 0.0 || is_partly_hidden) {
-    const ObjectRoi still = expected(images, ObjectFlow{}.similarity, scene);
-    const double least = std::max(kOwnColors, moved + kClearlyOwn);
-    if (!still.empty() && meanEvidence(memory_, still.color, still.inside) > least) {
-      patch = still;
-      similarity = ObjectFlow{}.similarity;
-    }
-  }
+  const ObjectRoi patch = locate(images, scene, similarity);
   if (patch.empty()) return lose();
   warpEvidence(memory_, patch, similarity);
   ContourResult now = decideContour(patch, scene.noise, scene.planes, memory_);
@@ -251,10 +261,7 @@ void TrackedMask::correct(const FrameImages& images, const SceneContext& scene,
       return cv::norm(anchor - cv::Point2f(off)) < 2 * kPoint_px;  // the later point counts
     });
   });
-  std::vector<cv::Point> held;
-  for (const cv::Point2f& anchor : anchors_) {
-    if (contains(mask_, anchor)) held.emplace_back(anchor);
-  }
+  const std::vector<cv::Point> held = visibleAnchors();
   const cv::Mat mask = refineWithClicks(scene.view(images), mask_, annotation, held);
   for (const ObjectPoint& point : annotation.on) addAnchor(point.at_px);
   const bool nothing = cv::countNonZero(mask) < kSmallestObject_px;
@@ -265,6 +272,14 @@ void TrackedMask::correct(const FrameImages& images, const SceneContext& scene,
       computeOverlap(ColorHistogram::fromImage(images.color, mask), memory_.first) < kOfOtherColors)
     return lose();
   adopt(mask, images, scene);
+}
+
+std::vector<cv::Point> TrackedMask::visibleAnchors() const {
+  std::vector<cv::Point> out;
+  for (const cv::Point2f& anchor : anchors_) {
+    if (present() && contains(mask_, anchor)) out.emplace_back(anchor);
+  }
+  return out;
 }
 
 void TrackedMask::adopt(const cv::Mat& mask, const FrameImages& images, const SceneContext& scene) {

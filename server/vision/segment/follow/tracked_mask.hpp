@@ -92,8 +92,8 @@ class TrackedMask {
   /// Returns whether the pixels of the newest frame decided the mask. Returns false if the mask was
   /// only moved.
   [[nodiscard]] bool isDecided() const { return weak_ == 0; }
-  /// Returns the colours of its first mask.
-  [[nodiscard]] const ColorHistogram& colors() const { return memory_.first; }
+  /// Returns the author's points on the object that its mask contains, px.
+  [[nodiscard]] std::vector<cv::Point> visibleAnchors() const;
   [[nodiscard]] bool present() const { return lost_ == 0; }
   [[nodiscard]] int framesLost() const { return lost_; }
 
@@ -111,6 +111,8 @@ class TrackedMask {
   [[nodiscard]] std::optional<TrackedMask> searchIn(const cv::Rect& window, const LikeLimits& least,
                                                     const FrameImages& images,
                                                     const SceneContext& scene) const;
+  [[nodiscard]] ObjectRoi locate(const FrameImages& images, const SceneContext& scene,
+                                 cv::Matx23d& similarity) const;
   void limitGrowth(const ObjectRoi& patch, cv::Mat& mask) const;
   void moveAnchors(const cv::Matx23d& similarity);
   void setMask(const cv::Mat& seen, const ObjectRoi& patch, const FrameImages& images);
