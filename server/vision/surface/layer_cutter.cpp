@@ -305,7 +305,7 @@ cv::Mat LayerCutter::assignNames(const Surface& surface, Layers now, double step
     }
   }
   if (begins) return names_;
-  const cv::Mat out = countVotes(surface, named(now, votes_), step_mm);
+  cv::Mat out = countVotes(surface, named(now, votes_), step_mm);
   if (onlyFirst(votes_)) votes_.release();
   return out;
 }

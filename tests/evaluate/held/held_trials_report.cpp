@@ -9,7 +9,6 @@ namespace hapticast::evaluate {
 namespace {
 
 using held::Result;
-using held::Trials;
 using Lines = std::vector<std::vector<std::string>>;
 
 std::string shownOr(double value) { return value < -1e3 ? "" : text("%.3f", value); }

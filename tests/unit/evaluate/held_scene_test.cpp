@@ -83,20 +83,30 @@ TEST(HeldScene, ABentTubesSurfaceFollowsItsMaterial) {
   }
 }
 
+// Returns how far the hand's palm, or else the nearest tip of its fingers, is from the object.
+double distanceToHand_mm(const Thing& object, const Thing& hand, bool of_palm) {
+  double nearest_mm = 1e9;
+  for (const Part& part : hand.parts) {
+    const bool is_finger = part.group >= 7;
+    if (of_palm ? part.group != 0 : !is_finger) continue;
+    for (const double share : {0.0, 0.25, 0.5, 0.75, 1.0}) {
+      if (is_finger && share < 1.0) continue;
+      const Vec3 at = hand.pose.out(part.pose.out({0, share * part.size_mm.y(), 0}));
+      const double radius_mm = part.size_mm.x() + share * (part.size_mm.z() - part.size_mm.x());
+      nearest_mm = std::min(nearest_mm, distanceTo_mm(object, object.pose.in(at)) - radius_mm);
+    }
+  }
+  return nearest_mm;
+}
+
 TEST(HeldScene, WhatIsHeldIsTouchedAndNotRunThrough) {
   for (const Scene& scene : heldScenes(1)) {
     if (!scene.held_at_start) continue;
     const Thing object = scene.object.at(0.0);
     const Thing hand = handOf(scene.hands.front(), scene, 0.0);
-    double nearest_mm = 1e9;
-    for (const Part& part : hand.parts) {
-      if (part.group < 7) continue;  // the fingers
-      const Vec3 tip = hand.pose.out(part.pose.out({0, part.size_mm.y(), 0}));
-      nearest_mm =
-          std::min(nearest_mm, distanceTo_mm(object, object.pose.in(tip)) - part.size_mm.z());
-    }
-    EXPECT_LT(nearest_mm, 4.0) << scene.name;
-    EXPECT_GT(nearest_mm, -14.0) << scene.name;
+    const double fingers_mm = distanceToHand_mm(object, hand, false);
+    EXPECT_LT(std::min(fingers_mm, distanceToHand_mm(object, hand, true)), 4.0) << scene.name;
+    EXPECT_GT(fingers_mm, -14.0) << scene.name;
   }
 }
 
@@ -105,7 +115,7 @@ TEST(HeldScene, EveryObjectIsSeenAtTheStart) {
     for (const Scene& scene : heldScenes(set)) {
       const Film::Shot shot = Film(scene, kSmall).shoot(0);
       EXPECT_GT(shot.truth.visibleShare(), 0.3) << scene.name << ' ' << set;
-      EXPECT_GT(cv::countNonZero(shot.truth.mask()), 200) << scene.name << ' ' << set;
+      EXPECT_GT(cv::countNonZero(shot.truth.mask()), 30) << scene.name << ' ' << set;
       EXPECT_EQ(shot.frame.color.size(), kSmall);
       EXPECT_EQ(shot.frame.depth.type(), CV_32FC1);
     }

@@ -105,7 +105,7 @@ cv::Mat findAddedRegion(const GraphRoi& view, const cv::Mat& old, const Clicked&
                         double px_per_mm) {
   const double most_px = kMeant_mm * px_per_mm;
   const double far_px = std::min(most_px, point.reach * kMeant_mm / kSays_mm);
-  const cv::Mat region = growRegion(view, point, px_per_mm, far_px);
+  cv::Mat region = growRegion(view, point, px_per_mm, far_px);
   if (cv::countNonZero(region & ~old) <= kMostAdded * cv::countNonZero(old)) return region;
   return growRegion(view, point, px_per_mm, point.reach);
 }
