@@ -12,7 +12,7 @@ namespace hapticast::evaluate::held {
 
 namespace {
 
-constexpr double kWorthAWord = 0.02;  // of the object's area: nobody corrects less
+constexpr double kWorthAWord = 0.02;  // of the object's area: authors leave smaller faults
 constexpr double kShown = 0.25;       // of the object is seen where its mask is drawn
 
 const char* formatName(DepthSense sense) {
@@ -58,8 +58,8 @@ void drawContactSheet(const Recording& recording, const Run& run,
   sheet.write(sheets / ("vision_held_" + recording.name + ".png"));
 }
 
-// The largest wrong place of the clip, where the author says what it is. False where nobody would
-// say a word.
+// Adds a point at the largest fault of the clip to `words`. Returns false if no fault is large
+// enough.
 bool correct(const Recording& recording, const Run& run, Words& words) {
   double most = kWorthAWord;
   std::optional<server::AuthorPoint> said;

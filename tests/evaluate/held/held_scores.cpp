@@ -40,6 +40,12 @@ Vec2 trueVelocity(const Recording& recording, const MotionState& centre) {
   return inPicture(recording, centre.pose.at_mm, centre.velocity_mm_s);
 }
 
+// No object has no velocity.
+Vec2 estimatedVelocity(const Run& run, std::size_t frame) {
+  const auto& object = run.largest[frame];
+  return object ? Vec2(object->motion.velocity_mm_s.head<2>()) : Vec2::Zero();
+}
+
 double quantile(std::vector<float>& values, double share) {
   if (values.empty()) return 0.0;
   const auto at = static_cast<std::ptrdiff_t>(share * double(values.size() - 1));
@@ -111,8 +117,7 @@ double velocityError(const Recording& recording, const Run& run) {
   for (std::size_t i = 0; i < run.largest.size(); ++i) {
     if (recording.truth[i].visibleShare() < kSeenEnough) continue;
     const Vec2 exact = trueVelocity(recording, recording.truth[i].centre);
-    const Vec2 got =
-        run.largest[i] ? Vec2(run.largest[i]->motion.velocity_mm_s.head<2>()) : Vec2::Zero();
+    const Vec2 got = estimatedVelocity(run, i);
     errors += (got - exact).squaredNorm();
     speeds += exact.squaredNorm();
   }
@@ -130,8 +135,7 @@ void scoreVelocityGain(const Recording& recording, const Run& run, Scores& out) 
   for (std::size_t i = 0; i < run.largest.size(); ++i) {
     if (recording.truth[i].visibleShare() < kSeenEnough) continue;
     const Vec2 exact = trueVelocity(recording, recording.truth[i].centre);
-    const Vec2 got =
-        run.largest[i] ? Vec2(run.largest[i]->motion.velocity_mm_s.head<2>()) : Vec2::Zero();
+    const Vec2 got = estimatedVelocity(run, i);
     frames += 1.0;
     products += got.cwiseProduct(exact);
     squares += exact.cwiseProduct(exact);

@@ -13,8 +13,8 @@ namespace {
 
 constexpr double kGoodStart = 0.8;  // IoU
 constexpr double kBadStart = 0.5;
-constexpr double kFromEdge_px = 3.0;   // nobody clicks on the very edge
-constexpr double kWorthAPoint = 0.02;  // of the object's area: nobody corrects less
+constexpr double kFromEdge_px = 3.0;   // authors click farther from the edge
+constexpr double kWorthAPoint = 0.02;  // of the object's area: authors leave smaller faults
 constexpr double kWide_px = 2.0;       // nor what is thinner than this to each side
 constexpr double kShownEnough = 1.0 / 3.0;
 constexpr std::size_t kAfter = 5;  // frames in which a correction may not empty the object

@@ -101,7 +101,7 @@ TEST(MinimumCut, FollowsTheEdgeOfColourWhereTheEvidenceIsCoarse) {
   drawn.fill(box, cv::Scalar(40, 40, 200), 700.0);
   const FrameImages images = drawn.finish(random);
   const FrameContext scene{images, drawn.planes, drawn.noise, drawn.skin};
-  const GraphRoi view = GraphRoi::around(scene, {{0, 0}, kDrawn}, 1e6);
+  const GraphRoi view = GraphRoi::withValleys(scene, {{0, 0}, kDrawn}, 1e6);
   cv::Mat unary(kDrawn, CV_32FC1, cv::Scalar(-0.1));
   cv::circle(unary, {150, 115}, 20, cv::Scalar(5), cv::FILLED);   // surely the object, ...
   cv::rectangle(unary, {70, 50, 160, 130}, cv::Scalar(0.2), 30);  // ... and perhaps
@@ -122,7 +122,7 @@ TEST(JoinedPieces, WhatAFingerPartsIsOneThingAndWhatTheGroundPartsIsTwo) {
     drawn.fill(between, finger ? kSkin : kGrey, finger ? 680.0 : 1500.0);
     const FrameImages images = drawn.finish(random);
     const FrameContext scene{images, drawn.planes, drawn.noise, drawn.skin};
-    const GraphRoi view = GraphRoi::around(scene, {{0, 0}, kDrawn}, 1e6);
+    const GraphRoi view = GraphRoi::withValleys(scene, {{0, 0}, kDrawn}, 1e6);
     cv::Mat mask = cv::Mat::zeros(kDrawn, CV_8UC1);
     mask(whole).setTo(255);
     mask(between).setTo(0);

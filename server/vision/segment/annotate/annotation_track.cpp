@@ -79,7 +79,7 @@ bool AnnotationTrack::hasLaterAnnotation(const FramePair& frames) const {
   return std::any_of(on_.begin(), on_.end(), later) || std::any_of(off_.begin(), off_.end(), later);
 }
 
-void addNegativeSample(const FrameContext& scene, const cv::Point& point, NegativeColors& colors) {
+NegativeColors sampleColors(const FrameContext& scene, const cv::Point& point) {
   const cv::Size picture = scene.images.color.size();
   const float depth_mm = scene.images.depth.at<float>(point);
   const int reach_px =
@@ -92,7 +92,7 @@ void addNegativeSample(const FrameContext& scene, const cv::Point& point, Negati
   const GraphRoi view = GraphRoi::around(scene, box, 1e9);
   const cv::Mat region = connectedTo(view, view.toRoi(point), kPoint_px);
   const double width_px = std::sqrt(double(cv::countNonZero(region))) / view.shrink;
-  if (depth_mm > 0 && width_px < kLeastPatch_mm * pixelsPerMm(double(depth_mm), picture)) return;
+  if (depth_mm > 0 && width_px < kLeastPatch_mm * pixelsPerMm(double(depth_mm), picture)) return {};
   const ColorHistogram clicked = ColorHistogram::fromImage(view.color, region);
   cv::Mat samples(0, 1, CV_32FC3);
   for (int v = 0; v < region.rows; ++v) {
@@ -100,13 +100,23 @@ void addNegativeSample(const FrameContext& scene, const cv::Point& point, Negati
       if (region.at<unsigned char>(v, u) != 0) samples.push_back(view.lab.at<cv::Vec3f>(v, u));
     }
   }
+  return {clicked, samples};
+}
+
+void addSample(const NegativeColors& sample, NegativeColors& colors) {
+  if (sample.samples.empty()) return;
   if (colors.samples.empty()) {
-    colors = {clicked, samples};
+    colors = sample;
     return;
   }
-  const double share = double(samples.rows) / (samples.rows + colors.samples.rows);
-  colors.histogram.adapt(clicked, share);
-  cv::vconcat(colors.samples, samples, colors.samples);
+  const int rows = sample.samples.rows;
+  const double share = double(rows) / (rows + colors.samples.rows);
+  colors.histogram.adapt(sample.histogram, share);
+  cv::vconcat(colors.samples, sample.samples, colors.samples);
+}
+
+void addNegativeSample(const FrameContext& scene, const cv::Point& point, NegativeColors& colors) {
+  addSample(sampleColors(scene, point), colors);
 }
 
 }  // namespace hapticast::server

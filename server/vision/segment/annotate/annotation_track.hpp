@@ -59,8 +59,12 @@ class AnnotationTrack {
 /// Similar colours are those like the colours of the disc of `radius_px` around `at`.
 cv::Mat connectedTo(const GraphRoi& view, const cv::Point& at, int radius_px);
 
-/// Adds colours to `colors`: those of the connected region of similar colour around `point` (px of
-/// the picture). Adds nothing if the region is narrower than 25 mm.
+/// Returns the colours of the connected region of similar colour around `point` (px of the
+/// picture). They are empty if the region is narrower than 25 mm.
+NegativeColors sampleColors(const FrameContext& scene, const cv::Point& point);
+/// Adds the colours of `sample` to `colors`.
+void addSample(const NegativeColors& sample, NegativeColors& colors);
+/// Adds sampleColors() at `point` to `colors`.
 void addNegativeSample(const FrameContext& scene, const cv::Point& point, NegativeColors& colors);
 
 }  // namespace hapticast::server

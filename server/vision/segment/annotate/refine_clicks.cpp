@@ -119,7 +119,8 @@ Correction prepareCorrection(const FrameContext& scene, const cv::Mat& mask,
                     2 * kWordMargin_px, 2 * kWordMargin_px);
   }
   Correction out;
-  out.view = GraphRoi::around(scene, box & cv::Rect({0, 0}, picture), kCutOfCorrection.most_px);
+  out.view =
+      GraphRoi::withValleys(scene, box & cv::Rect({0, 0}, picture), kCutOfCorrection.most_px);
   out.old = out.view.shrunk(mask);
   const double depth_mm = medianDepth(out.view.depth, out.old, 1);
   const double px_per_mm = pixelsPerMm(depth_mm, picture) * out.view.shrink;

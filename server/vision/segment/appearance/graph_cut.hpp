@@ -58,7 +58,7 @@ struct CutWeights {
   float sure = 1e3F;           ///< evidence of a seed: more than all other terms of a pixel
   float together = 6.0F;       ///< cost of a cut between two neighbours of equal colour
   float across_step = 0.25F;   ///< factor of that cost across a step in depth
-  float across_valley = 0.3F;  ///< factor of that cost in a deep valley of the surface
+  float across_valley = 0.3F;  ///< factor of that cost in a deep valley, if known
 };
 
 // The table of the weights, one row for each user of a cut.
@@ -84,8 +84,7 @@ inline constexpr CutWeights kCutOfRedetection{.most_px = 9e3,
                                               .skin = -3.0F,
                                               .other_depth = -3.0F,
                                               .per_px = 0.04F,
-                                              .farthest_px = 20.0F,
-                                              .across_valley = 1.0F};
+                                              .farthest_px = 20.0F};
 /// Correction of a mask by the author's points (refine_clicks).
 inline constexpr CutWeights kCutOfCorrection{
     .most_px = 20e3, .most_color = 4.0F, .far_color = 0.5F, .old_mask = 1.0F, .point = 1.5F};

@@ -50,14 +50,6 @@ cv::Mat findValleys(const GraphRoi& view, const DepthNoise& noise, double px_per
   return out;
 }
 
-// Returns whether a depth is on one of the planes or behind a supporting one.
-bool isOnPlanes(const std::vector<Plane>& planes, double u, double v, double depth_mm) {
-  return std::any_of(planes.begin(), planes.end(), [&](const Plane& plane) {
-    const double behind = plane.behind(u, v, depth_mm);
-    return behind >= -1.0 && (behind <= 1.0 || plane.support);
-  });
-}
-
 // Returns onPlanes() at every pixel of a size to which the box is shrunk.
 cv::Mat sampledPlanes(const cv::Mat& depth, const cv::Rect& box, const cv::Size& size,
                       const std::vector<Plane>& planes) {
@@ -97,6 +89,11 @@ GraphRoi GraphRoi::around(const FrameContext& scene, const cv::Rect& box, double
   cv::resize(scene.skin.in(usual), out.skin, size, 0, 0, cv::INTER_NEAREST);
   out.color.convertTo(out.lab, CV_32F, 1.0 / 255.0);
   cv::cvtColor(out.lab, out.lab, cv::COLOR_BGR2Lab);
+  return out;
+}
+
+GraphRoi GraphRoi::withValleys(const FrameContext& scene, const cv::Rect& box, double most_px) {
+  GraphRoi out = around(scene, box, most_px);
   const double middle_mm = std::max(1.0, medianDepth(out.depth, out.depth > 0, 4));
   const double px_per_mm = out.shrink * pixelsPerMm(middle_mm, scene.images.color.size());
   out.valley = findValleys(out, scene.noise, px_per_mm);

@@ -38,10 +38,13 @@ struct GraphRoi {
   cv::Mat plane;        ///< CV_8UC1, 255 on a plane or behind a supporting plane
   cv::Mat skin;         ///< CV_8UC1, 255: skin
   /// CV_32FC1, 0..1: depth of valleys in the surface. Two bodies that touch meet in a valley.
+  /// Empty after around().
   cv::Mat valley;
 
   /// Returns the region `box` (px of the picture), reduced so that it has at most `most_px` pixels.
   static GraphRoi around(const FrameContext& scene, const cv::Rect& box, double most_px);
+  /// Returns around() with the valleys, for the scores and cuts that use them.
+  static GraphRoi withValleys(const FrameContext& scene, const cv::Rect& box, double most_px);
   [[nodiscard]] cv::Size size() const { return lab.size(); }
   /// shrunk() converts a mask of the whole picture to this region. inPicture() converts a mask of
   /// this region to the whole picture. Masks are 0/255.

@@ -179,6 +179,13 @@ bool refitPlanes(const cv::Mat& depth, std::vector<Plane>& planes) {
   return held;
 }
 
+bool isOnPlanes(const std::vector<Plane>& planes, double u, double v, double depth_mm) {
+  return std::any_of(planes.begin(), planes.end(), [&](const Plane& plane) {
+    const double behind = plane.behind(u, v, depth_mm);
+    return behind >= -1.0 && (behind <= 1.0 || plane.support);
+  });
+}
+
 cv::Mat onPlanes(const cv::Mat& depth, const cv::Rect& box, const std::vector<Plane>& planes) {
   cv::Mat out = cv::Mat::zeros(box.size(), CV_8UC1);
   for (int v = 0; v < box.height; ++v) {
@@ -186,10 +193,7 @@ cv::Mat onPlanes(const cv::Mat& depth, const cv::Rect& box, const std::vector<Pl
     auto* to = out.ptr<unsigned char>(v);
     for (int u = 0; u < box.width; ++u) {
       if (row[u] <= 0.0F) continue;
-      for (const Plane& plane : planes) {
-        const double behind = plane.behind(u + box.x, v + box.y, double(row[u]));
-        if (behind >= -1.0 && (behind <= 1.0 || plane.support)) to[u] = 255;
-      }
+      if (isOnPlanes(planes, u + box.x, v + box.y, double(row[u]))) to[u] = 255;
     }
   }
   return out;

@@ -35,6 +35,9 @@ std::vector<Plane> findPlanes(const cv::Mat& depth, const DepthNoise& noise);
 /// Fits the planes again to the depth of this frame. Returns false if a plane lost more than 40 %
 /// of its share of the picture.
 bool refitPlanes(const cv::Mat& depth, std::vector<Plane>& planes);
+/// Returns whether the depth `depth_mm` at pixel (u, v) is on one of the planes or behind a
+/// supporting plane.
+bool isOnPlanes(const std::vector<Plane>& planes, double u, double v, double depth_mm);
 /// Returns a mask over `box` (px): 255 where the depth is on a plane or behind a supporting plane.
 cv::Mat onPlanes(const cv::Mat& depth, const cv::Rect& box, const std::vector<Plane>& planes);
 /// Marks the planes that support the object of `mask` (0/255). Such a plane covers more than 8 % of

@@ -55,9 +55,7 @@ bool resemblesAnchor(const FrameContext& scene, const std::vector<TrackedMask>& 
   return std::any_of(objects.begin(), objects.end(), [&](const TrackedMask& object) {
     const std::vector<cv::Point> anchors = object.visibleAnchors();
     return std::any_of(anchors.begin(), anchors.end(), [&](const cv::Point& anchor) {
-      NegativeColors own;
-      addNegativeSample(scene, anchor, own);
-      return computeOverlap(own.histogram, sample.histogram) > kAlikeColors;
+      return computeOverlap(sampleColors(scene, anchor).histogram, sample.histogram) > kAlikeColors;
     });
   });
 }
@@ -125,11 +123,9 @@ void NarrowBandTracker::place(int number, const cv::Mat& mask, const FrameImages
 void NarrowBandTracker::applyAnnotation(const Annotation& annotation, const FramePair& frames) {
   const FrameImages& images = frames.now;
   for (const cv::Point& point : annotation.off) {
-    NegativeColors sample;
-    addNegativeSample(scene_.view(images), point, sample);
-    if (isOnRim(objects_, point) || resemblesAnchor(scene_.view(images), objects_, sample))
-      continue;
-    addNegativeSample(scene_.view(images), point, scene_.avoided);
+    if (isOnRim(objects_, point)) continue;
+    const NegativeColors sample = sampleColors(scene_.view(images), point);
+    if (!resemblesAnchor(scene_.view(images), objects_, sample)) addSample(sample, scene_.avoided);
   }
   if (annotations_ != nullptr && annotations_->open) annotations_->avoided = scene_.avoided;
   for (TrackedMask& object : objects_) {

@@ -65,9 +65,10 @@ class TrackedMask {
   /// Updates the mask for the next frame: moves it by `flow` and decides the pixels of its band
   /// anew.
   void update(const FrameImages& images, const ObjectFlow& flow, const SceneContext& scene);
-  /// Counts a frame in which the object is lost. Searches the whole picture for
-  /// the object's colours, at depths of 0.6 to 1.6 times its last depth. Returns the
-  /// object if it was found, still without a new id; otherwise nullopt.
+  /// Counts a frame in which the object is lost. Searches for the object's colours near
+  /// its last place, and in every third such frame in the whole picture, at depths of 0.6 to 1.6
+  /// times its last depth. Returns the object if it was found, still without a new id; otherwise
+  /// nullopt.
   [[nodiscard]] std::optional<TrackedMask> search(const FrameImages& images,
                                                   const SceneContext& scene);
   /// Removes the pixels that belong to `other` too. Marks the object as lost if almost none

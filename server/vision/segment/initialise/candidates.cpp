@@ -227,7 +227,7 @@ Surroundings prepareSurroundings(const FrameContext& scene, const Click& click) 
   const int reach = std::max(50, int(kReach_mm * pixelsPerMm(depth_mm, picture)));
   const cv::Rect box = cv::Rect(click.at.x - reach, click.at.y - reach, 2 * reach, 2 * reach) &
                        cv::Rect({0, 0}, picture);
-  out.view = GraphRoi::around(scene, box, kCutOfCandidate.most_px);
+  out.view = GraphRoi::withValleys(scene, box, kCutOfCandidate.most_px);
   out.at = out.view.toRoi(click.at);
   out.component =
       click.component.empty() ? cv::Mat(out.view.depth > 0) : out.view.shrunk(click.component);

@@ -41,7 +41,7 @@ MaskView makeView(const FrameContext& scene, const cv::Mat& mask) {
   const double area = cv::countNonZero(mask);
   const double shrink = std::min(1.0, std::sqrt(kObject_px / std::max(area, 1.0)));
   const cv::Rect box = boxAround(mask, int(kRingMargin_px / shrink) + 1);
-  out.view = GraphRoi::around(scene, box, shrink * shrink * box.area());
+  out.view = GraphRoi::withValleys(scene, box, shrink * shrink * box.area());
   out.mask = out.view.shrunk(mask);
   cv::Mat inner;
   cv::Mat outer;
