@@ -66,6 +66,14 @@ Color dots(const Paint& paint, const Vec3& p) {
   return mixed(paint.second, paint.color, smoothStep(0.36, 0.42, off));
 }
 
+// Each patch is some 30 mm wide.
+Color patches(const Paint& paint, const Vec3& p) {
+  const Color white(0.72F, 0.78F, 0.8F);
+  const double where = solidNoise(0.22 * p + Vec3(35, 60, 20));
+  const Color first = mixed(paint.color, white, smoothStep(0.45, 0.47, where));
+  return mixed(first, paint.second, smoothStep(0.54, 0.56, where));
+}
+
 // The wall of a mug lies beyond this radius.
 bool inRim(const Paint& paint, const Vec3& p) {
   constexpr double kInside_mm = 38.0;
@@ -123,6 +131,8 @@ Color colorAt(const Paint& paint, const Vec3& p) {
       return label(paint, p) * uneven;
     case Pattern::kRim:
       return (inRim(paint, p) ? paint.second : paint.color) * uneven;
+    case Pattern::kPatches:
+      return patches(paint, p) * uneven;
     case Pattern::kShelf:
       return shelf(paint, p) * uneven;
   }

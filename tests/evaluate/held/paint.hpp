@@ -21,9 +21,10 @@ enum class Pattern : std::uint8_t {
   kFingertip,  ///< skin with a nail at -z
   kWood,       ///< grain along x
   kDots,
-  kLabel,  ///< a band of the second colour with writing, about y = 0
-  kRim,    ///< the second colour above y = `scale_mm` and inside a mug
-  kShelf,  ///< rows of coloured backs of books in x and y
+  kLabel,    ///< a band of the second colour with writing, about y = 0
+  kRim,      ///< the second colour above y = `scale_mm` and inside a mug
+  kPatches,  ///< cloth of three colours: both and white
+  kShelf,    ///< rows of coloured backs of books in x and y
 };
 
 struct Paint {

@@ -18,7 +18,7 @@ void drawSensing(const Recipe& recipe, std::uint64_t set, Play& play) {
     sensing.below_px = play.draw.between(-1.0, 1.0);
   }
   sensing.exposure_swing = play.draw.chance(0.5) ? play.draw.between(0.08, 0.25) : 0.0;
-  sensing.color_noise = play.draw.between(1.0, 2.5);
+  sensing.color_noise = recipe.noise * play.draw.between(1.0, 2.5);
   sensing.jpeg_quality = static_cast<int>(play.draw.between(80.0, 94.0));
 }
 
@@ -27,7 +27,7 @@ void drawSensing(const Recipe& recipe, std::uint64_t set, Play& play) {
 std::vector<Scene> heldScenes(std::uint64_t set) {
   std::vector<Scene> out;
   std::uint64_t seed = 1000 * set;
-  for (const auto* recipes : {&firstRecipes(), &hardRecipes()}) {
+  for (const auto* recipes : {&firstRecipes(), &hardRecipes(), &lastRecipes()}) {
     for (const Recipe& recipe : *recipes) {
       if (recipe.draws_as_before) --seed;
       Play play(recipe.name, recipe.plan, seed++);

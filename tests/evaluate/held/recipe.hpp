@@ -16,6 +16,7 @@ struct Recipe {
   void (*play)(Play&);
   bool draws_as_before = false;  ///< thing, person and light of the line before
   bool reported_apart = false;   ///< has sums and goals of its own
+  double noise = 1.0;            ///< of colour, over the usual one: more in low light
 };
 
 /// Cameras across the table, and from over it.
@@ -35,10 +36,18 @@ inline HandScript personsHand(Play& play, std::uint8_t id, bool on_right) {
   if (!play.scene.hands.empty()) hand.look.has_sleeve = play.scene.hands.front().look.has_sleeve;
   return hand;
 }
+/// Adds a hand that holds the thing from the first frame to the last.
+inline void holdThroughout(Play& play, HandScript hand, const Pose& grip) {
+  play.close(hand, grip);
+  hand.stations = {Play::on(0, grip, 1), Play::on(9, grip, 1)};
+  play.scene.hands.push_back(hand);
+  play.scene.held_at_start = true;
+}
 
-/// The scenes of `scripts.cpp`, and those of `scripts_hard.cpp`. New ones come last: the seed of a
-/// scene is its place.
+/// The scenes of `scripts.cpp`, `scripts_hard.cpp` and `scripts_last.cpp`. New ones come last: the
+/// seed of a scene is its place.
 const std::vector<Recipe>& firstRecipes();
 const std::vector<Recipe>& hardRecipes();
+const std::vector<Recipe>& lastRecipes();
 
 }  // namespace hapticast::evaluate::held

@@ -12,13 +12,6 @@ namespace {
 const StagePlan kFromAbove{0.62, 570.0, 70.0, true, true};
 constexpr double kBallRadius_mm = 44.0;  // of the ball that the cup takes
 
-void holdThroughout(Play& p, HandScript hand, const Pose& grip) {
-  p.close(hand, grip);
-  hand.stations = {Play::on(0, grip, 1), Play::on(9, grip, 1)};
-  p.scene.hands.push_back(hand);
-  p.scene.held_at_start = true;
-}
-
 // Dark red, cream rim, its handle beside it in the picture; the camera balances its colours late.
 void mugRim(Play& p) {
   p.object(Kind::kMug, p.at(-10, 95, 0), 2.95);

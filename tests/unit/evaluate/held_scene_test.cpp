@@ -132,6 +132,23 @@ TEST(HeldScene, TheBallIsHiddenForTenFramesAndComesBack) {
   EXPECT_GT(film.shoot(*film.info().frame_count - 1).truth.visibleShare(), 0.9);
 }
 
+TEST(HeldScene, TheMugLeavesThePictureByHalfAndComesBack) {
+  for (const std::uint64_t set : {std::uint64_t{1}, std::uint64_t{2}, std::uint64_t{7}}) {
+    const Film film(sceneOf("half_out", set), kSmall);
+    const auto atBorder = [](const cv::Mat& mask) {
+      return cv::countNonZero(mask.col(0)) + cv::countNonZero(mask.col(mask.cols - 1));
+    };
+    const cv::Mat first = film.shoot(0).truth.mask();
+    const cv::Mat half = film.shoot(28).truth.mask();
+    EXPECT_EQ(atBorder(first), 0) << set;
+    EXPECT_GT(atBorder(half), 8) << set;
+    const double left = cv::countNonZero(half) / double(cv::countNonZero(first));
+    EXPECT_GT(left, 0.3) << set;
+    EXPECT_LT(left, 0.8) << set;
+    EXPECT_EQ(atBorder(film.shoot(*film.info().frame_count - 1).truth.mask()), 0) << set;
+  }
+}
+
 TEST(HeldScene, ASeedSaysEverything) {
   const cv::Mat once = Film(sceneOf("mug_turned"), kSmall).shoot(3).frame.color;
   const cv::Mat again = Film(sceneOf("mug_turned"), kSmall).shoot(3).frame.color;
