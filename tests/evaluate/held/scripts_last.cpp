@@ -27,21 +27,21 @@ void setSkin(Play& p, const Color& color) {
     p.scene.paints[paint].color = p.scene.paints[paint].second = color;
 }
 
-Paint& objectPaint(Play& p) { return p.scene.paints[p.scene.object.paint]; }
-
-// A hand with the forearm bare up to there.
-void rollUpSleeve(HandScript& hand, double sleeve_from) {
-  hand.look.has_sleeve = true;
-  hand.look.sleeve_from = sleeve_from;
+// A little lighter or darker than this.
+Color drawNear(Play& p, double red, double green, double blue) {
+  const double level = p.draw.between(0.9, 1.06);
+  return screen(level * red, level * green, level * blue);
 }
+
+Paint& objectPaint(Play& p) { return p.scene.paints[p.scene.object.paint]; }
 
 // In the evening, in a dark hand; it shows its handle, then its inside.
 void darkMug(Play& p) {
   p.object(Kind::kMug, p.at(-5, 100, 0), -2.7);
-  setSkin(p, screen(p.draw.between(74, 92), p.draw.between(47, 58), p.draw.between(35, 44)));
+  setSkin(p, drawNear(p, 84, 53, 40));
   Paint& paint = objectPaint(p);
   paint.pattern = Pattern::kPlain;
-  paint.color = screen(p.draw.between(38, 52), p.draw.between(44, 56), p.draw.between(58, 76));
+  paint.color = drawNear(p, 45, 50, 67);
   setLight(p, {0.62F, 0.9F, 1.18F}, {0.72F, 0.92F, 1.08F});
   p.way().move({0.2, 1.1}, p.at(-30, 20, 25)).move({1.2, 2.1}, p.at(40, 5, 15));
   p.swing({0.2, 1.2}, {0.1, 1, 0}, 0.85);
@@ -51,21 +51,15 @@ void darkMug(Play& p) {
                  p.gripFrom(p.at(1, -0.05, -0.1), 40, p.at(0, 0.2, 1)));
 }
 
-// How a hand holds the thing: where, and with what share of its grip.
-struct Hold {
-  Pose pose;
-  double closed;
-};
-
 // Lets go, moves to `to` and holds the thing there.
-void regrip(HandScript& hand, const Hold& from, const Hold& to, const Vec3& aside_mm, double at_s) {
-  const auto off = [&](const Hold& hold) {
-    return Pose{hold.pose.turn, hold.pose.at_mm + aside_mm};
-  };
-  hand.stations = {
-      Play::on(0, from.pose, from.closed),       Play::on(at_s, from.pose, from.closed),
-      Play::on(at_s + 0.18, off(from), 0.3),     Play::on(at_s + 0.4, off(to), 0.3),
-      Play::on(at_s + 0.58, to.pose, to.closed), Play::on(9, to.pose, to.closed)};
+void regrip(HandScript& hand, const Pose& from, const Pose& to, const Vec3& aside_mm, double at_s) {
+  const auto off = [&](const Pose& grip) { return Pose{grip.turn, grip.at_mm + aside_mm}; };
+  hand.stations = {Play::on(0, from, 1),
+                   Play::on(at_s, from, 1),
+                   Play::on(at_s + 0.18, off(from), 0.3),
+                   Play::on(at_s + 0.4, off(to), 0.3),
+                   Play::on(at_s + 0.58, to, 1),
+                   Play::on(9, to, 1)};
 }
 
 // Cloth of three colours, white muzzle; one hand after the other takes hold elsewhere.
@@ -73,8 +67,8 @@ void patchedToy(Play& p) {
   p.object(Kind::kBear, p.at(0, 95, 0), 0.1);
   Paint& cloth = objectPaint(p);
   cloth.pattern = Pattern::kPatches;
-  cloth.color = screen(p.draw.between(186, 214), p.draw.between(128, 150), p.draw.between(56, 84));
-  cloth.second = screen(p.draw.between(58, 80), p.draw.between(76, 96), p.draw.between(108, 136));
+  cloth.color = drawNear(p, 200, 140, 70);
+  cloth.second = drawNear(p, 70, 86, 122);
   Paint& muzzle = p.scene.paints[p.scene.object.paint + 1];
   muzzle.color = screen(246, 244, 238);
   muzzle.second = screen(220, 214, 204);
@@ -87,10 +81,10 @@ void patchedToy(Play& p) {
     HandScript hand = personsHand(p, right ? kHand : kOtherHand, right);
     hand.look.has_sleeve = false;
     // At the body with the thumb up, and at the cheek with the fingers up.
-    const Hold low{p.gripFrom(p.at(x, 0.05, -0.35), 52, p.at(0.1 * x, 0.1, 1)), 1.0};
-    Hold high{p.gripFrom(p.at(x, -0.1, -0.3), 49, p.at(0, 0.9, 0.5)), 1.0};
-    high.pose.at_mm += Vec3(0, 70, 0);
-    p.close(hand, low.pose);
+    const Pose low = p.gripFrom(p.at(x, 0.05, -0.35), 52, p.at(0.1 * x, 0.1, 1));
+    Pose high = p.gripFrom(p.at(x, -0.1, -0.3), 49, p.at(0, 0.9, 0.5));
+    high.at_mm += Vec3(0, 70, 0);
+    p.close(hand, low);
     const Vec3 aside = Vec3(p.mirror * x * 32, 6, -20);
     regrip(hand, right ? low : high, right ? high : low, aside, right ? 0.55 : 1.3);
     p.scene.hands.push_back(hand);
@@ -101,7 +95,7 @@ void patchedToy(Play& p) {
 // Of the colour of the pale hand that turns it over.
 void woodenBlock(Play& p) {
   p.object(Kind::kBox, p.at(-25, 95, 0), 0.3, 0.78);
-  setSkin(p, screen(p.draw.between(236, 246), p.draw.between(200, 212), p.draw.between(178, 192)));
+  setSkin(p, drawNear(p, 240, 206, 186));
   Paint& wood = objectPaint(p);
   wood.pattern = Pattern::kWood;
   wood.color = screen(228, 188, 146);
@@ -112,7 +106,8 @@ void woodenBlock(Play& p) {
   p.swing({1.1, 2.1}, {0.2, 0.9, -0.5}, 0.8);
   p.finishObject();
   HandScript hand = p.hand(kHand, true, p.at(250, 60, 330));
-  rollUpSleeve(hand, 0.5);
+  hand.look.has_sleeve = true;
+  hand.look.sleeve_from = 0.5;  // rolled up
   holdThroughout(p, hand, p.gripFrom(p.at(1, 0, 0.1), 37.5, p.at(-0.1, 0.1, -1)));
 }
 
