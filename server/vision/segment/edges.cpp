@@ -9,6 +9,7 @@
 
 #include "server/vision/base/masks.hpp"
 #include "server/vision/segment/initialise/initial_mask.hpp"
+#include "server/vision/segment/initialise/object_proposals.hpp"
 #include "server/vision/segment/segmenter.hpp"
 
 namespace hapticast::server {

@@ -235,10 +235,51 @@ TEST(ChooseAt, TheExplanationNamesEachCandidateAndTheChosenOne) {
   const FrameImages images = held.drawn.finish(random);
   const ChosenStart start = held.choose(images, held.box.tl() + cv::Point(20, 20));
   ASSERT_GE(start.explanation.size(), 2U);
-  const auto chosen = [](const std::string& line) { return line.starts_with("chosen: "); };
+  const auto chosen = [](const std::string& line) {
+    return line.find(": chosen: ") != std::string::npos;
+  };
   EXPECT_EQ(std::count_if(start.explanation.begin(), start.explanation.end(), chosen), 1);
   for (const std::string& line : start.explanation)
     EXPECT_NE(line.find("score "), std::string::npos) << line;
+}
+
+TEST(ChooseAutomatically, AThingInAHandCountsMoreThanAFartherThingThatStandsAlone) {
+  std::mt19937 random(23);
+  for (int trial = 0; trial < 4; ++trial) {
+    HeldBox held(cv::Scalar(170, 60, 40), {60, 70}, random);
+    held.drawn.fill({230, 110, 70, 60}, cv::Scalar(40, 120, 60), 1100.0);
+    const FrameImages images = held.drawn.finish(random);
+    const ChosenStart start =
+        selectAutomatically(images, {held.drawn.noise, held.drawn.planes, held.drawn.skin, {}}, {});
+    ASSERT_TRUE(start.object) << trial;
+    EXPECT_GT(test::overlap(start.object->mask(), held.truth), 0.85) << trial;
+  }
+}
+
+TEST(ChooseAutomatically, OfThingsThatStandAloneTheNearestInTheMiddleIsChosen) {
+  std::mt19937 random(29);
+  Drawn drawn(kGrey);
+  const cv::Rect middle(130, 80, 60, 70);
+  drawn.fill(middle, cv::Scalar(170, 60, 40), 700.0);
+  drawn.fill({20, 160, 50, 60}, cv::Scalar(40, 120, 60), 650.0);
+  drawn.fill({230, 60, 60, 60}, cv::Scalar(40, 60, 160), 1000.0);
+  const FrameImages images = drawn.finish(random);
+  const ChosenStart start =
+      selectAutomatically(images, {drawn.noise, drawn.planes, drawn.skin, {}}, {});
+  ASSERT_TRUE(start.object);
+  cv::Mat truth = cv::Mat::zeros(kDrawn, CV_8UC1);
+  truth(middle).setTo(255);
+  EXPECT_GT(test::overlap(start.object->mask(), truth), 0.9);
+}
+
+TEST(ChooseAutomatically, NothingIsChosenBeforeABareBackground) {
+  std::mt19937 random(31);
+  Drawn drawn(kGrey);
+  const FrameImages images = drawn.finish(random);
+  const ChosenStart start =
+      selectAutomatically(images, {drawn.noise, drawn.planes, drawn.skin, {}}, {});
+  EXPECT_FALSE(start.object);
+  EXPECT_TRUE(start.explanation.empty());
 }
 
 TEST(Planes, TheFrontOfAnObjectIsNoSupport) {

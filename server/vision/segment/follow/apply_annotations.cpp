@@ -177,7 +177,7 @@ void NarrowBandTracker::applyPoint(const ObjectPoint& point, const Annotation& a
     return;
   }
   ChosenStart start = selectInitialMask(images, scene_, point.at_px, annotation.off);
-  logChoice(point, start);
+  logChoice(start);
   if (!start.object) {
     spdlog::warn("--object {:.0f},{:.0f}@{:.2f}: {}; it is left out",
                  point.at_px.x * frames.own_px.x(), point.at_px.y * frames.own_px.y(),

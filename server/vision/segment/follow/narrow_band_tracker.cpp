@@ -6,13 +6,15 @@
 #include <algorithm>
 
 #include "server/vision/base/masks.hpp"
-#include "server/vision/segment/initialise/initial_mask.hpp"
 
 namespace hapticast::server {
 
 namespace {
 
-constexpr int kChooseEvery = 3;  // chosen, frames: an automatic choice costs as much as a frame
+// Chosen, frames until the next attempt at an automatic choice. An attempt with proposals costs as
+// much as 30 frames, one without as much as one.
+constexpr int kChooseEvery = 3;
+constexpr int kChooseAgain = 60;
 // Chosen, frames of loss until another object replaces an automatic choice.
 constexpr int kForgetAfter = 15;
 constexpr int kNewPlanesAfter = 5;  // chosen, frames: RANSAC costs more than a frame
@@ -146,7 +148,7 @@ void NarrowBandTracker::startAtPoints(const FrameImages& images) {
       continue;
     }
     ChosenStart start = selectInitialMask(images, scene_, point.at_px, annotation.off);
-    logChoice(point, start);
+    logChoice(start);
     if (!start.object) throwNoObject({double(point.at_px.x), double(point.at_px.y)}, start.why_not);
     scene_.planes = std::move(start.planes);
     start.object->rememberAppearance(images, scene_);
@@ -155,10 +157,9 @@ void NarrowBandTracker::startAtPoints(const FrameImages& images) {
   }
 }
 
-void NarrowBandTracker::logChoice(const ObjectPoint& point, const ChosenStart& start) const {
+void NarrowBandTracker::logChoice(const ChosenStart& start) const {
   if (!explain_) return;
-  for (const std::string& line : start.explanation)
-    spdlog::info("first mask at {},{}: {}", point.at_px.x, point.at_px.y, line);
+  for (const std::string& line : start.explanation) spdlog::info("first mask: {}", line);
 }
 
 bool NarrowBandTracker::choosesByItself(const FramePair& frames) const {
@@ -168,20 +169,15 @@ bool NarrowBandTracker::choosesByItself(const FramePair& frames) const {
 
 void NarrowBandTracker::chooseByItself(const FrameImages& images) {
   const bool given_up = !objects_.empty() && objects_[0].framesLost() > kForgetAfter;
-  if ((!objects_.empty() && !given_up) || frame_ % kChooseEvery != 0) return;
-  const cv::Rect whole({0, 0}, images.depth.size());
-  const cv::Mat labels =
-      depthComponents(images.depth, onPlanes(images.depth, whole, scene_.planes), scene_.noise);
-  const cv::Mat mask = nearestCompact(images, labels);
-  if (mask.empty()) return;
+  if ((!objects_.empty() && !given_up) || frame_ < next_choice_) return;
+  ChosenStart start = selectAutomatically(images, scene_, annotation_track_.atStart().off);
+  logChoice(start);
+  next_choice_ = frame_ + (start.explanation.empty() ? kChooseEvery : kChooseAgain);
+  if (!start.object) return;
   objects_.clear();
-  findSupports(images.depth, mask, scene_.planes);
-  const cv::Rect box = boxAround(mask, 0);
-  const cv::Mat cut = cutByColor(images, mask, scene_.planes, (box.tl() + box.br()) / 2,
-                                 annotation_track_.atStart().off);
-  TrackedMask object(0, cut, images, scene_);
-  object.rememberAppearance(images, scene_);
-  add(std::move(object), 1);
+  scene_.planes = std::move(start.planes);
+  start.object->rememberAppearance(images, scene_);
+  add(std::move(*start.object), 1);
 }
 
 void NarrowBandTracker::add(TrackedMask object, int number) {

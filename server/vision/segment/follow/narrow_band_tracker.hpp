@@ -59,7 +59,7 @@ class NarrowBandTracker final : public Segmenter {
   void place(int number, const cv::Mat& mask, const FrameImages& images);
   /// Corrects the mask of `object` in this frame and those before it.
   void correct(TrackedMask& object, const Annotation& annotation, const FramePair& frames);
-  void logChoice(const ObjectPoint& point, const ChosenStart& start) const;
+  void logChoice(const ChosenStart& start) const;
   TrackedMask* findObjectAt(const cv::Point& point);
   void keepHistory(const FramePair& frames);
   void propagate(TrackedMask& object, const FramePair& frames, bool given);
@@ -83,6 +83,7 @@ class NarrowBandTracker final : public Segmenter {
   std::vector<TrackedMask> objects_;
   int frame_ = 0;
   int planes_frame_ = 0;
+  int next_choice_ = 0;  // frame of the next attempt at an automatic choice
   bool new_scene_ = true;
 };
 

@@ -17,6 +17,7 @@ namespace hapticast::server {
 struct ChosenStart {
   std::optional<TrackedMask> object;  ///< the object, still without an id; nullopt: there is none
   const char* why_not = nullptr;      ///< the cause if there is no object, else null
+  double score = 0.0;                 ///< objectness of the chosen candidate
   /// Planes of the scene, without those through the object.
   std::vector<Plane> planes{};
   /// One line for each candidate, with its score and the score's terms, for --explain.
@@ -27,5 +28,11 @@ struct ChosenStart {
 /// the objects at `not_points`. All points are px of the picture.
 ChosenStart selectInitialMask(const FrameImages& images, const SceneContext& scene,
                               const cv::Point& point, const std::vector<cv::Point>& not_points);
+
+/// Returns the object that most probably is meant if the author gives no point. It asks for the
+/// candidates at each of the object proposals. A near object, a held one, and one near the middle
+/// of the picture count more. The end of a limb counts only if its score is that of an object.
+ChosenStart selectAutomatically(const FrameImages& images, const SceneContext& scene,
+                                const std::vector<cv::Point>& not_points);
 
 }  // namespace hapticast::server

@@ -47,17 +47,6 @@ int findRoot(std::vector<int>& parent, int i) {
   return i;
 }
 
-// Returns whether there are enough well exposed corners to track.
-bool hasTexture(const FrameImages& images, const cv::Mat& mask) {
-  std::vector<cv::Point2f> corners;
-  const cv::Rect box = boxAround(mask, 0);
-  const cv::Mat exposed =
-      erodedBy(mask(box), 2) & (images.gray(box) > 8) & (images.gray(box) < 247);
-  if (2 * cv::countNonZero(exposed) < cv::countNonZero(mask)) return false;
-  cv::goodFeaturesToTrack(images.gray(box), corners, 30, 0.03, 4.0, exposed);
-  return corners.size() >= 12;
-}
-
 cv::Mat tidy(const cv::Mat& component) {
   cv::Mat mask;
   const cv::Mat disc2 = cv::getStructuringElement(cv::MORPH_ELLIPSE, {5, 5});
@@ -146,36 +135,6 @@ int countBorderPixels(const cv::Mat& mask) {
 
 bool clearOfBorder(const cv::Mat& mask) {
   return countBorderPixels(mask) <= 0.1 * std::sqrt(double(cv::countNonZero(mask)));
-}
-
-cv::Mat nearestCompact(const FrameImages& images, const cv::Mat& labels) {
-  const cv::Mat& depth = images.depth;
-  struct Region {
-    int area = 0, left = 1 << 20, right = 0, top = 1 << 20, bottom = 0;
-  };
-  std::vector<Region> regions(depth.total() + 1);
-  for (int v = 0; v < labels.rows; ++v) {
-    for (int u = 0; u < labels.cols; ++u) {
-      Region& r = regions[static_cast<std::size_t>(labels.at<int>(v, u))];
-      r = {r.area + 1, std::min(r.left, u), std::max(r.right, u), std::min(r.top, v), v};
-    }
-  }
-  const double whole = double(depth.total());
-  cv::Mat best;
-  double nearest = 1e9;
-  for (std::size_t i = 1; i < regions.size(); ++i) {
-    const Region& r = regions[i];
-    const double box = double(r.right - r.left + 1) * (r.bottom - r.top + 1);
-    if (r.area < 0.006 * whole || r.area > 0.3 * whole || r.area < 0.35 * box) continue;
-    const cv::Mat mask = labels == static_cast<double>(i);
-    if (!clearOfBorder(mask)) continue;
-    const double range = medianDepth(depth, mask, 2);
-    if (range > 0 && range < nearest && hasTexture(images, mask)) {
-      nearest = range;
-      best = mask;
-    }
-  }
-  return best;
 }
 
 ObjectStart findObject(const cv::Mat& depth, const cv::Point& point, const DepthNoise& noise,

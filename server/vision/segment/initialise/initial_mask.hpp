@@ -24,11 +24,6 @@ int countBorderPixels(const cv::Mat& mask);
 /// Returns whether `mask` has no pixels, or only few, at the picture's border.
 bool clearOfBorder(const cv::Mat& mask);
 
-/// Returns the mask (0/255) of the nearest compact component of `labels`, or an empty mask if there
-/// is none. A compact component covers 0.6 to 30 % of the picture and at least 35 % of its own
-/// bounding box. It is also clear of the picture's border and has enough texture to track.
-cv::Mat nearestCompact(const FrameImages& images, const cv::Mat& labels);
-
 /// Object at a point, with its first mask (0/255). If there is no object, `mask` is empty and
 /// `why_not` is the cause. `planes` are the planes of the scene without those through the point;
 /// supporting planes are marked.
