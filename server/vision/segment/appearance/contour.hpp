@@ -22,11 +22,15 @@ struct ContourMemory {
   ColorHistogram elsewhere;   ///< colours of the first picture outside the object; may be empty
   ColorHistogram avoided;     ///< colours of the author's negative points; may be empty
   cv::Mat evidence;           ///< evidence of the last decision, CV_32FC1 over a patch; > 0: object
-  cv::Matx33d to_picture;     ///< maps px of `evidence` to px of the picture
+  cv::Mat shape;  ///< mean of the masks of the last second, moved with the object: -1..1, CV_32FC1
+  cv::Matx33d to_picture;  ///< maps px of `evidence` and of `shape` to px of the picture
+
+  /// Forgets `evidence` and `shape`, because the object is at another place.
+  void forgetPlace();
 };
 
-/// Moves `memory.evidence` by `similarity` into the region of `patch`, which belongs to this frame.
-/// `similarity` maps px of the last picture to px of this picture.
+/// Moves `memory.evidence` and `memory.shape` by `similarity` into the region of `patch`, which
+/// belongs to this frame. `similarity` maps px of the last picture to px of this picture.
 void warpEvidence(ContourMemory& memory, const ObjectRoi& patch, const cv::Matx23d& similarity);
 
 /// Returns the evidence of each colour bin from the histograms of `memory`: above 0 for colours of
@@ -44,6 +48,12 @@ struct ContourResult {
 /// `memory.evidence` empty. The histograms do not change; see updateMemory().
 ContourResult decideContour(const ObjectRoi& patch, const DepthNoise& noise,
                             const std::vector<Plane>& planes, ContourMemory& memory);
+
+/// Adds `mask` to the object's own shape, the mean of its masks of the last second. Pixels where
+/// the object is hidden do not change. `mask`: see updateMemory(). `is_whole`: false if `mask` may
+/// be a part of the object, so that it does not show where the object ends. Requires
+/// memory.to_picture to be that of the patch, or an empty shape.
+void updateShape(const ObjectRoi& patch, const cv::Mat& mask, bool is_whole, ContourMemory& memory);
 
 /// Updates the histograms of `memory` with the colours of `mask` and of the ring around it. `mask`:
 /// CV_8UC1, 0/255, over the patch's box at full size. The contour of `mask` must be at most one

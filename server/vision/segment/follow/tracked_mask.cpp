@@ -18,7 +18,8 @@ constexpr double kSettled = 0.004;  // of the area: a smaller change counts as r
 constexpr int kWeakFrames = 5;      // chosen, in a row: then the object is lost
 // Chosen, of the whole: with less visible the model does not change.
 constexpr double kMostlySeen = 0.6;
-constexpr double kLeastSeen = 0.08;  // chosen, of its area: with less visible it is hidden
+constexpr double kMostlyWhole = 0.85;  // chosen, of its usual area: a smaller mask may be a part
+constexpr double kLeastSeen = 0.08;    // chosen, of its area: with less visible it is hidden
 // Chosen, of the area in a frame: outside of these two limits the.
 constexpr double kLeastGrowth = 0.8;
 constexpr double kMostGrowth = 1.25;    // decision is rejected
@@ -110,6 +111,7 @@ void TrackedMask::learnAppearance(const ObjectRoi& patch, const FrameImages& ima
                                   const SceneContext& scene) {
   forgetColors(scene);
   updateMemory(patch, mask_(patch.box), memory_);
+  updateShape(patch, mask_(patch.box), true, memory_);
   memory_.elsewhere = elsewhere(images, mask_);
   whole_ = mask_;
   isSeenWell(patch);
@@ -190,6 +192,7 @@ void TrackedMask::update(const FrameImages& images, const ObjectFlow& flow,
   if (convincing) {
     isSeenWell(patch);
     if (!flow.reliable) quality_ = kWeaker;
+    updateShape(patch, now.mask, cv::countNonZero(now.mask) > kMostlyWhole * usual_px_, memory_);
     if (expected_px > kMostlySeen * area_px_) updateMemory(patch, now.mask, memory_);
   } else {
     quality_ *= kWeaker;
@@ -236,7 +239,7 @@ bool TrackedMask::redetectObject(const FrameImages& images, const SceneContext& 
   if (!present() || !better) return !present();
   mask_ = mask;
   whole_ = mask;
-  memory_.evidence.release();
+  memory_.forgetPlace();
   isSeenWell(patchAround(images, mask_));
   return true;
 }
@@ -342,7 +345,7 @@ std::optional<TrackedMask> TrackedMask::searchIn(const cv::Rect& window, const L
   for (int round = 0; round < kAgainRounds; ++round) {
     const ObjectRoi patch = patchAround(images, again.mask_);
     if (patch.empty()) return std::nullopt;
-    again.memory_.evidence.release();  // belongs to another patch
+    again.memory_.forgetPlace();  // belongs to another patch
     const ContourResult now = decideContour(patch, scene.noise, scene.planes, again.memory_);
     if (cv::countNonZero(now.mask) < kSmallestObject_px) return std::nullopt;
     again.mask_ = wholePicture(now.mask, patch, images);
