@@ -2,11 +2,12 @@
 #include "server/preview/correction_hint.hpp"
 
 #include <algorithm>
-#include <array>
-#include <functional>
 #include <opencv2/imgproc.hpp>
 
 #include "server/vision/base/masks.hpp"
+#include "server/vision/segment/annotate/refine_clicks.hpp"
+#include "server/vision/segment/initialise/candidates.hpp"
+#include "server/vision/segment/initialise/initial_mask.hpp"
 
 namespace hapticast::server {
 
@@ -26,6 +27,8 @@ constexpr int kLargestClustered_px = 20'000;
 // of a hint counts as larger by the second number.
 constexpr double kNearClick = 0.06;
 constexpr int kRim_px = 4;
+// Chosen: a smaller gain of the score is noise.
+constexpr double kClearGain = 0.1;
 
 // Part of a mask that may not belong to the object.
 struct Suspect {
@@ -75,13 +78,8 @@ std::optional<Suspect> atTheEdge(const cv::Mat& mask) {
                  "it reaches the picture's edge there, as an arm does"};
 }
 
-// Skin in YCrCb (Chai and Ngan 1999, face segmentation using skin-color map in videophones).
-std::optional<Suspect> skin(const cv::Mat& color, const cv::Mat& mask) {
-  cv::Mat ycrcb;
-  cv::cvtColor(color, ycrcb, cv::COLOR_BGR2YCrCb);
-  cv::Mat part;
-  cv::inRange(ycrcb, cv::Scalar(0, 133, 77), cv::Scalar(255, 173, 127), part);
-  return findLargestPart(part & mask, cv::countNonZero(mask),
+std::optional<Suspect> skin(const FrameContext& scene, const cv::Mat& mask) {
+  return findLargestPart(scene.skin.in(scene.images.color) & mask, cv::countNonZero(mask),
                          "it has the colours of skin there, as a hand does");
 }
 
@@ -118,20 +116,53 @@ std::optional<Suspect> anotherColor(const cv::Mat& color, const cv::Mat& mask) {
                          "it has other colours there than elsewhere");
 }
 
+// Adds the largest part of the mask that each of the candidates at `at` leaves out.
+void addExcludedParts(const FrameContext& scene, const cv::Mat& mask, const cv::Point& at,
+                      std::vector<Suspect>& out) {
+  const ObjectStart start = findObject(scene.images.depth, at, scene.noise, scene.planes);
+  for (const cv::Mat& candidate : candidateMasks(scene, {at, {}, {}, start.mask})) {
+    if (auto part = findLargestPart(mask & ~candidate, cv::countNonZero(mask),
+                                    "the outline is clearer without it"))
+      out.push_back(std::move(*part));
+  }
+}
+
+std::vector<Suspect> listSuspects(const FrameContext& scene, const cv::Mat& mask,
+                                  const std::vector<cv::Point>& clicks) {
+  std::vector<Suspect> out;
+  for (auto suspect :
+       {atTheEdge(mask), skin(scene, mask), anotherColor(scene.images.color, mask)}) {
+    if (suspect) out.push_back(std::move(*suspect));
+  }
+  std::vector<cv::Point> on = clicks;
+  std::erase_if(on, [&](const cv::Point& click) { return !contains(mask, click); });
+  addExcludedParts(scene, mask, on.empty() ? findDeepestPoint(mask) : on.front(), out);
+  std::erase_if(out, [&](const Suspect& suspect) { return contradicts(suspect, clicks); });
+  return out;
+}
+
 }  // namespace
 
-std::optional<CorrectionHint> suggestCorrection(const cv::Mat& color, const cv::Mat& mask,
+std::optional<CorrectionHint> suggestCorrection(const FrameImages& images, const cv::Mat& mask,
                                                 const std::vector<cv::Point>& clicks) {
   if (cv::countNonZero(mask) == 0) return std::nullopt;
-  using Search = std::function<std::optional<Suspect>()>;
-  for (const Search& search :
-       {Search([&] { return atTheEdge(mask); }), Search([&] { return skin(color, mask); }),
-        Search([&] { return anotherColor(color, mask); })}) {
-    const auto suspect = search();
-    if (suspect && !contradicts(*suspect, clicks))
-      return CorrectionHint{suspect->at_px, suspect->why};
+  const DepthNoise noise = measureNoise(images.depth);
+  cv::Mat background = images.depth.clone();
+  background.setTo(0, mask);
+  std::vector<Plane> planes = findPlanes(background, noise);
+  findSupports(images.depth, mask, planes);
+  const SkinColors skin_colors = SkinColors::adaptedToLight(images.color);
+  const FrameContext scene{images, planes, noise, skin_colors};
+  std::optional<CorrectionHint> best;
+  double highest = objectness(scene, mask) + kClearGain;
+  for (const Suspect& suspect : listSuspects(scene, mask, clicks)) {
+    const cv::Mat corrected = refineWithClicks(scene, mask, {{}, {suspect.at_px}, {}}, clicks);
+    const double score = objectness(scene, corrected);
+    if (score <= highest) continue;
+    highest = score;
+    best = CorrectionHint{suspect.at_px, suspect.why};
   }
-  return std::nullopt;
+  return best;
 }
 
 }  // namespace hapticast::server

@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: MIT
-// Hints for the author: finds a part of an object's mask that may not belong to the object, by
-// simple heuristics. Thread: any.
+// Hints for the author: finds the --not that would most improve the score of an object's mask. It
+// proposes places by simple heuristics, and the places that the candidates for a first mask
+// exclude. It makes the correction at each place, and compares the scores (objectness) before and
+// after. Thread: any.
 #pragma once
 
 #include <opencv2/core.hpp>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "server/vision/base/frame_pair.hpp"
 
 namespace hapticast::server {
 
@@ -16,11 +20,10 @@ struct CorrectionHint {
   std::string why;  ///< reason, as the text that follows "--not U,V: "
 };
 
-/// Returns a place in `mask` that may not belong to the object, or nullopt if there is none. It
-/// searches in this order: pixels at the picture's edge, pixels with colours of skin, pixels with
-/// other colours than the rest of the mask. It never returns a place in the region of one of the
-/// author's `clicks`, or near one. `color`: CV_8UC3. `mask`: CV_8UC1, 0/255, same size.
-[[nodiscard]] std::optional<CorrectionHint> suggestCorrection(const cv::Mat& color,
+/// Returns the place in `mask` where a --not improves the score most, or nullopt if none improves
+/// it clearly. It never returns a place in the region of one of the author's `clicks`, or near one.
+/// `mask`: CV_8UC1, 0/255, size of `images`.
+[[nodiscard]] std::optional<CorrectionHint> suggestCorrection(const FrameImages& images,
                                                               const cv::Mat& mask,
                                                               const std::vector<cv::Point>& clicks);
 

@@ -145,16 +145,21 @@ Watched watch(RgbdSource& source, Vision& vision, std::uint64_t most_frames) {
   return keeper.finish();
 }
 
-std::string suggestCorrections(const Settings& settings, const Watched& watched) {
+std::string suggestCorrections(const Settings& settings, const Watched& watched,
+                               const SourceInfo& info) {
   const PreviewFrame& first = watched.kept.front();
   const std::vector<std::uint32_t> ids = listIds(first.haptic);
   if (ids.empty()) return "no object was found; add --object U,V with a pixel on one";
   std::vector<cv::Point> clicks;
   for (const AuthorPoint& point : settings.vision.object_points)
     clicks.emplace_back(static_cast<int>(point.at_px.x()), static_cast<int>(point.at_px.y()));
+  RgbdFrame frame;
+  frame.color = first.color;
+  frame.depth = first.depth;
+  const FrameImages images = makeFrameImages(frame, info);
   for (const std::uint32_t id : ids) {
     const cv::Mat mask = renderMask(first.haptic, id, first.color.size());
-    if (const auto hint = suggestCorrection(first.color, mask, clicks)) {
+    if (const auto hint = suggestCorrection(images, mask, clicks)) {
       const Vec2 at_px = Vec2(hint->at_px.x + 0.5, hint->at_px.y + 0.5).cwiseProduct(first.own_px);
       const std::string point =
           fmt::format("{:.0f},{:.0f}", std::floor(at_px.x()), std::floor(at_px.y()));
@@ -186,7 +191,7 @@ std::vector<std::string> formatLines(const Settings& settings, const Watched& wa
   lines.push_back(fmt::format("no object found in {} of {} frames ({:.1f} %)", watched.lost,
                               watched.frames,
                               100.0 * double(watched.lost) / double(watched.frames)));
-  lines.push_back(suggestCorrections(settings, watched));
+  lines.push_back(suggestCorrections(settings, watched, info));
   return lines;
 }
 

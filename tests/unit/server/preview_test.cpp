@@ -108,21 +108,30 @@ TEST_F(Preview, WhatCannotBeStartedOnIsTheUsualLine) {
   EXPECT_FALSE(std::filesystem::exists(folder / "a.png"));
 }
 
+// Images of a body at 0.7 m, all of `mask`, before a wall at 1.5 m.
+FrameImages makeImages(const cv::Mat& color, const cv::Mat& mask) {
+  cv::Mat gray;
+  cv::cvtColor(color, gray, cv::COLOR_BGR2GRAY);
+  cv::Mat depth(color.size(), CV_32FC1, cv::Scalar(1500));
+  depth.setTo(700, mask);
+  return {color, gray, depth, {}, {}};
+}
+
 TEST(PreviewAdvice, PointsAtTheHandThatTheMaskHolds) {
   cv::Mat color(240, 320, CV_8UC3, cv::Scalar(60, 60, 60));
   cv::Mat mask = cv::Mat::zeros(color.size(), CV_8UC1);
   cv::circle(color, {150, 120}, 40, {60, 120, 60}, cv::FILLED);
   cv::circle(mask, {150, 120}, 40, cv::Scalar(255), cv::FILLED);
-  EXPECT_FALSE(suggestCorrection(color, mask, {})) << "one colour, no edge";
+  EXPECT_FALSE(suggestCorrection(makeImages(color, mask), mask, {})) << "one colour, no edge";
   const cv::Rect hand(185, 100, 50, 30);
   color(hand).setTo(cv::Scalar(120, 150, 210));
   mask(hand).setTo(255);
-  const auto doubt = suggestCorrection(color, mask, {});
+  const auto doubt = suggestCorrection(makeImages(color, mask), mask, {});
   ASSERT_TRUE(doubt);
   EXPECT_TRUE(hand.contains(doubt->at_px)) << doubt->at_px;
   EXPECT_THAT(doubt->why, HasSubstr("skin"));
   mask(cv::Rect(185, 100, 135, 30)).setTo(255);
-  const auto arm = suggestCorrection(color, mask, {});
+  const auto arm = suggestCorrection(makeImages(color, mask), mask, {});
   ASSERT_TRUE(arm);
   EXPECT_GT(arm->at_px.x, 300);
   EXPECT_THAT(arm->why, HasSubstr("edge"));
@@ -136,23 +145,25 @@ TEST(PreviewAdvice, NeverContradictsAClickOfTheAuthor) {
   const cv::Rect hand(185, 80, 50, 70);
   color(hand).setTo(cv::Scalar(120, 150, 210));
   mask(hand).setTo(255);
-  const auto hint = suggestCorrection(color, mask, {});
+  const auto hint = suggestCorrection(makeImages(color, mask), mask, {});
   ASSERT_TRUE(hint);
-  EXPECT_TRUE(suggestCorrection(color, mask, {{130, 120}})) << "the click is on another part";
-  for (int v = 84; v < 148; v += 8) {
-    for (int u = 189; u < 233; u += 8) {
+  EXPECT_TRUE(suggestCorrection(makeImages(color, mask), mask, {{130, 120}}))
+      << "the click is on another part";
+  for (int v = 84; v < 148; v += 20) {
+    for (int u = 189; u < 233; u += 16) {
       const cv::Point click(u, v);
-      const auto left = suggestCorrection(color, mask, {{130, 120}, click});
+      const auto left = suggestCorrection(makeImages(color, mask), mask, {{130, 120}, click});
       if (!left) continue;
       EXPECT_GT(cv::norm(left->at_px - click), 19.0) << click;
       EXPECT_FALSE(hand.contains(left->at_px)) << "on the region of the click " << click;
     }
   }
-  EXPECT_FALSE(suggestCorrection(color, mask, {hint->at_px + cv::Point(3, 2)})) << "the hand";
+  EXPECT_FALSE(suggestCorrection(makeImages(color, mask), mask, {hint->at_px + cv::Point(3, 2)}))
+      << "the hand";
   mask(cv::Rect(185, 100, 135, 30)).setTo(255);
-  const auto arm = suggestCorrection(color, mask, {});
+  const auto arm = suggestCorrection(makeImages(color, mask), mask, {});
   ASSERT_TRUE(arm);
-  const auto other = suggestCorrection(color, mask, {arm->at_px});
+  const auto other = suggestCorrection(makeImages(color, mask), mask, {arm->at_px});
   EXPECT_TRUE(!other || cv::norm(other->at_px - arm->at_px) > 19.0);
 }
 

@@ -233,12 +233,13 @@ void NarrowBandTracker::propagate(TrackedMask& object, const FramePair& frames, 
   if (last != last_annotation_.end()) until = (last->second + frames.index) / 2 + 1;
   last_annotation_[object.number()] = frames.index;
   annotations_->masks[frames.index].push_back(toPropagatedMask(object, given));
-  propagateBackwards(object, frames, until, given);
+  propagateBackwards(object, frames, until);
 }
 
-// Masks without a decision in their frame are not stored: the object may be hidden there.
+// The corrected mask counts more than the mask that was followed forwards: the author saw it. Masks
+// without a decision in their frame are not stored: the object may be hidden there.
 void NarrowBandTracker::propagateBackwards(TrackedMask object, const FramePair& frames,
-                                           std::uint64_t until, bool given) {
+                                           std::uint64_t until) {
   SceneContext scene = scene_;
   const FrameImages* later = &frames.now;
   std::vector<std::pair<std::uint64_t, PropagatedMask>> carried;
@@ -250,13 +251,8 @@ void NarrowBandTracker::propagateBackwards(TrackedMask object, const FramePair& 
     if (!object.present()) return;
     later = &past->images;
     const auto before = past->masks.find(object.number());
-    if (before != past->masks.end()) {
-      if (computeOverlap(before->second, object.mask()) >= kAsTaught)
-        return;  // the masks are equal from here on
-      if (!given && object.likeness(past->images, scene, object.mask()) <
-                        object.likeness(past->images, scene, before->second))
-        continue;
-    }
+    if (before != past->masks.end() && computeOverlap(before->second, object.mask()) >= kAsTaught)
+      return;  // the masks are equal from here on
     carried.emplace_back(past->index, toPropagatedMask(object, false));
     if (!object.isDecided()) continue;
     for (auto& [index, mask] : carried) annotations_->masks[index].push_back(std::move(mask));

@@ -63,8 +63,7 @@ class NarrowBandTracker final : public Segmenter {
   TrackedMask* findObjectAt(const cv::Point& point);
   void keepHistory(const FramePair& frames);
   void propagate(TrackedMask& object, const FramePair& frames, bool given);
-  void propagateBackwards(TrackedMask object, const FramePair& frames, std::uint64_t until,
-                          bool given);
+  void propagateBackwards(TrackedMask object, const FramePair& frames, std::uint64_t until);
 
   struct Past {
     std::uint64_t index;

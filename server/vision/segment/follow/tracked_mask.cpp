@@ -245,13 +245,8 @@ bool TrackedMask::redetectObject(const FrameImages& images, const SceneContext& 
 }
 
 void TrackedMask::rememberAppearance(const FrameImages& images, const SceneContext& scene) {
-  likeness_ = likeness(images, scene, mask_);
-}
-
-double TrackedMask::likeness(const FrameImages& images, const SceneContext& scene,
-                             const cv::Mat& mask) const {
-  const KnownObject known{memory_, limits(scene), usual_px_, mask, {}};
-  return reidentificationScore(scene.view(images), known, mask);
+  const KnownObject known{memory_, limits(scene), usual_px_, mask_, {}};
+  likeness_ = reidentificationScore(scene.view(images), known, mask_);
 }
 
 void TrackedMask::correct(const FrameImages& images, const SceneContext& scene,

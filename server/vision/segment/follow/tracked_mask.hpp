@@ -48,11 +48,9 @@ class TrackedMask {
   /// Usual limit of the repetitions. The value was measured: 5 to 19 repetitions are needed.
   static constexpr int kSettleRounds = 25;
 
-  /// Stores the score of the present mask, with which later masks are compared (see likeness()).
+  /// Stores the score of the present mask, with which later masks are compared
+  /// (see reidentificationScore()).
   void rememberAppearance(const FrameImages& images, const SceneContext& scene);
-  /// Returns how likely `mask` is this object; see reidentificationScore().
-  [[nodiscard]] double likeness(const FrameImages& images, const SceneContext& scene,
-                                const cv::Mat& mask) const;
   /// Corrects the mask by the author's points: pixels around positive points belong to the object,
   /// those around negative points do not. Regions of anchors remain. Without an anchor, marks the
   /// object as lost if no pixel remains, or none of its colours.
