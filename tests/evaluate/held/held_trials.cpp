@@ -187,8 +187,11 @@ Trials tryOut(const Recording& recording, const Run& run, const Words& click, do
   for (std::size_t i = 0; i < out.starts.size(); ++i) {
     const std::size_t frame = i * recording.frames.size() / out.starts.size();
     const bool at_hand = cv::countNonZero(handsBeside(recording.truth[frame], 8)) > 0;
-    if (at_hand && recording.truth[frame].visibleShare() > kShownEnough)
-      out.starts[i] = clickAround(recording, frame, clicks);
+    if (!at_hand || recording.truth[frame].visibleShare() <= kShownEnough) continue;
+    out.starts[i] = clickAround(recording, frame, clicks);
+    const auto chosen = startOf(recording.frames[frame], recording.info, {});
+    out.chosen_iou[i] =
+        chosen ? server::computeOverlap(*chosen, recording.truth[frame].mask()) : 0.0;
   }
   out.corrected = correctAtRandomTimes(recording, run, click);
   out.cut = compareWithGrabCut(recording, run);

@@ -67,6 +67,8 @@ TurnedScores compareTurned(const Recording& recording);
 /// All of it.
 struct Trials {
   std::array<Starts, 3> starts;  ///< at the first frame, a third and two thirds of the clip
+  /// IoU of the mask that vision chooses there without a click; < 0: not tried.
+  std::array<double, 3> chosen_iou{-1.0, -1.0, -1.0};
   Corrected corrected;
   CutScores cut;
   TurnedScores turned;

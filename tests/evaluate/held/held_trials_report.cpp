@@ -54,6 +54,30 @@ void tellLaterStarts(const std::vector<Result>& results, const Told& told) {
   told.goal("held, clicks at three frames: refused", "", 0.0, 0.0, double(sum.refused));
 }
 
+void tellAutomatic(const std::vector<Result>& results, const Told& told) {
+  Lines lines{{"scene", "first frame", "a third", "two thirds"}};
+  std::vector<double> all;
+  for (const Result& r : results) {
+    std::vector<std::string> line{r.name};
+    double own = 0.0;
+    double tried = 0.0;
+    for (const double iou : r.trials->chosen_iou) {
+      line.push_back(iou >= 0 ? text("%.2f", iou) : "");
+      if (iou < 0) continue;
+      all.push_back(iou);
+      own += iou;
+      tried += 1.0;
+    }
+    lines.push_back(line);
+    if (tried > 0) told.row(r, "held: start without a click", 1.0 - own / tried, "1 - IoU");
+  }
+  if (all.empty()) return;
+  const auto right = std::count_if(all.begin(), all.end(), [](double iou) { return iou > 0.7; });
+  told.report.say("Without a click, at the same frames: IoU of the mask that vision chooses. " +
+                  text("%.0f", 100.0 * double(right) / double(all.size())) +
+                  " % are above .7.\n\n" + markdown(lines));
+}
+
 void tellRandomCorrections(const std::vector<Result>& results, const Told& told) {
   Lines lines{{"scene", "IoU mean", "worst", "of one click", "worst", "new", "emptied"}};
   double mean = 0.0;
@@ -128,6 +152,7 @@ void tellTrials(const std::vector<Result>& results, const std::string& apart, Re
   if (results.empty() || !results.front().trials) return;
   const Told told{apart, report};
   tellLaterStarts(results, told);
+  tellAutomatic(results, told);
   tellRandomCorrections(results, told);
   tellGrabCut(results, told);
   tellTurned(results, told);

@@ -26,6 +26,7 @@ constexpr double kColorWeight = 1.5;
 // Tuned on drawn scenes: with 2 an object that returns stays partial, with 0 hands join the mask.
 constexpr double kShapeWeight = 1.2;
 constexpr double kShapeShare = 1.0 / 30.0;  // chosen: the shape is the mean of about a second
+constexpr double kMotionWeight = 2.0;       // chosen: 0 to 2 differ by 0.001 IoU on drawn scenes
 constexpr double kWholePicture = 0.3;  // of the background, if the object differs from the picture
 constexpr double kUnlike = 0.35;  // distance of two histograms at which colour has its full weight
 constexpr double kLeastColor = 0.6;
@@ -264,7 +265,8 @@ std::vector<float> computeColorEvidence(const ContourMemory& memory) {
 }
 
 ContourResult decideContour(const ObjectRoi& patch, const DepthNoise& noise,
-                            const std::vector<Plane>& planes, ContourMemory& memory) {
+                            const std::vector<Plane>& planes, ContourMemory& memory,
+                            const cv::Mat& motion) {
   ContourResult result;
   const cv::Mat color = mapEvidence(patch.color, computeColorEvidence(memory));
   // If object and background have similar colours, depth decides.
@@ -272,6 +274,7 @@ ContourResult decideContour(const ObjectRoi& patch, const DepthNoise& noise,
   const double color_weight = kColorWeight * std::clamp(unlike / kUnlike, kLeastColor, 1.0);
   const cv::Mat excluded = findExcluded(patch, planes);
   cv::Mat evidence = color_weight * color + depthTerm(patch, excluded, noise);
+  if (!motion.empty()) evidence += kMotionWeight * motion;
   cv::blur(evidence, evidence, {3, 3});
   // What hides the object is no part of it, whatever its shape.
   const cv::Mat not_hidden = patch.nearer.empty() ? cv::Mat() : cv::Mat(~patch.nearer);

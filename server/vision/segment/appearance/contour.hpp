@@ -44,10 +44,12 @@ struct ContourResult {
 };
 
 /// Decides which pixels of the band in `patch` belong to the object, and returns the new mask.
+/// `motion`: result of computeMotionEvidence(), or empty.
 /// Replaces `memory.evidence` by the evidence of this frame. Call warpEvidence() before, or leave
 /// `memory.evidence` empty. The histograms do not change; see updateMemory().
 ContourResult decideContour(const ObjectRoi& patch, const DepthNoise& noise,
-                            const std::vector<Plane>& planes, ContourMemory& memory);
+                            const std::vector<Plane>& planes, ContourMemory& memory,
+                            const cv::Mat& motion = {});
 
 /// Adds `mask` to the object's own shape, the mean of its masks of the last second. Pixels where
 /// the object is hidden do not change. `mask`: see updateMemory(). `is_whole`: false if `mask` may

@@ -18,7 +18,9 @@ constexpr int kChooseAgain = 60;
 // Chosen, frames of loss until another object replaces an automatic choice.
 constexpr int kForgetAfter = 15;
 constexpr int kNewPlanesAfter = 5;  // chosen, frames: RANSAC costs more than a frame
-constexpr int kLightEvery = 30;     // chosen, frames: light changes slowly
+// Measured, frames: in every frame it costs 13 % of the time, and the masks are no better.
+constexpr int kOtherMotionEvery = 3;
+constexpr int kLightEvery = 30;  // chosen, frames: light changes slowly
 // Chosen: overlap with a present object that makes both the same.
 constexpr double kSameObject = 0.5;
 constexpr double kPlaneIsObject = 0.3;  // chosen: share of an object's pixels on a new plane
@@ -67,14 +69,15 @@ void NarrowBandTracker::decide(const FramePair& frames, const Flows& flows) {
   scene_.noise = frames.noise;
   updatePlanes(frames.now);
   if (frame_ % kLightEvery == 0) scene_.skin = SkinColors::adaptedToLight(frames.now.color);
-  updateObjects(frames.now, flows);
+  updateObjects(frames, flows);
   if (frame_ == 0) startAtPoints(frames.now);
   if (choosesByItself(frames)) chooseByItself(frames.now);
   shareOut();
   if (frame_ == 0) remember(frames.now);
 }
 
-void NarrowBandTracker::updateObjects(const FrameImages& images, const Flows& flows) {
+void NarrowBandTracker::updateObjects(const FramePair& frames, const Flows& flows) {
+  const FrameImages& images = frames.now;
   for (TrackedMask& object : objects_) {
     if (!object.present()) {
       if (auto again = object.search(images, scene_); again && !isAnother(*again)) {
@@ -85,7 +88,11 @@ void NarrowBandTracker::updateObjects(const FrameImages& images, const Flows& fl
     }
     const auto flow = flows.find(object.id());
     if (flow != flows.end() && flow->second.isStatic) continue;
-    object.update(images, flow != flows.end() ? flow->second : ObjectFlow{}, scene_);
+    const ObjectFlow moved = flow != flows.end() ? flow->second : ObjectFlow{};
+    std::optional<OtherMotion> other;
+    if (frame_ % kOtherMotionEvery == 0)
+      other = findOtherMotion(frames.last.gray, images.gray, object.mask(), moved);
+    object.update(images, moved, scene_, other);
   }
 }
 

@@ -38,7 +38,7 @@ class NarrowBandTracker final : public Segmenter {
  private:
   void forgetScene();
   void decide(const FramePair& frames, const Flows& flows);
-  void updateObjects(const FrameImages& images, const Flows& flows);
+  void updateObjects(const FramePair& frames, const Flows& flows);
   void updatePlanes(const FrameImages& images);
   void removePlanes(const TrackedMask& object, const FrameImages& images);
   void startAtPoints(const FrameImages& images);

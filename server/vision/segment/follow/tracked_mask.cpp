@@ -177,12 +177,13 @@ ObjectRoi TrackedMask::locate(const FrameImages& images, const SceneContext& sce
 }
 
 void TrackedMask::update(const FrameImages& images, const ObjectFlow& flow,
-                         const SceneContext& scene) {
+                         const SceneContext& scene, const std::optional<OtherMotion>& other) {
   cv::Matx23d similarity = flow.similarity;
   const ObjectRoi patch = locate(images, scene, similarity);
   if (patch.empty()) return lose();
   warpEvidence(memory_, patch, similarity);
-  ContourResult now = decideContour(patch, scene.noise, scene.planes, memory_);
+  const cv::Mat motion = other ? computeMotionEvidence(patch, *other, similarity) : cv::Mat();
+  ContourResult now = decideContour(patch, scene.noise, scene.planes, memory_, motion);
   limitGrowth(patch, now.mask);
   const double expected_px = cv::countNonZero(patch.inside) * patch.factor * patch.factor;
   const bool nothing =

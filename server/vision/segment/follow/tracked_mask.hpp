@@ -14,6 +14,7 @@
 #include "server/vision/base/frame_pair.hpp"
 #include "server/vision/segment/annotate/annotation_track.hpp"
 #include "server/vision/segment/appearance/contour.hpp"
+#include "server/vision/segment/appearance/motion_evidence.hpp"
 #include "server/vision/segment/appearance/object_roi.hpp"
 #include "server/vision/segment/appearance/planes.hpp"
 
@@ -61,8 +62,9 @@ class TrackedMask {
   /// later correction removes its region. Only a later --not beside the point removes it.
   void addAnchor(const cv::Point& point) { anchors_.emplace_back(point); }
   /// Updates the mask for the next frame: moves it by `flow` and decides the pixels of its band
-  /// anew.
-  void update(const FrameImages& images, const ObjectFlow& flow, const SceneContext& scene);
+  /// anew. `other`: motion of what surrounds the object, nullopt if it is not known.
+  void update(const FrameImages& images, const ObjectFlow& flow, const SceneContext& scene,
+              const std::optional<OtherMotion>& other = std::nullopt);
   /// Counts a frame in which the object is lost. Searches for the object's colours near
   /// its last place, and in every third such frame in the whole picture, at depths of 0.6 to 1.6
   /// times its last depth. Returns the object if it was found, still without a new id; otherwise

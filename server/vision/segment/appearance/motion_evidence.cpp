@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+#include "server/vision/segment/appearance/motion_evidence.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "server/vision/base/masks.hpp"
+
+namespace hapticast::server {
+
+namespace {
+
+constexpr int kFromMask_px = 3;    // chosen: corners nearer to the contour mix both motions
+constexpr int kRingWidth_px = 24;  // chosen: an arm beside the object, not the room
+constexpr int kRingCorners = 60;   // chosen for time
+constexpr int kFewestAgree = 8;    // chosen: twice what a similarity needs, and as many again
+constexpr double kAgree_px = 1.0;
+// Chosen: motions that differ less at a pixel do not tell objects apart.
+constexpr double kApart_px = 1.5;
+constexpr double kGreyNoise = 4.0;  // chosen, of 255: residuals below it are noise
+constexpr int kWindow_px = 5;
+
+cv::Vec2d apply(const cv::Matx23d& similarity, double u, double v) {
+  return similarity * cv::Vec3d(u, v, 1.0);
+}
+
+// Returns the mean difference of this picture and the last one moved by `similarity`.
+cv::Mat residual(const ObjectRoi& patch, const cv::Mat& last_gray, const cv::Matx23d& similarity) {
+  const cv::Rect whole({0, 0}, last_gray.size());
+  cv::Mat moved = warpImage(last_gray, whole, patch.box, similarity, cv::INTER_LINEAR);
+  cv::absdiff(moved, patch.gray, moved);
+  cv::Mat out;
+  cv::boxFilter(moved, out, CV_32F, {kWindow_px, kWindow_px});
+  return out;
+}
+
+}  // namespace
+
+std::optional<OtherMotion> findOtherMotion(const cv::Mat& last_gray, const cv::Mat& gray,
+                                           const cv::Mat& mask, const ObjectFlow& flow) {
+  const cv::Rect box = boxAround(mask, kFromMask_px + kRingWidth_px);
+  if (box.empty() || !flow.reliable) return std::nullopt;
+  const cv::Mat ring =
+      dilatedBy(mask(box), kFromMask_px + kRingWidth_px) & ~dilatedBy(mask(box), kFromMask_px);
+  std::vector<cv::Point2f> corners;
+  cv::goodFeaturesToTrack(last_gray(box), corners, kRingCorners, 0.02, 6.0, ring);
+  if (corners.size() < kFewestAgree) return std::nullopt;
+  const cv::Rect wide = grown(box, 32, gray.size());
+  const cv::Point2f corner(static_cast<float>(box.x - wide.x), static_cast<float>(box.y - wide.y));
+  for (cv::Point2f& each : corners) each += corner;
+  const PointTracks tracks = trackPoints(last_gray(wide), gray(wide), corners, corners);
+  PointTracks others;
+  for (std::size_t i = 0; i < tracks.from.size(); ++i) {
+    const cv::Vec2d own = apply(flow.similarity, double(tracks.from[i].x) + wide.x,
+                                double(tracks.from[i].y) + wide.y);
+    const cv::Vec2d to(double(tracks.to[i].x) + wide.x, double(tracks.to[i].y) + wide.y);
+    if (cv::norm(own - to) < kApart_px) continue;
+    others.from.push_back(tracks.from[i] + cv::Point2f(wide.tl()));
+    others.to.push_back(tracks.to[i] + cv::Point2f(wide.tl()));
+  }
+  if (others.from.size() < kFewestAgree) return std::nullopt;
+  cv::Mat inliers;
+  const cv::Mat fit = cv::estimateAffinePartial2D(others.from, others.to, inliers, cv::RANSAC,
+                                                  kAgree_px, 200, 0.99, 5);
+  if (fit.empty() || cv::countNonZero(inliers) < kFewestAgree) return std::nullopt;
+  return OtherMotion{last_gray, cv::Matx23d(fit)};
+}
+
+cv::Mat computeMotionEvidence(const ObjectRoi& patch, const OtherMotion& other,
+                              const cv::Matx23d& own) {
+  const cv::Mat by_own = residual(patch, other.last_gray, own);
+  const cv::Mat by_other = residual(patch, other.last_gray, other.similarity);
+  cv::Mat full(patch.gray.size(), CV_32FC1);
+  for (int v = 0; v < full.rows; ++v) {
+    const auto* a = by_own.ptr<float>(v);
+    const auto* b = by_other.ptr<float>(v);
+    auto* to = full.ptr<float>(v);
+    for (int u = 0; u < full.cols; ++u)
+      to[u] = (b[u] - a[u]) / (static_cast<float>(kGreyNoise) + a[u] + b[u]);
+  }
+  cv::Mat out;
+  cv::resize(full, out, patch.depth.size(), 0, 0, cv::INTER_AREA);
+  for (int v = 0; v < out.rows; ++v) {
+    for (int u = 0; u < out.cols; ++u) {
+      const double x = patch.pictureU(u);
+      const double y = patch.pictureV(v);
+      if (cv::norm(apply(own, x, y) - apply(other.similarity, x, y)) < kApart_px)
+        out.at<float>(v, u) = 0.0F;
+    }
+  }
+  return out;
+}
+
+}  // namespace hapticast::server
