@@ -16,7 +16,9 @@ namespace {
 constexpr double kAsTaught = 0.97;
 constexpr double kAnother = 0.05;               // chosen, IoU: below it a mask shows another object
 constexpr double kLargeCorrection = 1.0 / 3.0;  // of the mask: a larger correction is logged
-constexpr double kAlikeColors = 0.5;            // chosen, overlap of two histograms
+// Measured, of the score: 0 leaves the errors before a correction, no limit hurts good masks.
+constexpr double kClearlyLikelier = 0.3;
+constexpr double kAlikeColors = 0.5;  // chosen, overlap of two histograms
 constexpr double kNear = 2.0;  // chosen, in object widths: reach of a point that marks the object
 constexpr std::size_t kPast_bytes = std::size_t{768} << 20U;  // chosen: 10 s of 640x480
 
@@ -233,13 +235,14 @@ void NarrowBandTracker::propagate(TrackedMask& object, const FramePair& frames, 
   if (last != last_annotation_.end()) until = (last->second + frames.index) / 2 + 1;
   last_annotation_[object.number()] = frames.index;
   annotations_->masks[frames.index].push_back(toPropagatedMask(object, given));
-  propagateBackwards(object, frames, until);
+  propagateBackwards(object, frames, until, given);
 }
 
-// The corrected mask counts more than the mask that was followed forwards: the author saw it. Masks
-// without a decision in their frame are not stored: the object may be hidden there.
+// The corrected mask counts more than the mask that was followed forwards, unless that one clearly
+// resembles the object more. Masks without a decision in their frame are not stored: the object may
+// be hidden there.
 void NarrowBandTracker::propagateBackwards(TrackedMask object, const FramePair& frames,
-                                           std::uint64_t until) {
+                                           std::uint64_t until, bool given) {
   SceneContext scene = scene_;
   const FrameImages* later = &frames.now;
   std::vector<std::pair<std::uint64_t, PropagatedMask>> carried;
@@ -251,8 +254,13 @@ void NarrowBandTracker::propagateBackwards(TrackedMask object, const FramePair& 
     if (!object.present()) return;
     later = &past->images;
     const auto before = past->masks.find(object.number());
-    if (before != past->masks.end() && computeOverlap(before->second, object.mask()) >= kAsTaught)
-      return;  // the masks are equal from here on
+    if (before != past->masks.end()) {
+      if (computeOverlap(before->second, object.mask()) >= kAsTaught)
+        return;  // the masks are equal from here on
+      const double now = object.likeness(past->images, scene, object.mask());
+      if (!given && object.likeness(past->images, scene, before->second) > now + kClearlyLikelier)
+        continue;
+    }
     carried.emplace_back(past->index, toPropagatedMask(object, false));
     if (!object.isDecided()) continue;
     for (auto& [index, mask] : carried) annotations_->masks[index].push_back(std::move(mask));

@@ -63,7 +63,8 @@ class NarrowBandTracker final : public Segmenter {
   TrackedMask* findObjectAt(const cv::Point& point);
   void keepHistory(const FramePair& frames);
   void propagate(TrackedMask& object, const FramePair& frames, bool given);
-  void propagateBackwards(TrackedMask object, const FramePair& frames, std::uint64_t until);
+  void propagateBackwards(TrackedMask object, const FramePair& frames, std::uint64_t until,
+                          bool given);
 
   struct Past {
     std::uint64_t index;

@@ -26,6 +26,7 @@ constexpr double kMostGrowth = 1.25;    // decision is rejected
 constexpr double kWeaker = 0.7;         // chosen: quality of a frame without a sure measurement
 constexpr double kOwnColors = 0.5;      // mean colour evidence of certain pixels of the object
 constexpr double kPartlyHidden = 0.15;  // chosen, of the whole: less is noise of the depth
+constexpr double kSizeJump = 0.05;      // chosen, of the size in a frame: faster growth is an error
 constexpr double kDistinct = 0.65;      // chosen: overlap of the colours of object and background
 constexpr double kClearlyOwn = 0.4;     // more of that evidence: another position is better
 constexpr double kSurelyColor = 0.8;  // mean colour evidence of pixels that may be uncovered again
@@ -60,6 +61,12 @@ ColorHistogram elsewhere(const FrameImages& images, const cv::Mat& mask) {
   }
   out.finish();
   return out;
+}
+
+bool isMostlySeen(const ObjectRoi& patch) {
+  if (patch.hidden.empty()) return true;
+  const double inside = cv::countNonZero(patch.inside);
+  return inside >= kMostlySeen * (inside + cv::countNonZero(patch.hidden));
 }
 
 double meanEvidence(const ContourMemory& memory, const cv::Mat& color, const cv::Mat& where) {
@@ -160,12 +167,15 @@ ObjectRoi TrackedMask::expected(const FrameImages& images, const cv::Matx23d& si
 
 // Returns the patch at the place to which `similarity` leads. Returns the patch at the old place,
 // and sets `similarity` to rest, if the colours there are clearly more the object's. What passes in
-// front of an object pushes its motion.
+// front of an object pushes its motion. A partly hidden object whose size seems to jump moves as in
+// the last frame (dead reckoning).
 ObjectRoi TrackedMask::locate(const FrameImages& images, const SceneContext& scene,
                               cv::Matx23d& similarity) const {
-  ObjectRoi patch = expected(images, similarity, scene);
   const bool is_partly_hidden =
       cv::countNonZero(whole_ != mask_) > kPartlyHidden * cv::countNonZero(whole_);
+  const double scale = std::hypot(similarity(0, 0), similarity(1, 0));
+  if (is_partly_hidden && std::abs(scale - 1.0) > kSizeJump) similarity = last_similarity_;
+  ObjectRoi patch = expected(images, similarity, scene);
   const double moved = patch.empty() ? -1.0 : meanEvidence(memory_, patch.color, patch.inside);
   if (moved >= 0.0 && !is_partly_hidden) return patch;
   const cv::Matx23d rest = ObjectFlow{}.similarity;
@@ -181,6 +191,9 @@ void TrackedMask::update(const FrameImages& images, const ObjectFlow& flow,
   cv::Matx23d similarity = flow.similarity;
   const ObjectRoi patch = locate(images, scene, similarity);
   if (patch.empty()) return lose();
+  // The motion of a mostly hidden object is not exact enough to move its shape.
+  if (!isMostlySeen(patch)) memory_.shape.release();
+  last_similarity_ = similarity;
   warpEvidence(memory_, patch, similarity);
   const cv::Mat motion = other ? computeMotionEvidence(patch, *other, similarity) : cv::Mat();
   ContourResult now = decideContour(patch, scene.noise, scene.planes, memory_, motion);
@@ -209,10 +222,8 @@ void TrackedMask::update(const FrameImages& images, const ObjectFlow& flow,
 
 // An object that is mostly hidden comes back where it was: it does not grow beyond its whole.
 void TrackedMask::limitGrowth(const ObjectRoi& patch, cv::Mat& mask) const {
-  if (patch.hidden.empty() || cv::countNonZero(patch.hidden) == 0) return;
-  const cv::Mat whole = patch.inside | patch.hidden;
-  const double seen = double(cv::countNonZero(patch.inside)) / std::max(1, cv::countNonZero(whole));
-  if (seen < kMostlySeen) mask &= atFullSize(dilatedBy(whole, 1), patch);
+  if (isMostlySeen(patch)) return;
+  mask &= atFullSize(dilatedBy(patch.inside | patch.hidden, 1), patch);
 }
 
 // Sets the mask to `seen`, which covers the patch's box; adds the hidden part to the whole.
@@ -246,8 +257,13 @@ bool TrackedMask::redetectObject(const FrameImages& images, const SceneContext& 
 }
 
 void TrackedMask::rememberAppearance(const FrameImages& images, const SceneContext& scene) {
-  const KnownObject known{memory_, limits(scene), usual_px_, mask_, {}};
-  likeness_ = reidentificationScore(scene.view(images), known, mask_);
+  likeness_ = likeness(images, scene, mask_);
+}
+
+double TrackedMask::likeness(const FrameImages& images, const SceneContext& scene,
+                             const cv::Mat& mask) const {
+  const KnownObject known{memory_, limits(scene), usual_px_, mask, {}};
+  return reidentificationScore(scene.view(images), known, mask);
 }
 
 void TrackedMask::correct(const FrameImages& images, const SceneContext& scene,

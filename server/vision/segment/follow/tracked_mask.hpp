@@ -52,6 +52,9 @@ class TrackedMask {
   /// Stores the score of the present mask, with which later masks are compared
   /// (see reidentificationScore()).
   void rememberAppearance(const FrameImages& images, const SceneContext& scene);
+  /// Returns how likely `mask` is this object; see reidentificationScore().
+  [[nodiscard]] double likeness(const FrameImages& images, const SceneContext& scene,
+                                const cv::Mat& mask) const;
   /// Corrects the mask by the author's points: pixels around positive points belong to the object,
   /// those around negative points do not. Regions of anchors remain. Without an anchor, marks the
   /// object as lost if no pixel remains, or none of its colours.
@@ -125,6 +128,7 @@ class TrackedMask {
   cv::Mat whole_;  // the mask with the part that nearer surfaces hide
   ContourMemory memory_;
   cv::Mat last_sure_;  // whole_ of the last frame whose pixels decided the mask
+  cv::Matx23d last_similarity_ = cv::Matx23d::eye();  // motion in the last frame
   double quality_ = 1.0;
   int weak_ = 0;        // successive frames without a plausible decision
   int lost_ = 0;        // frames since the loss; 0: present
