@@ -211,7 +211,10 @@ TEST(ChooseAt, TheChoiceIsTheSameHoweverThePictureIsTurned) {
       ASSERT_TRUE(upright.object);
       cv::Mat at = cv::Mat::zeros(kDrawn, CV_8UC1);
       at.at<unsigned char>(click) = 255;
-      for (const int turn : {cv::ROTATE_90_CLOCKWISE, cv::ROTATE_180}) {
+      for (const auto& [turn, turn_back] :
+           {std::pair(cv::ROTATE_90_CLOCKWISE, cv::ROTATE_90_COUNTERCLOCKWISE),
+            std::pair(cv::ROTATE_180, cv::ROTATE_180),
+            std::pair(cv::ROTATE_90_COUNTERCLOCKWISE, cv::ROTATE_90_CLOCKWISE)}) {
         cv::Mat color, depth, turned_at, back;
         cv::rotate(images.color, color, turn);
         cv::rotate(images.depth, depth, turn);
@@ -220,9 +223,7 @@ TEST(ChooseAt, TheChoiceIsTheSameHoweverThePictureIsTurned) {
         cv::minMaxLoc(turned_at, nullptr, nullptr, nullptr, &turned_click);
         const ChosenStart turned = held.choose(imagesWith(color, depth), turned_click);
         ASSERT_TRUE(turned.object);
-        const bool quarter = turn == cv::ROTATE_90_CLOCKWISE;
-        cv::rotate(turned.object->mask(), back,
-                   quarter ? cv::ROTATE_90_COUNTERCLOCKWISE : cv::ROTATE_180);
+        cv::rotate(turned.object->mask(), back, turn_back);
         EXPECT_GT(test::overlap(back, upright.object->mask()), 0.95) << click << " turn " << turn;
       }
     }

@@ -10,11 +10,11 @@
 namespace hapticast::server {
 namespace {
 
-const cv::Size kPicture(320, 240);
-const cv::Rect kSquare(120, 80, 70, 70);
+const cv::Size kTwoMotions_px(320, 240);
+const cv::Rect kMovingSquare(120, 80, 70, 70);
 
 cv::Mat makeTexture(std::mt19937& random) {
-  cv::Mat out(kPicture, CV_8UC1);
+  cv::Mat out(kTwoMotions_px, CV_8UC1);
   for (int v = 0; v < out.rows; ++v) {
     for (int u = 0; u < out.cols; ++u)
       out.at<unsigned char>(v, u) = static_cast<unsigned char>(random() % 256);
@@ -33,20 +33,20 @@ struct TwoMotions {
     const cv::Mat ground = makeTexture(random);
     const cv::Mat object = makeTexture(random);
     last = ground.clone();
-    object(kSquare).copyTo(last(kSquare));
+    object(kMovingSquare).copyTo(last(kMovingSquare));
     const cv::Matx23d shift(1, 0, ground_px.x, 0, 1, ground_px.y);
-    cv::warpAffine(ground, now, shift, kPicture, cv::INTER_LINEAR, cv::BORDER_REFLECT);
-    object(kSquare).copyTo(now(kSquare + object_px));
-    mask = cv::Mat::zeros(kPicture, CV_8UC1);
-    mask(kSquare).setTo(255);
+    cv::warpAffine(ground, now, shift, kTwoMotions_px, cv::INTER_LINEAR, cv::BORDER_REFLECT);
+    object(kMovingSquare).copyTo(now(kMovingSquare + object_px));
+    mask = cv::Mat::zeros(kTwoMotions_px, CV_8UC1);
+    mask(kMovingSquare).setTo(255);
     flow.similarity = {1, 0, double(object_px.x), 0, 1, double(object_px.y)};
     flow.reliable = true;
   }
   // Returns the evidence with the object's patch of this picture.
   cv::Mat evidence(const OtherMotion& other, ObjectRoi& patch) const {
-    const FrameImages images{cv::Mat(kPicture, CV_8UC3, cv::Scalar(9, 9, 9)),
+    const FrameImages images{cv::Mat(kTwoMotions_px, CV_8UC3, cv::Scalar(9, 9, 9)),
                              now,
-                             cv::Mat(kPicture, CV_32FC1, cv::Scalar(700)),
+                             cv::Mat(kTwoMotions_px, CV_32FC1, cv::Scalar(700)),
                              {},
                              {}};
     patch = patchAround(images, mask, flow.similarity, {});
@@ -62,7 +62,7 @@ TEST(MotionEvidence, PixelsBelongToTheMotionThatExplainsThem) {
   EXPECT_NEAR(other->similarity(1, 2), 1.0, 0.3);
   ObjectRoi patch;
   const cv::Mat evidence = two.evidence(*other, patch);
-  const cv::Rect square = kSquare + cv::Point(5, -3) - patch.box.tl();
+  const cv::Rect square = kMovingSquare + cv::Point(5, -3) - patch.box.tl();
   const cv::Rect inner(square.x + 8, square.y + 8, 54, 54);
   EXPECT_GT(cv::mean(evidence(inner))[0], 0.5);
   const cv::Rect beside(square.br().x + 8, square.y, 8, 70);

@@ -20,19 +20,20 @@ constexpr double kAgree_px = 1.0;
 // Chosen: motions that differ less at a pixel do not tell objects apart.
 constexpr double kApart_px = 1.5;
 constexpr double kGreyNoise = 4.0;  // chosen, of 255: residuals below it are noise
-constexpr int kWindow_px = 5;
+constexpr int kResidualWindow_px = 5;
 
-cv::Vec2d apply(const cv::Matx23d& similarity, double u, double v) {
+cv::Vec2d applySimilarity(const cv::Matx23d& similarity, double u, double v) {
   return similarity * cv::Vec3d(u, v, 1.0);
 }
 
 // Returns the mean difference of this picture and the last one moved by `similarity`.
-cv::Mat residual(const ObjectRoi& patch, const cv::Mat& last_gray, const cv::Matx23d& similarity) {
+cv::Mat computeResidual(const ObjectRoi& patch, const cv::Mat& last_gray,
+                        const cv::Matx23d& similarity) {
   const cv::Rect whole({0, 0}, last_gray.size());
   cv::Mat moved = warpImage(last_gray, whole, patch.box, similarity, cv::INTER_LINEAR);
   cv::absdiff(moved, patch.gray, moved);
   cv::Mat out;
-  cv::boxFilter(moved, out, CV_32F, {kWindow_px, kWindow_px});
+  cv::boxFilter(moved, out, CV_32F, {kResidualWindow_px, kResidualWindow_px});
   return out;
 }
 
@@ -53,8 +54,8 @@ std::optional<OtherMotion> findOtherMotion(const cv::Mat& last_gray, const cv::M
   const PointTracks tracks = trackPoints(last_gray(wide), gray(wide), corners, corners);
   PointTracks others;
   for (std::size_t i = 0; i < tracks.from.size(); ++i) {
-    const cv::Vec2d own = apply(flow.similarity, double(tracks.from[i].x) + wide.x,
-                                double(tracks.from[i].y) + wide.y);
+    const cv::Vec2d own = applySimilarity(flow.similarity, double(tracks.from[i].x) + wide.x,
+                                          double(tracks.from[i].y) + wide.y);
     const cv::Vec2d to(double(tracks.to[i].x) + wide.x, double(tracks.to[i].y) + wide.y);
     if (cv::norm(own - to) < kApart_px) continue;
     others.from.push_back(tracks.from[i] + cv::Point2f(wide.tl()));
@@ -70,8 +71,8 @@ std::optional<OtherMotion> findOtherMotion(const cv::Mat& last_gray, const cv::M
 
 cv::Mat computeMotionEvidence(const ObjectRoi& patch, const OtherMotion& other,
                               const cv::Matx23d& own) {
-  const cv::Mat by_own = residual(patch, other.last_gray, own);
-  const cv::Mat by_other = residual(patch, other.last_gray, other.similarity);
+  const cv::Mat by_own = computeResidual(patch, other.last_gray, own);
+  const cv::Mat by_other = computeResidual(patch, other.last_gray, other.similarity);
   cv::Mat full(patch.gray.size(), CV_32FC1);
   for (int v = 0; v < full.rows; ++v) {
     const auto* a = by_own.ptr<float>(v);
@@ -86,7 +87,8 @@ cv::Mat computeMotionEvidence(const ObjectRoi& patch, const OtherMotion& other,
     for (int u = 0; u < out.cols; ++u) {
       const double x = patch.pictureU(u);
       const double y = patch.pictureV(v);
-      if (cv::norm(apply(own, x, y) - apply(other.similarity, x, y)) < kApart_px)
+      if (cv::norm(applySimilarity(own, x, y) - applySimilarity(other.similarity, x, y)) <
+          kApart_px)
         out.at<float>(v, u) = 0.0F;
     }
   }

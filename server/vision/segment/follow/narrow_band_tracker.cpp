@@ -11,7 +11,7 @@ namespace hapticast::server {
 
 namespace {
 
-// Chosen, frames until the next attempt at an automatic choice. An attempt with proposals costs as
+// Chosen, frames from a failed automatic choice to the next one. An attempt with proposals costs as
 // much as 30 frames, one without as much as one.
 constexpr int kChooseEvery = 3;
 constexpr int kChooseAgain = 60;
@@ -60,6 +60,7 @@ std::vector<Segment> NarrowBandTracker::next(const FramePair& frames, const Flow
 
 void NarrowBandTracker::forgetScene() {
   new_scene_ = true;
+  next_choice_ = 0;
   past_.clear();
   if (annotation_track_.atStart().on.empty()) objects_.clear();
   for (TrackedMask& object : objects_) object.lose();
@@ -179,8 +180,10 @@ void NarrowBandTracker::chooseByItself(const FrameImages& images) {
   if ((!objects_.empty() && !given_up) || frame_ < next_choice_) return;
   ChosenStart start = selectAutomatically(images, scene_, annotation_track_.atStart().off);
   logChoice(start);
-  next_choice_ = frame_ + (start.explanation.empty() ? kChooseEvery : kChooseAgain);
-  if (!start.object) return;
+  if (!start.object) {
+    next_choice_ = frame_ + (start.explanation.empty() ? kChooseEvery : kChooseAgain);
+    return;
+  }
   objects_.clear();
   scene_.planes = std::move(start.planes);
   start.object->rememberAppearance(images, scene_);

@@ -183,7 +183,11 @@ ChosenStart selectAutomatically(const FrameImages& images, const SceneContext& s
   for (const ObjectProposal& proposal : proposals) {
     if (contains(seen, proposal.at)) continue;
     ChosenStart next = selectInitialMask(images, scene, proposal.at, not_points);
-    if (!next.object) continue;
+    if (!next.object) {
+      explanation.push_back(
+          fmt::format("proposal at {},{}: {}", proposal.at.x, proposal.at.y, next.why_not));
+      continue;
+    }
     seen |= next.object->mask();
     const double rate = rateProposal(proposal, proposals.front().depth_mm, next.object->mask());
     explanation.push_back(fmt::format("proposal at {},{}: score {:.2f}, place {:.2f}",

@@ -74,7 +74,7 @@ std::vector<Component> listComponents(const FrameImages& images, const cv::Mat& 
 
 // Returns the number of steps inside `mask` from the picture's border to each pixel, CV_32SC1; 0
 // outside the mask and where no path leads from the border.
-cv::Mat stepsFromBorder(const cv::Mat& mask) {
+cv::Mat countStepsFromBorder(const cv::Mat& mask) {
   cv::Mat steps = cv::Mat::zeros(mask.size(), CV_32SC1);
   std::queue<cv::Point> next;
   const auto visit = [&](const cv::Point& at, int count) {
@@ -101,11 +101,11 @@ cv::Mat stepsFromBorder(const cv::Mat& mask) {
 }
 
 // Returns the part of a limb that is farthest from the picture's border along the limb, 0/255.
-cv::Mat endOfLimb(const cv::Mat& limb) {
+cv::Mat findEndOfLimb(const cv::Mat& limb) {
   const double shrink = std::min(1.0, kGeodesic_px / std::max(limb.cols, limb.rows));
   cv::Mat small;
   cv::resize(limb, small, {}, shrink, shrink, cv::INTER_AREA);
-  const cv::Mat steps = stepsFromBorder(small > 127);
+  const cv::Mat steps = countStepsFromBorder(small > 127);
   double most = 0.0;
   cv::minMaxLoc(steps, nullptr, &most);
   cv::Mat end = steps > kEndOfLimb * most;
@@ -115,7 +115,7 @@ cv::Mat endOfLimb(const cv::Mat& limb) {
 
 void addEndOfLimb(const FrameContext& scene, const Component& limb,
                   std::vector<ObjectProposal>& out) {
-  const cv::Mat end = endOfLimb(limb.mask);
+  const cv::Mat end = findEndOfLimb(limb.mask);
   const auto add = [&](const cv::Mat& region) {
     const cv::Point at = findDeepestPoint(region);
     const bool is_known = std::any_of(out.begin(), out.end(), [&](const ObjectProposal& other) {
