@@ -127,16 +127,16 @@ void addExcludedParts(const FrameContext& scene, const cv::Mat& mask, const cv::
   }
 }
 
+// `on_it`: those of the clicks that are in the mask.
 std::vector<Suspect> listSuspects(const FrameContext& scene, const cv::Mat& mask,
-                                  const std::vector<cv::Point>& clicks) {
+                                  const std::vector<cv::Point>& clicks,
+                                  const std::vector<cv::Point>& on_it) {
   std::vector<Suspect> out;
   for (auto suspect :
        {atTheEdge(mask), skin(scene, mask), anotherColor(scene.images.color, mask)}) {
     if (suspect) out.push_back(std::move(*suspect));
   }
-  std::vector<cv::Point> on = clicks;
-  std::erase_if(on, [&](const cv::Point& click) { return !contains(mask, click); });
-  addExcludedParts(scene, mask, on.empty() ? findDeepestPoint(mask) : on.front(), out);
+  addExcludedParts(scene, mask, on_it.empty() ? findDeepestPoint(mask) : on_it.front(), out);
   std::erase_if(out, [&](const Suspect& suspect) { return contradicts(suspect, clicks); });
   return out;
 }
@@ -153,10 +153,13 @@ std::optional<CorrectionHint> suggestCorrection(const FrameImages& images, const
   findSupports(images.depth, mask, planes);
   const SkinColors skin_colors = SkinColors::adaptedToLight(images.color);
   const FrameContext scene{images, planes, noise, skin_colors};
+  // A click on another object says nothing about this one.
+  std::vector<cv::Point> on_it = clicks;
+  std::erase_if(on_it, [&](const cv::Point& click) { return !contains(mask, click); });
   std::optional<CorrectionHint> best;
   double highest = objectness(scene, mask) + kClearGain;
-  for (const Suspect& suspect : listSuspects(scene, mask, clicks)) {
-    const cv::Mat corrected = refineWithClicks(scene, mask, {{}, {suspect.at_px}, {}}, clicks);
+  for (const Suspect& suspect : listSuspects(scene, mask, clicks, on_it)) {
+    const cv::Mat corrected = refineWithClicks(scene, mask, {{}, {suspect.at_px}, {}}, on_it);
     const double score = objectness(scene, corrected);
     if (score <= highest) continue;
     highest = score;

@@ -22,10 +22,6 @@ constexpr double kApart_px = 1.5;
 constexpr double kGreyNoise = 4.0;  // chosen, of 255: residuals below it are noise
 constexpr int kResidualWindow_px = 5;
 
-cv::Vec2d applySimilarity(const cv::Matx23d& similarity, double u, double v) {
-  return similarity * cv::Vec3d(u, v, 1.0);
-}
-
 // Returns the mean difference of this picture and the last one moved by `similarity`.
 cv::Mat computeResidual(const ObjectRoi& patch, const cv::Mat& last_gray,
                         const cv::Matx23d& similarity) {
@@ -54,12 +50,11 @@ std::optional<OtherMotion> findOtherMotion(const cv::Mat& last_gray, const cv::M
   const PointTracks tracks = trackPoints(last_gray(wide), gray(wide), corners, corners);
   PointTracks others;
   for (std::size_t i = 0; i < tracks.from.size(); ++i) {
-    const cv::Vec2d own = applySimilarity(flow.similarity, double(tracks.from[i].x) + wide.x,
-                                          double(tracks.from[i].y) + wide.y);
-    const cv::Vec2d to(double(tracks.to[i].x) + wide.x, double(tracks.to[i].y) + wide.y);
-    if (cv::norm(own - to) < kApart_px) continue;
-    others.from.push_back(tracks.from[i] + cv::Point2f(wide.tl()));
-    others.to.push_back(tracks.to[i] + cv::Point2f(wide.tl()));
+    const cv::Point2f from = tracks.from[i] + cv::Point2f(wide.tl());
+    const cv::Point2f to = tracks.to[i] + cv::Point2f(wide.tl());
+    if (cv::norm(flow.warp(from) - cv::Point2d(to)) < kApart_px) continue;
+    others.from.push_back(from);
+    others.to.push_back(to);
   }
   if (others.from.size() < kFewestAgree) return std::nullopt;
   cv::Mat inliers;
@@ -83,13 +78,11 @@ cv::Mat computeMotionEvidence(const ObjectRoi& patch, const OtherMotion& other,
   }
   cv::Mat out;
   cv::resize(full, out, patch.depth.size(), 0, 0, cv::INTER_AREA);
+  const cv::Matx23d difference = own - other.similarity;
   for (int v = 0; v < out.rows; ++v) {
     for (int u = 0; u < out.cols; ++u) {
-      const double x = patch.pictureU(u);
-      const double y = patch.pictureV(v);
-      if (cv::norm(applySimilarity(own, x, y) - applySimilarity(other.similarity, x, y)) <
-          kApart_px)
-        out.at<float>(v, u) = 0.0F;
+      const cv::Vec3d at(patch.pictureU(u), patch.pictureV(v), 1.0);
+      if (cv::norm(difference * at) < kApart_px) out.at<float>(v, u) = 0.0F;
     }
   }
   return out;

@@ -158,10 +158,8 @@ void NarrowBandTracker::startAtPoints(const FrameImages& images) {
     ChosenStart start = selectInitialMask(images, scene_, point.at_px, annotation.off);
     logChoice(start);
     if (!start.object) throwNoObject({double(point.at_px.x), double(point.at_px.y)}, start.why_not);
-    scene_.planes = std::move(start.planes);
-    start.object->rememberAppearance(images, scene_);
     start.object->addAnchor(point.at_px);
-    add(std::move(*start.object), point.number);
+    addStart(std::move(start), point.number, images);
   }
 }
 
@@ -185,9 +183,13 @@ void NarrowBandTracker::chooseByItself(const FrameImages& images) {
     return;
   }
   objects_.clear();
+  addStart(std::move(start), 1, images);
+}
+
+void NarrowBandTracker::addStart(ChosenStart start, int number, const FrameImages& images) {
   scene_.planes = std::move(start.planes);
   start.object->rememberAppearance(images, scene_);
-  add(std::move(*start.object), 1);
+  add(std::move(*start.object), number);
 }
 
 void NarrowBandTracker::add(TrackedMask object, int number) {

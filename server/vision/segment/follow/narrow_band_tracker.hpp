@@ -44,6 +44,7 @@ class NarrowBandTracker final : public Segmenter {
   void startAtPoints(const FrameImages& images);
   [[nodiscard]] bool choosesByItself(const FramePair& frames) const;
   void chooseByItself(const FrameImages& images);
+  void addStart(ChosenStart start, int number, const FrameImages& images);
   void add(TrackedMask object, int number);
   /// Returns whether `found` covers an object that is tracked already.
   [[nodiscard]] bool isAnother(const TrackedMask& found) const;

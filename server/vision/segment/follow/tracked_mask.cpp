@@ -191,13 +191,15 @@ void TrackedMask::update(const FrameImages& images, const ObjectFlow& flow,
   cv::Matx23d similarity = flow.similarity;
   const ObjectRoi patch = locate(images, scene, similarity);
   if (patch.empty()) return lose();
+  const bool is_mostly_seen = isMostlySeen(patch);
   // The motion of a mostly hidden object is not exact enough to move its shape.
-  if (!isMostlySeen(patch)) memory_.shape.release();
+  if (!is_mostly_seen) memory_.shape.release();
   last_similarity_ = similarity;
   warpEvidence(memory_, patch, similarity);
   const cv::Mat motion = other ? computeMotionEvidence(patch, *other, similarity) : cv::Mat();
   ContourResult now = decideContour(patch, scene.noise, scene.planes, memory_, motion);
-  limitGrowth(patch, now.mask);
+  // An object that is mostly hidden comes back where it was: it does not grow beyond its whole.
+  if (!is_mostly_seen) now.mask &= atFullSize(dilatedBy(patch.inside | patch.hidden, 1), patch);
   const double expected_px = cv::countNonZero(patch.inside) * patch.factor * patch.factor;
   const bool nothing =
       cv::countNonZero(now.mask) < kSmallestObject_px || expected_px < kSmallestObject_px;
@@ -218,12 +220,6 @@ void TrackedMask::update(const FrameImages& images, const ObjectFlow& flow,
   const bool leaving = weak_ > 0 && !clearOfBorder(mask_);
   if (cv::countNonZero(mask_) < kLeastSeen * area_px_) return lose();
   if (nothing || weak_ > kWeakFrames || leaving) lose();
-}
-
-// An object that is mostly hidden comes back where it was: it does not grow beyond its whole.
-void TrackedMask::limitGrowth(const ObjectRoi& patch, cv::Mat& mask) const {
-  if (isMostlySeen(patch)) return;
-  mask &= atFullSize(dilatedBy(patch.inside | patch.hidden, 1), patch);
 }
 
 // Sets the mask to `seen`, which covers the patch's box; adds the hidden part to the whole.

@@ -117,7 +117,6 @@ class TrackedMask {
                                                     const SceneContext& scene) const;
   [[nodiscard]] ObjectRoi locate(const FrameImages& images, const SceneContext& scene,
                                  cv::Matx23d& similarity) const;
-  void limitGrowth(const ObjectRoi& patch, cv::Mat& mask) const;
   void moveAnchors(const cv::Matx23d& similarity);
   void setMask(const cv::Mat& seen, const ObjectRoi& patch, const FrameImages& images);
   bool redetectObject(const FrameImages& images, const SceneContext& scene);

@@ -113,7 +113,8 @@ cv::Mat findEndOfLimb(const cv::Mat& limb) {
   return end & limb;
 }
 
-void addEndOfLimb(const FrameContext& scene, const Component& limb,
+// `skin`: 255 where the picture has colours of skin.
+void addEndOfLimb(const cv::Mat& depth, const cv::Mat& skin, const Component& limb,
                   std::vector<ObjectProposal>& out) {
   const cv::Mat end = findEndOfLimb(limb.mask);
   const auto add = [&](const cv::Mat& region) {
@@ -121,10 +122,10 @@ void addEndOfLimb(const FrameContext& scene, const Component& limb,
     const bool is_known = std::any_of(out.begin(), out.end(), [&](const ObjectProposal& other) {
       return cv::norm(other.at - at) < kSamePlace * region.cols;
     });
-    if (!is_known) out.push_back({at, medianDepth(scene.images.depth, region, 2), true});
+    if (!is_known) out.push_back({at, medianDepth(depth, region, 2), true});
   };
   add(end);
-  const cv::Mat thing = end & ~scene.skin.in(scene.images.color);
+  const cv::Mat thing = end & ~skin;
   if (cv::countNonZero(thing) > kLeastOfEnd * cv::countNonZero(end)) add(thing);
 }
 
@@ -138,11 +139,12 @@ cv::Mat nearestCompact(const FrameImages& images, const cv::Mat& labels) {
 }
 
 std::vector<ObjectProposal> proposeObjects(const FrameContext& scene, const cv::Mat& labels) {
+  const cv::Mat skin = scene.skin.in(scene.images.color);
   std::vector<ObjectProposal> out;
   for (const Component& each : listComponents(scene.images, labels)) {
     if (out.size() >= kMostProposals) break;
     if (each.at_border) {
-      addEndOfLimb(scene, each, out);
+      addEndOfLimb(scene.images.depth, skin, each, out);
     } else if (each.is_compact && hasTexture(scene.images, each.mask)) {
       out.push_back({findDeepestPoint(each.mask), each.depth_mm, false});
     }
