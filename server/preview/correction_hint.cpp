@@ -120,7 +120,8 @@ std::optional<Suspect> anotherColor(const cv::Mat& color, const cv::Mat& mask) {
 void addExcludedParts(const FrameContext& scene, const cv::Mat& mask, const cv::Point& at,
                       std::vector<Suspect>& out) {
   const ObjectStart start = findObject(scene.images.depth, at, scene.noise, scene.planes);
-  for (const cv::Mat& candidate : candidateMasks(scene, {at, {}, {}, start.mask})) {
+  const Candidates candidates = computeCandidates(scene, {at, {}, {}, start.mask});
+  for (const cv::Mat& candidate : candidates.masks) {
     if (auto part = findLargestPart(mask & ~candidate, cv::countNonZero(mask),
                                     "the outline is clearer without it"))
       out.push_back(std::move(*part));

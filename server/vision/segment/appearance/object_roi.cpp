@@ -67,10 +67,34 @@ cv::Mat sampledPlanes(const cv::Mat& depth, const cv::Rect& box, const cv::Size&
   return out;
 }
 
+// Returns the part `box` of a picture, in a large picture reduced to the usual width.
+cv::Mat atUsualWidth(const cv::Mat& color, const cv::Rect& box) {
+  const int factor = std::max(1, std::max(color.cols, color.rows) / kUsualWidth_px);
+  cv::Mat out;
+  cv::resize(color(box), out, {}, 1.0 / factor, 1.0 / factor, cv::INTER_AREA);
+  return out;
+}
+
 }  // namespace
 
 double pixelsPerMm(double depth_mm, const cv::Size& picture) {
   return kUsualFocal * std::max(picture.width, picture.height) / std::max(depth_mm, 1.0);
+}
+
+cv::Mat FrameContext::findHands(const cv::Rect& box, const cv::Size& size) const {
+  cv::Mat out;
+  if (hand.empty()) {
+    cv::resize(skin.in(atUsualWidth(images.color, box)), out, size, 0, 0, cv::INTER_NEAREST);
+    return out;
+  }
+  cv::resize(hand(box), out, size, 0, 0, cv::INTER_AREA);
+  return (out > 127) & findDarkSkin(box, size);
+}
+
+cv::Mat FrameContext::findDarkSkin(const cv::Rect& box, const cv::Size& size) const {
+  cv::Mat out;
+  cv::resize(skin.withDark(atUsualWidth(images.color, box)), out, size, 0, 0, cv::INTER_NEAREST);
+  return out;
 }
 
 GraphRoi GraphRoi::around(const FrameContext& scene, const cv::Rect& box, double most_px) {
@@ -82,11 +106,7 @@ GraphRoi GraphRoi::around(const FrameContext& scene, const cv::Rect& box, double
   cv::resize(scene.images.color(box), out.color, size, 0, 0, cv::INTER_AREA);
   cv::resize(scene.images.depth(box), out.depth, size, 0, 0, cv::INTER_NEAREST);
   out.plane = sampledPlanes(scene.images.depth, box, size, scene.planes);
-  const cv::Size picture = scene.images.color.size();
-  const int factor = std::max(1, std::max(picture.width, picture.height) / kUsualWidth_px);
-  cv::Mat usual;
-  cv::resize(scene.images.color(box), usual, {}, 1.0 / factor, 1.0 / factor, cv::INTER_AREA);
-  cv::resize(scene.skin.in(usual), out.skin, size, 0, 0, cv::INTER_NEAREST);
+  out.skin = scene.findHands(box, size);
   out.color.convertTo(out.lab, CV_32F, 1.0 / 255.0);
   cv::cvtColor(out.lab, out.lab, cv::COLOR_BGR2Lab);
   return out;

@@ -26,6 +26,15 @@ struct FrameContext {
   const std::vector<Plane>& planes;
   const DepthNoise& noise;
   const SkinColors& skin;
+  /// CV_8UC1, size of the image, 255: colours that were learnt from the hand that holds the object.
+  /// Empty: unknown.
+  cv::Mat hand{};
+
+  /// Returns 255 where the part `box` of the image (px) may show a hand, CV_8UC1 of `size`: skin or
+  /// dark skin with the colours of `hand` or, if they are unknown, skin.
+  [[nodiscard]] cv::Mat findHands(const cv::Rect& box, const cv::Size& size) const;
+  /// Returns 255 where `box` may show skin or dark skin, CV_8UC1 of `size`.
+  [[nodiscard]] cv::Mat findDarkSkin(const cv::Rect& box, const cv::Size& size) const;
 };
 
 /// Region of the picture for a graph cut. All images have the size of size().
@@ -36,7 +45,7 @@ struct GraphRoi {
   cv::Mat lab;          ///< CV_32FC3, L 0..100
   cv::Mat depth;        ///< CV_32FC1, working depth, mm, 0: not measured
   cv::Mat plane;        ///< CV_8UC1, 255 on a plane or behind a supporting plane
-  cv::Mat skin;         ///< CV_8UC1, 255: skin
+  cv::Mat skin;         ///< CV_8UC1, 255: FrameContext::findHands()
   /// CV_32FC1, 0..1: depth of valleys in the surface. Two bodies that touch meet in a valley.
   /// Empty after around().
   cv::Mat valley;

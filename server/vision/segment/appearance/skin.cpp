@@ -13,6 +13,10 @@ namespace {
 
 constexpr int kLight_px = 320;  // width of the picture that measures the light
 constexpr int kLevels = 32;     // for each colour channel
+// Chosen, L of 100: the colours of darker skin are tested as if skin had this brightness. Below the
+// second one noise has any hue.
+constexpr float kDark = 35.0F;
+constexpr float kDarkest = 9.0F;
 
 std::size_t skinBin(const cv::Vec3b& bgr) {
   return (std::size_t{bgr[0]} >> 3U) << 10U | (std::size_t{bgr[1]} >> 3U) << 5U |
@@ -62,6 +66,11 @@ bool isSkin(const cv::Vec3f& lab, const cv::Vec2f& cast) {
          chroma > 11.0F && chroma < 46.0F;
 }
 
+// Less light reduces L, a and b in proportion.
+bool isDarkSkin(const cv::Vec3f& lab, const cv::Vec2f& cast) {
+  return lab[0] > kDarkest && lab[0] < kDark && isSkin((kDark / lab[0]) * lab, cast);
+}
+
 }  // namespace
 
 SkinColors SkinColors::adaptedToLight(const cv::Mat& color) {
@@ -78,16 +87,19 @@ SkinColors SkinColors::adaptedToLight(const cv::Mat& color) {
   }
   const cv::Mat lab = toLab(all);
   SkinColors out;
-  out.is_skin_.resize(all.total());
+  out.kinds_.resize(all.total());
   for (int i = 0; i < all.rows; ++i) {
-    for (int k = 0; k < all.cols; ++k)
-      out.is_skin_[skinBin(all.at<cv::Vec3b>(i, k))] =
-          isSkin(lab.at<cv::Vec3f>(i, k), cast) ? 255 : 0;
+    for (int k = 0; k < all.cols; ++k) {
+      const auto& at = lab.at<cv::Vec3f>(i, k);
+      out.kinds_[skinBin(all.at<cv::Vec3b>(i, k))] = isSkin(at, cast)       ? kSkin
+                                                     : isDarkSkin(at, cast) ? kDarkSkin
+                                                                            : kNone;
+    }
   }
   return out;
 }
 
-cv::Mat SkinColors::in(const cv::Mat& color) const {
+cv::Mat SkinColors::find(const cv::Mat& color, Kind least) const {
   if (empty() || color.cols < 4 || color.rows < 4) return cv::Mat::zeros(color.size(), CV_8UC1);
   cv::Mat half;
   cv::resize(color, half, {}, 0.5, 0.5, cv::INTER_AREA);
@@ -95,7 +107,7 @@ cv::Mat SkinColors::in(const cv::Mat& color) const {
   for (int v = 0; v < half.rows; ++v) {
     const auto* from = half.ptr<cv::Vec3b>(v);
     auto* to = skin.ptr<unsigned char>(v);
-    for (int u = 0; u < half.cols; ++u) to[u] = is_skin_[skinBin(from[u])];
+    for (int u = 0; u < half.cols; ++u) to[u] = kinds_[skinBin(from[u])] >= least ? 255 : 0;
   }
   cv::medianBlur(skin, skin, 3);
   const cv::Mat finger = cv::getStructuringElement(cv::MORPH_ELLIPSE, {5, 5});

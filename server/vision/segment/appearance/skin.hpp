@@ -16,13 +16,19 @@ class SkinColors {
   /// show the colour of the light.
   static SkinColors adaptedToLight(const cv::Mat& color);
 
-  [[nodiscard]] bool empty() const { return is_skin_.empty(); }
+  [[nodiscard]] bool empty() const { return kinds_.empty(); }
   /// Returns a mask: 255 where `color` has the colour of skin. Areas narrower than a finger do not
   /// count. `color`: CV_8UC3, a picture about 640 px wide, or a part of it.
-  [[nodiscard]] cv::Mat in(const cv::Mat& color) const;
+  [[nodiscard]] cv::Mat in(const cv::Mat& color) const { return find(color, kSkin); }
+  /// Returns in(), and dark skin. Dark brown things have the colours of dark skin too: a caller
+  /// needs other evidence of a hand.
+  [[nodiscard]] cv::Mat withDark(const cv::Mat& color) const { return find(color, kDarkSkin); }
 
  private:
-  std::vector<unsigned char> is_skin_;  // by colour bin, 32 x 32 x 32
+  enum Kind : unsigned char { kNone, kDarkSkin, kSkin };
+  [[nodiscard]] cv::Mat find(const cv::Mat& color, Kind least) const;
+
+  std::vector<unsigned char> kinds_;  // by colour bin, 32 x 32 x 32
 };
 
 }  // namespace hapticast::server

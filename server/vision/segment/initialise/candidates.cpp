@@ -91,8 +91,8 @@ constexpr double kSame = 0.97;       // IoU
 constexpr int kNotRadius_px = 5;
 // Chosen: skin farther from the click than this probably is the hand's ...
 constexpr float kHandFrom_mm = 50.0F;
-constexpr std::size_t kHandPixels = 40;  // ... if there is this much of it
-constexpr double kNearHand = 0.5;        // share of that skin that may still be the object's
+constexpr int kHandPixels = 40;    // ... if there is this much of it
+constexpr double kNearHand = 0.5;  // share of that skin that may still be the object's
 constexpr int kClicked_px = 2;
 constexpr float kClicked_mm = 15.0F;
 constexpr double kRatherHand = 2.0;  // nats, of the hand's density against the object's
@@ -113,6 +113,7 @@ struct Surroundings {
   cv::Mat unary;      // CV_32FC1: evidence without colours
   cv::Mat not_log;    // CV_32FC1: log density of the negative colours; empty: none
   cv::Mat never;      // 255: discs of negative points
+  cv::Mat skin;       // 255: colours of skin or of dark skin
   cv::Mat hand;       // 255: the hand that holds the object; none if the colours do not show one
   double px_per_mm = 1.0;
 };
@@ -191,9 +192,11 @@ cv::Mat placeEvidence(const Surroundings& s) {
 
 // The hand's colours are learnt from this hand: from those pixels of skin that are farthest from
 // the click (Bayes' rule with two Gaussian mixtures, as in Jones and Rehg 2002). So an object with
-// colours of skin differs from the hand that holds it.
+// colours of skin differs from the hand that holds it. Dark skin counts where there is no other.
 cv::Mat findHand(const Surroundings& s) {
-  cv::Mat skin = s.view.skin & s.component & (s.distance > kHandFrom_mm);
+  const cv::Mat far_off = s.component & (s.distance > kHandFrom_mm);
+  cv::Mat skin = s.view.skin & far_off;
+  if (cv::countNonZero(skin) < kHandPixels) skin = s.skin & far_off;
   std::vector<float> far;
   for (int v = 0; v < skin.rows; ++v) {
     for (int u = 0; u < skin.cols; ++u) {
@@ -201,7 +204,7 @@ cv::Mat findHand(const Surroundings& s) {
     }
   }
   cv::Mat none = cv::Mat::zeros(s.view.size(), CV_8UC1);
-  if (far.size() < kHandPixels) return none;
+  if (std::ssize(far) < kHandPixels) return none;
   skin &= s.distance > computeQuantile(far, kNearHand);
   cv::Mat clicked = none.clone();
   cv::circle(clicked, s.at, kClicked_px, cv::Scalar(255), cv::FILLED);
@@ -233,6 +236,7 @@ Surroundings prepareSurroundings(const FrameContext& scene, const Click& click) 
       click.component.empty() ? cv::Mat(out.view.depth > 0) : out.view.shrunk(click.component);
   out.distance = distances(out, depth_mm, picture);
   out.px_per_mm = out.view.shrink * pixelsPerMm(depth_mm, picture);
+  out.skin = scene.findDarkSkin(box, out.view.size());
   out.hand = findHand(out);
   out.unary = placeEvidence(out);
   out.never = cv::Mat::zeros(out.view.size(), CV_8UC1);
@@ -296,8 +300,10 @@ bool isNew(const std::vector<cv::Mat>& masks, const cv::Mat& mask) {
 
 }  // namespace
 
-std::vector<cv::Mat> candidateMasks(const FrameContext& scene, const Click& click) {
+Candidates computeCandidates(const FrameContext& scene, const Click& click) {
   Surroundings s = prepareSurroundings(scene, click);
+  const cv::Size picture = scene.images.color.size();
+  Candidates out;
   std::vector<cv::Mat> small;
   const auto cutAll = [&] {
     for (const Reach& reach : kReaches) {
@@ -307,6 +313,7 @@ std::vector<cv::Mat> candidateMasks(const FrameContext& scene, const Click& clic
   };
   cutAll();
   if (cv::countNonZero(s.hand) > 0) {  // the colours may be the object's after all
+    out.hand = s.view.inPicture(s.hand, picture);
     s.hand.setTo(0);
     s.unary = placeEvidence(s);
     cutAll();
@@ -315,10 +322,8 @@ std::vector<cv::Mat> candidateMasks(const FrameContext& scene, const Click& clic
     s.not_log.release();
     cutAll();
   }
-  std::vector<cv::Mat> out;
-  out.reserve(small.size());
-  for (const cv::Mat& mask : small)
-    out.push_back(s.view.inPicture(mask, scene.images.color.size()));
+  out.masks.reserve(small.size());
+  for (const cv::Mat& mask : small) out.masks.push_back(s.view.inPicture(mask, picture));
   return out;
 }
 

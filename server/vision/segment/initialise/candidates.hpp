@@ -31,8 +31,13 @@ struct Click {
   cv::Mat component;  ///< component of connected depth at the point, 0/255; empty: unknown
 };
 
-/// Returns up to eight different masks that contain the click (CV_8UC1, 0/255, size of the image).
-std::vector<cv::Mat> candidateMasks(const FrameContext& scene, const Click& click);
+/// Candidates for the object at a click. All images are CV_8UC1, 0/255, size of the image.
+struct Candidates {
+  std::vector<cv::Mat> masks;  ///< different masks that contain the click
+  cv::Mat hand;                ///< colours of the hand that holds the object; empty: unknown
+};
+/// Returns the candidates for `click`.
+Candidates computeCandidates(const FrameContext& scene, const Click& click);
 
 /// Terms of the objectness score of a mask. Shares are 0..1.
 struct ObjectnessTerms {
