@@ -210,7 +210,7 @@ void measureHeld(const Options& options, Report& report) {
   if (scenes.empty())
     throw std::runtime_error("--only " + options.only + ": no held scene's name begins so");
   std::vector<Result> results(scenes.size());
-  const held::Effort effort{options.quick ? 10.0 : 40.0, !options.quick};
+  const held::Effort effort{options.quick ? 10.0 : 20.0, !options.quick};
   onAllCores(scenes.size(),
              [&](std::size_t i) { results[i] = held::measure(scenes[i], options.out, effort); });
   tellScenes(results, report);
