@@ -21,6 +21,7 @@ namespace {
 const cv::Size kDrawn(320, 240);
 const cv::Scalar kGrey(150, 150, 150);
 const cv::Scalar kSkin(105, 140, 205);  // BGR
+const cv::Scalar kDarkSkin(18, 24, 42);
 
 cv::Mat grained(const cv::Mat& picture, std::mt19937& random) {
   cv::Mat noise(picture.size(), CV_8UC3);
@@ -132,6 +133,45 @@ TEST(JoinedPieces, WhatAFingerPartsIsOneThingAndWhatTheGroundPartsIsTwo) {
     const cv::Mat joined = mergeOccludedParts(view, mask, main, px_per_mm);
     EXPECT_EQ(cv::countNonZero(joined), cv::countNonZero(finger ? mask : main));
   }
+}
+
+// Left half dark skin, right half skin.
+Drawn darkAndLightSkin() {
+  Drawn out(kGrey);
+  out.fill({40, 40, 80, 160}, kDarkSkin, 700.0);
+  out.fill({200, 40, 80, 160}, kSkin, 700.0);
+  return out;
+}
+const cv::Rect kInDark(44, 44, 72, 152);
+const cv::Rect kInLight(204, 44, 72, 152);
+
+TEST(SkinColors, DarkSkinIsSkinOnlyForWhoAsksForIt) {
+  std::mt19937 random(17);
+  Drawn drawn = darkAndLightSkin();
+  const FrameImages images = drawn.finish(random);
+  const cv::Mat skin = drawn.skin.in(images.color);
+  EXPECT_LT(cv::mean(skin(kInDark))[0], 0.05 * 255);
+  EXPECT_GT(cv::mean(skin(kInLight))[0], 0.95 * 255);
+  const cv::Mat with_dark = drawn.skin.withDark(images.color);
+  EXPECT_GT(cv::mean(with_dark(kInDark))[0], 0.95 * 255);
+  EXPECT_GT(cv::mean(with_dark(kInLight))[0], 0.95 * 255);
+}
+
+TEST(FindHands, TheLearntHandCountsAndNoOtherSkin) {
+  std::mt19937 random(19);
+  Drawn drawn = darkAndLightSkin();
+  const FrameImages images = drawn.finish(random);
+  FrameContext scene{images, drawn.planes, drawn.noise, drawn.skin};
+  const cv::Rect whole({0, 0}, kDrawn);
+  cv::Mat hands = scene.findHands(whole, kDrawn);
+  EXPECT_LT(cv::mean(hands(kInDark))[0], 0.05 * 255);
+  EXPECT_GT(cv::mean(hands(kInLight))[0], 0.95 * 255);
+  scene.hand = cv::Mat::zeros(kDrawn, CV_8UC1);
+  scene.hand.colRange(0, 160).setTo(255);
+  hands = scene.findHands(whole, kDrawn);
+  EXPECT_GT(cv::mean(hands(kInDark))[0], 0.95 * 255);
+  EXPECT_LT(cv::mean(hands(kInLight))[0], 0.05 * 255);
+  EXPECT_LT(cv::mean(hands({130, 40, 30, 160}))[0], 0.05 * 255);  // grey: no colour of skin
 }
 
 TEST(ChooseAt, ABoxThatAnArmHoldsIsTakenWithoutTheArm) {
