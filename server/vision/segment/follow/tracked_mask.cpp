@@ -20,13 +20,14 @@ constexpr int kWeakFrames = 5;      // chosen, in a row: then the object is lost
 constexpr double kMostlySeen = 0.6;
 constexpr double kMostlyWhole = 0.85;  // chosen, of its usual area: a smaller mask may be a part
 constexpr double kLeastSeen = 0.08;    // chosen, of its area: with less visible it is hidden
-// Chosen, of the area in a frame: outside of these two limits the.
+// Chosen, of the area in a frame: outside of these two limits the decision is rejected.
 constexpr double kLeastGrowth = 0.8;
-constexpr double kMostGrowth = 1.25;    // decision is rejected
+constexpr double kMostGrowth = 1.25;
 constexpr double kWeaker = 0.7;         // chosen: quality of a frame without a sure measurement
 constexpr double kOwnColors = 0.5;      // mean colour evidence of certain pixels of the object
 constexpr double kPartlyHidden = 0.15;  // chosen, of the whole: less is noise of the depth
 constexpr double kSizeJump = 0.05;      // chosen, of the size in a frame: faster growth is an error
+constexpr double kPlaceJump = 0.2;      // chosen, of the width: likewise a change of motion
 constexpr double kDistinct = 0.65;      // chosen: overlap of the colours of object and background
 constexpr double kClearlyOwn = 0.4;     // more of that evidence: another position is better
 constexpr double kSurelyColor = 0.8;  // mean colour evidence of pixels that may be uncovered again
@@ -111,14 +112,14 @@ void TrackedMask::relax(const FrameImages& images, const SceneContext& scene, in
     mask_ = wholePicture(mask, patch, images);
     if (changed < kSettled * area) break;
   }
-  learnAppearance(patchAround(images, mask_), images, scene);
+  learnAppearance(patchAround(images, mask_), images, scene, true);
 }
 
 void TrackedMask::learnAppearance(const ObjectRoi& patch, const FrameImages& images,
-                                  const SceneContext& scene) {
+                                  const SceneContext& scene, bool is_whole) {
   forgetColors(scene);
   updateMemory(patch, mask_(patch.box), memory_);
-  updateShape(patch, mask_(patch.box), true, memory_);
+  updateShape(patch, mask_(patch.box), is_whole, memory_);
   memory_.elsewhere = elsewhere(images, mask_);
   whole_ = mask_;
   isSeenWell(patch);
@@ -165,16 +166,26 @@ ObjectRoi TrackedMask::expected(const FrameImages& images, const cv::Matx23d& si
   return patchAround(images, whole_, similarity, within);
 }
 
+// Returns whether `similarity` changes the size too fast, or moves the object unlike the last
+// frame.
+bool TrackedMask::isJump(const cv::Matx23d& similarity) const {
+  const double scale = std::hypot(similarity(0, 0), similarity(1, 0));
+  if (std::abs(scale - 1.0) > kSizeJump) return true;
+  const cv::Moments moments = cv::moments(whole_, true);
+  const cv::Point2d middle = computeCentroid(moments, {0, 0});
+  const cv::Vec3d at(middle.x, middle.y, 1.0);
+  return cv::norm(similarity * at - last_similarity_ * at) > kPlaceJump * std::sqrt(moments.m00);
+}
+
 // Returns the patch at the place to which `similarity` leads. Returns the patch at the old place,
 // and sets `similarity` to rest, if the colours there are clearly more the object's. What passes in
-// front of an object pushes its motion. A partly hidden object whose size seems to jump moves as in
-// the last frame (dead reckoning).
+// front of an object pushes its motion. A partly hidden object that seems to jump moves as in the
+// last frame (dead reckoning).
 ObjectRoi TrackedMask::locate(const FrameImages& images, const SceneContext& scene,
                               cv::Matx23d& similarity) const {
   const bool is_partly_hidden =
       cv::countNonZero(whole_ != mask_) > kPartlyHidden * cv::countNonZero(whole_);
-  const double scale = std::hypot(similarity(0, 0), similarity(1, 0));
-  if (is_partly_hidden && std::abs(scale - 1.0) > kSizeJump) similarity = last_similarity_;
+  if (is_partly_hidden && isJump(similarity)) similarity = last_similarity_;
   ObjectRoi patch = expected(images, similarity, scene);
   const double moved = patch.empty() ? -1.0 : meanEvidence(memory_, patch.color, patch.inside);
   if (moved >= 0.0 && !is_partly_hidden) return patch;
@@ -273,7 +284,8 @@ void TrackedMask::correct(const FrameImages& images, const SceneContext& scene,
     });
   });
   const std::vector<cv::Point> held = visibleAnchors();
-  const cv::Mat mask = refineWithClicks(scene.view(images), mask_, annotation, held);
+  const cv::Mat mask =
+      refineWithClicks(scene.view(images), mask_, annotation, held, kMostAgain * usual_px_);
   for (const ObjectPoint& point : annotation.on) addAnchor(point.at_px);
   const bool nothing = cv::countNonZero(mask) < kSmallestObject_px;
   if (nothing && held.empty()) return lose();
@@ -296,10 +308,12 @@ std::vector<cv::Point> TrackedMask::visibleAnchors() const {
 void TrackedMask::adopt(const cv::Mat& mask, const FrameImages& images, const SceneContext& scene) {
   const ObjectRoi patch = patchAround(images, mask);
   if (patch.empty()) return;
+  // A lost object may still be partly hidden.
+  const bool is_whole = present() || cv::countNonZero(mask) > kMostlyWhole * usual_px_;
   mask_ = mask;
   lost_ = 0;
   since_search_ = 0;
-  learnAppearance(patch, images, scene);
+  learnAppearance(patch, images, scene, is_whole);
   rememberAppearance(images, scene);
 }
 

@@ -105,11 +105,13 @@ class TrackedMask {
   TrackedMask() = default;
   void forgetColors(const SceneContext& scene);
   void relax(const FrameImages& images, const SceneContext& scene, int most_rounds);
-  void learnAppearance(const ObjectRoi& patch, const FrameImages& images,
-                       const SceneContext& scene);
+  // `is_whole`: nothing hides a part of the object.
+  void learnAppearance(const ObjectRoi& patch, const FrameImages& images, const SceneContext& scene,
+                       bool is_whole);
   void isSeenWell(const ObjectRoi& patch);
   [[nodiscard]] ObjectLimits limits(const SceneContext& scene) const;
   [[nodiscard]] bool convinces(const ContourResult& now, double expected_px) const;
+  [[nodiscard]] bool isJump(const cv::Matx23d& similarity) const;
   [[nodiscard]] ObjectRoi expected(const FrameImages& images, const cv::Matx23d& similarity,
                                    const SceneContext& scene) const;
   [[nodiscard]] std::optional<TrackedMask> searchIn(const cv::Rect& window, const LikeLimits& least,
