@@ -105,6 +105,25 @@ TEST(AnnotationsTest, WhatAPointSaysIsItJoinsTheMaskAndNothingElse) {
   EXPECT_GT(test::overlap(whole, drawn.square), 0.93);
 }
 
+// The square and its half are things of their own, the square with the bar is not.
+TEST(AnnotationsTest, APointThatMakesTheMaskTooLargeAddsItsDiscUnlessTheScoreImproves) {
+  const SquareAndBar drawn;
+  const FrameImages images = drawn.images();
+  const SceneContext scene{measureNoise(drawn.depth), {}, {}, {}};
+  const double most_px = 1.2 * cv::countNonZero(drawn.square);
+  const Annotation on_bar{{{{190, 95}, 0}}, {}, {}};
+  const cv::Mat free = refineWithClicks(scene.view(images), drawn.square, on_bar, {});
+  EXPECT_GT(cv::countNonZero(free), most_px);
+  const cv::Mat limited = refineWithClicks(scene.view(images), drawn.square, on_bar, {}, most_px);
+  EXPECT_GT(test::overlap(limited, drawn.square), 0.95);
+  EXPECT_NE(limited.at<unsigned char>(95, 190), 0) << "the author's point is on the object";
+  cv::Mat half = drawn.square.clone();
+  half(cv::Rect(0, 0, 300, 95)).setTo(0);
+  const cv::Mat whole = refineWithClicks(scene.view(images), half, {{{{110, 75}, 0}}, {}, {}}, {},
+                                         1.2 * cv::countNonZero(half));
+  EXPECT_GT(test::overlap(whole, drawn.square), 0.93);
+}
+
 // The first mask holds object and hand, as after a click on a thing in a hand.
 TEST(AnnotationsTest, NoNegativePointEmptiesAnObjectThatHoldsAPointOfTheAuthor) {
   const SquareAndBar drawn;

@@ -132,6 +132,30 @@ TEST(SegmentLost, WhatPassesBeforeAnObjectHidesOnlyItsPart) {
   }
 }
 
+// A board hides the ball, and the motion that was measured is the board's.
+TEST(SegmentLost, WhatHidesAnObjectDoesNotCarryItsMaskAway) {
+  for (const double step_px : {-25.0, -40.0, 35.0}) {
+    Scene scene;
+    scene.orange = {160, 120};
+    std::uint32_t id = 1;
+    Runner runner = runnerOf(scene, id, {{160, 120}});
+    for (std::uint64_t i = 0; i < 4; ++i) runner.next(scene.at(i).frame);
+    scene.board = {155, 0, 90, 240};
+    runner.next(scene.at(4).frame);
+    ASSERT_EQ(runner.segments.size(), 1U);
+    scene.board.x = 120;
+    ObjectFlow of_board;
+    of_board.similarity(0, 2) = step_px;
+    of_board.reliable = true;
+    for (std::uint64_t i = 5; i < 8; ++i) {
+      const Scene::Picture now = scene.at(i);
+      runner.next(now.frame, of_board);
+      for (const Segment& segment : runner.segments)
+        EXPECT_LT(wrongShare(segment.mask, now.orange), 0.3) << step_px << " px, frame " << i;
+    }
+  }
+}
+
 TEST(SegmentLost, BodiesThatMeetStayTwoObjects) {
   Scene scene;
   std::uint32_t id = 1;

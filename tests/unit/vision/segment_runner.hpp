@@ -24,13 +24,16 @@ struct Runner {
   std::optional<FramePairs> frames;
   std::vector<Segment> segments;
 
-  const std::vector<Segment>& next(const RgbdFrame& frame) {
+  /// `measured`: the motion of every object in place of the measured one.
+  const std::vector<Segment>& next(const RgbdFrame& frame,
+                                   const std::optional<ObjectFlow>& measured = {}) {
     if (!frames) frames.emplace(info, true);
     const FramePair pair = frames->push(frame, 0.0);
     Flows flows;
     for (const Segment& s : segments) {
       if (!pair.last.gray.empty())
-        flows[s.id] = trackObject(pair.last.gray, pair.now.gray, s.mask, {0, 0});
+        flows[s.id] =
+            measured ? *measured : trackObject(pair.last.gray, pair.now.gray, s.mask, {0, 0});
     }
     segments = segmenter->next(pair, flows);
     return segments;
