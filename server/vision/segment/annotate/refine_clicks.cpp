@@ -208,7 +208,7 @@ cv::Mat refineWithClicks(const FrameContext& scene, const cv::Mat& mask,
                          double most_px) {
   const Correction c = prepareCorrection(scene, mask, annotation, held);
   const cv::Mat cut = minimumCut(computeTerms(c), c.view, scene.noise, kCutOfCorrection);
-  const cv::Mat out = c.view.inPicture(selectPieces(c, cut), mask.size());
+  cv::Mat out = c.view.inPicture(selectPieces(c, cut), mask.size());
   const bool grows = annotation.off.empty() && cv::countNonZero(out) > most_px;
   if (!grows || objectness(scene, out) > objectness(scene, mask) + kClearlyBetter) return out;
   return mask | c.view.inPicture(c.clicked_positive, mask.size());
