@@ -22,7 +22,7 @@ constexpr int kWordMargin_px = 30;
 // Chosen: a point this near to the contour, in multiples of its distance, means a part so thin.
 constexpr double kThinPart = 3.0;
 // Measured, of the score: a correction that adds a hand gained at most 0.03, or lost.
-constexpr double kClearlyBetter = 0.1;
+constexpr double kLeastGain = 0.1;
 
 // A point of a correction, px of the view.
 struct Clicked {
@@ -210,7 +210,7 @@ cv::Mat refineWithClicks(const FrameContext& scene, const cv::Mat& mask,
   const cv::Mat cut = minimumCut(computeTerms(c), c.view, scene.noise, kCutOfCorrection);
   cv::Mat out = c.view.inPicture(selectPieces(c, cut), mask.size());
   const bool grows = annotation.off.empty() && cv::countNonZero(out) > most_px;
-  if (!grows || objectness(scene, out) > objectness(scene, mask) + kClearlyBetter) return out;
+  if (!grows || objectness(scene, out) > objectness(scene, mask) + kLeastGain) return out;
   return mask | c.view.inPicture(c.clicked_positive, mask.size());
 }
 

@@ -169,12 +169,13 @@ ObjectRoi TrackedMask::expected(const FrameImages& images, const cv::Matx23d& si
 // Returns whether `similarity` changes the size too fast, or moves the object unlike the last
 // frame.
 bool TrackedMask::isJump(const cv::Matx23d& similarity) const {
-  const double scale = std::hypot(similarity(0, 0), similarity(1, 0));
-  if (std::abs(scale - 1.0) > kSizeJump) return true;
-  const cv::Moments moments = cv::moments(whole_, true);
-  const cv::Point2d middle = computeCentroid(moments, {0, 0});
-  const cv::Vec3d at(middle.x, middle.y, 1.0);
-  return cv::norm(similarity * at - last_similarity_ * at) > kPlaceJump * std::sqrt(moments.m00);
+  const ObjectFlow now{.similarity = similarity, .tracks = {}};
+  if (std::abs(now.scale() - 1.0) > kSizeJump) return true;
+  const cv::Rect box = boxAround(whole_, 0);
+  const cv::Moments moments = cv::moments(whole_(box), true);
+  const cv::Point2d middle = computeCentroid(moments, box.tl());
+  const ObjectFlow last{.similarity = last_similarity_, .tracks = {}};
+  return cv::norm(now.warp(middle) - last.warp(middle)) > kPlaceJump * std::sqrt(moments.m00);
 }
 
 // Returns the patch at the place to which `similarity` leads. Returns the patch at the old place,

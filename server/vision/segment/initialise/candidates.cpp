@@ -113,7 +113,6 @@ struct Surroundings {
   cv::Mat unary;      // CV_32FC1: evidence without colours
   cv::Mat not_log;    // CV_32FC1: log density of the negative colours; empty: none
   cv::Mat never;      // 255: discs of negative points
-  cv::Mat skin;       // 255: colours of skin or of dark skin
   cv::Mat hand;       // 255: the hand that holds the object; none if the colours do not show one
   double px_per_mm = 1.0;
 };
@@ -193,10 +192,11 @@ cv::Mat placeEvidence(const Surroundings& s) {
 // The hand's colours are learnt from this hand: from those pixels of skin that are farthest from
 // the click (Bayes' rule with two Gaussian mixtures, as in Jones and Rehg 2002). So an object with
 // colours of skin differs from the hand that holds it. Dark skin counts where there is no other.
-cv::Mat findHand(const Surroundings& s) {
+cv::Mat findHand(const FrameContext& scene, const Surroundings& s) {
   const cv::Mat far_off = s.component & (s.distance > kHandFrom_mm);
   cv::Mat skin = s.view.skin & far_off;
-  if (cv::countNonZero(skin) < kHandPixels) skin = s.skin & far_off;
+  if (cv::countNonZero(skin) < kHandPixels)
+    skin = scene.findDarkSkin(s.view.box, s.view.size()) & far_off;
   std::vector<float> far;
   for (int v = 0; v < skin.rows; ++v) {
     for (int u = 0; u < skin.cols; ++u) {
@@ -236,8 +236,7 @@ Surroundings prepareSurroundings(const FrameContext& scene, const Click& click) 
       click.component.empty() ? cv::Mat(out.view.depth > 0) : out.view.shrunk(click.component);
   out.distance = distances(out, depth_mm, picture);
   out.px_per_mm = out.view.shrink * pixelsPerMm(depth_mm, picture);
-  out.skin = scene.findDarkSkin(box, out.view.size());
-  out.hand = findHand(out);
+  out.hand = findHand(scene, out);
   out.unary = placeEvidence(out);
   out.never = cv::Mat::zeros(out.view.size(), CV_8UC1);
   const int radius = std::max(1, int(std::lround(kNotRadius_px * out.view.shrink)));
