@@ -20,7 +20,7 @@
 #include "server/pipeline/pipeline_counter.hpp"
 #include "server/pipeline/plan_log.hpp"
 #include "server/relay/relay_publisher.hpp"
-#include "server/source/key_mask_source.hpp"
+#include "server/source/folder/key_mask_source.hpp"
 #include "server/source/pacer.hpp"
 #include "server/source/stream_url.hpp"
 #include "server/stream/signing_key_file.hpp"

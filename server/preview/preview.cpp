@@ -19,7 +19,7 @@
 #include "server/preview/contact_sheet.hpp"
 #include "server/preview/correction_hint.hpp"
 #include "server/preview/preview_scene.hpp"
-#include "server/source/key_mask_source.hpp"
+#include "server/source/folder/key_mask_source.hpp"
 #include "server/source/stream_url.hpp"
 
 namespace hapticast::server {

@@ -9,16 +9,16 @@
 #include <vector>
 
 #include "common/text.hpp"
-#include "server/source/camera.hpp"
-#include "server/source/image_sequence.hpp"
-#include "server/source/live_video.hpp"
-#include "server/source/openni_camera.hpp"
+#include "server/source/folder/image_sequence.hpp"
+#include "server/source/live/camera.hpp"
+#include "server/source/live/live_video.hpp"
+#include "server/source/live/openni_camera.hpp"
+#include "server/source/live/v4l2_camera.hpp"
 #include "server/source/rgbd_source.hpp"
-#include "server/source/single_video.hpp"
 #include "server/source/stream_url.hpp"
-#include "server/source/synthetic_source.hpp"
-#include "server/source/v4l2_camera.hpp"
-#include "server/source/video_pair.hpp"
+#include "server/source/synthetic/synthetic_source.hpp"
+#include "server/source/video/single_video.hpp"
+#include "server/source/video/video_pair.hpp"
 
 namespace hapticast::server {
 

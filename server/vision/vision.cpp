@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "common/text.hpp"
-#include "server/source/picture_scale.hpp"
+#include "server/source/picture/picture_scale.hpp"
 #include "server/vision/describe.hpp"
 #include "server/vision/frame_motion.hpp"
 #include "server/vision/tracker.hpp"

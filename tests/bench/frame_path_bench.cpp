@@ -5,7 +5,7 @@
 
 #include "common/protocol/fragment.hpp"
 #include "common/protocol/messages.hpp"
-#include "server/source/synthetic_source.hpp"
+#include "server/source/synthetic/synthetic_source.hpp"
 #include "server/stream/datagram_sender.hpp"
 #include "server/stream/encoded.hpp"
 #include "server/vision/describe.hpp"

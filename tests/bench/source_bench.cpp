@@ -14,8 +14,8 @@
 #include <opencv2/imgproc.hpp>
 #include <string>
 
-#include "server/source/depth_scale.hpp"
-#include "server/source/video_pair.hpp"
+#include "server/source/picture/depth_scale.hpp"
+#include "server/source/video/video_pair.hpp"
 #include "tests/unit/server/depth_edges.hpp"
 
 namespace hapticast::server {

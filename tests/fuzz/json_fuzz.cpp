@@ -7,9 +7,9 @@
 #include <string>
 #include <string_view>
 
-#include "server/source/bop_scene.hpp"
-#include "server/source/clip_files.hpp"
-#include "server/source/kinect_calibration.hpp"
+#include "server/source/folder/bop_scene.hpp"
+#include "server/source/folder/clip_files.hpp"
+#include "server/source/picture/kinect_calibration.hpp"
 #include "server/source/rgbd_source.hpp"
 
 namespace {

@@ -8,7 +8,7 @@
 #include <span>
 
 #include "client/view/picture.hpp"
-#include "server/source/image_file.hpp"
+#include "server/source/picture/image_file.hpp"
 
 namespace {
 

@@ -10,7 +10,7 @@
 #include <fstream>
 #include <string>
 
-#include "server/source/clip_files.hpp"
+#include "server/source/folder/clip_files.hpp"
 #include "server/source/rgbd_source.hpp"
 
 namespace {

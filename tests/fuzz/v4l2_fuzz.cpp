@@ -6,7 +6,7 @@
 #include <cstring>
 #include <span>
 
-#include "server/source/v4l2_picture.hpp"
+#include "server/source/live/v4l2_picture.hpp"
 
 namespace {
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <thread>
 
-#include "server/source/v4l2_picture.hpp"
+#include "server/source/live/v4l2_picture.hpp"
 #include "tests/support/live_source.hpp"
 #include "tests/support/process.hpp"
 #include "tests/unit/server/source_files.hpp"

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 
-#include "server/source/synthetic_source.hpp"
+#include "server/source/synthetic/synthetic_source.hpp"
 #include "server/vision/surface/enhance.hpp"
 #include "server/vision/vision.hpp"
 #include "tests/evaluate/scenes/test_scene.hpp"

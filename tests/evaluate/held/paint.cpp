@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/source/synthetic_scene.hpp"
+#include "server/source/synthetic/synthetic_scene.hpp"
 
 namespace hapticast::evaluate::held {
 

@@ -16,8 +16,8 @@
 #include <opencv2/video/tracking.hpp>
 #include <sstream>
 
-#include "server/source/image_sequence.hpp"
-#include "server/source/synthetic_scene.hpp"
+#include "server/source/folder/image_sequence.hpp"
+#include "server/source/synthetic/synthetic_scene.hpp"
 #include "server/vision/motion/savitzky_golay.hpp"
 #include "server/vision/vision.hpp"
 #include "tests/evaluate/motion/motion_clips.hpp"

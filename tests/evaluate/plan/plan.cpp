@@ -5,7 +5,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "server/source/synthetic_source.hpp"
+#include "server/source/synthetic/synthetic_source.hpp"
 #include "server/stream/encoded.hpp"
 #include "server/vision/vision.hpp"
 #include "tests/evaluate/scenes/test_scene.hpp"

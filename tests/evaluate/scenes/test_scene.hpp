@@ -3,7 +3,8 @@
 // of every frame, seen through a sensor that may be noisy, coarse, misaligned. Deterministic.
 // Thread: one.
 //
-// Frames and units as in server/source/synthetic_scene.hpp: camera X right, Y down, Z forward, mm.
+// Frames and units as in server/source/synthetic/synthetic_scene.hpp: camera X right, Y down, Z
+// forward, mm.
 #pragma once
 
 #include <functional>
@@ -14,7 +15,7 @@
 #include <vector>
 
 #include "server/source/rgbd_source.hpp"
-#include "server/source/synthetic_scene.hpp"
+#include "server/source/synthetic/synthetic_scene.hpp"
 
 namespace hapticast::evaluate {
 

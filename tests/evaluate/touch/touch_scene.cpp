@@ -4,7 +4,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "server/source/synthetic_source.hpp"
+#include "server/source/synthetic/synthetic_source.hpp"
 
 namespace hapticast::evaluate {
 

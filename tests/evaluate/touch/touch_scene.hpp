@@ -10,7 +10,7 @@
 
 #include "common/haptic_frame.hpp"
 #include "server/source/rgbd_source.hpp"
-#include "server/source/synthetic_scene.hpp"
+#include "server/source/synthetic/synthetic_scene.hpp"
 
 namespace hapticast::evaluate {
 

@@ -3,7 +3,7 @@
 // mm.
 #pragma once
 
-#include "server/source/synthetic_scene.hpp"
+#include "server/source/synthetic/synthetic_scene.hpp"
 #include "tests/evaluate/touch/touch_player.hpp"
 #include "tests/evaluate/touch/touch_scene.hpp"
 

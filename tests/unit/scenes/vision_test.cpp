@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "server/source/synthetic_scene.hpp"
+#include "server/source/synthetic/synthetic_scene.hpp"
 #include "server/vision/base/frame_pair.hpp"
 #include "tests/unit/vision/vision_scenes.hpp"
 

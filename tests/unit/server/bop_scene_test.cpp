@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 // Folders in the layout of the BOP benchmark: cameras, scales and masks of each image.
-#include "server/source/bop_scene.hpp"
+#include "server/source/folder/bop_scene.hpp"
 
 #include <fmt/core.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "server/source/image_sequence.hpp"
+#include "server/source/folder/image_sequence.hpp"
 #include "tests/unit/server/source_files.hpp"
 
 namespace hapticast::server {

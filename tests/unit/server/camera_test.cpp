@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Cameras as a source: what is said where there is none (a test machine has none).
-#include "server/source/camera.hpp"
+#include "server/source/live/camera.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // When the frames of a network stream were captured.
-#include "server/source/capture_clock.hpp"
+#include "server/source/live/capture_clock.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "server/source/clip_files.hpp"
-#include "server/source/json_object.hpp"
+#include "server/source/folder/clip_files.hpp"
+#include "server/source/picture/json_object.hpp"
 #include "server/source/rgbd_source.hpp"
 
 namespace hapticast::server {

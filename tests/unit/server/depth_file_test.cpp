@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Depth in the formats that people have: TIFF, EXR, PGM, NPY. Made by OpenCV and by hand, cut, with
 // wrong headers, and as a clip with the usual names of folders and with gaps.
-#include "server/source/depth_file.hpp"
+#include "server/source/picture/depth_file.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 #include <iterator>
 #include <random>
 
-#include "server/source/image_sequence.hpp"
+#include "server/source/folder/image_sequence.hpp"
 #include "tests/unit/server/source_files.hpp"
 
 namespace hapticast::server {

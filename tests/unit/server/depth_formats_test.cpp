@@ -12,7 +12,7 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
-#include "server/source/depth_code.hpp"
+#include "server/source/picture/depth_code.hpp"
 #include "tests/unit/server/source_files.hpp"
 
 namespace hapticast::server {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Folders of images as a source: layouts, declarations, every kind of broken folder, and the real
 // clips.
-#include "server/source/image_sequence.hpp"
+#include "server/source/folder/image_sequence.hpp"
 
 #include <fmt/core.h>
 #include <gmock/gmock.h>

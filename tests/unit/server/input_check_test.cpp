@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "server/source/synthetic_source.hpp"
+#include "server/source/synthetic/synthetic_source.hpp"
 #include "tests/support/clips.hpp"
 #include "tests/unit/server/source_files.hpp"
 #include "tests/unit/vision/vision_scenes.hpp"

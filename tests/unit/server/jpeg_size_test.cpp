@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/source/image_file.hpp"
+#include "server/source/picture/image_file.hpp"
 
 #include <gtest/gtest.h>
 

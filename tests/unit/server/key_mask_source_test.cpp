@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 // Key masks of a scene file on any recorded source: their frames, their objects, and refusals.
-#include "server/source/key_mask_source.hpp"
+#include "server/source/folder/key_mask_source.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "server/source/synthetic_source.hpp"
+#include "server/source/synthetic/synthetic_source.hpp"
 #include "tests/unit/server/source_files.hpp"
 
 namespace hapticast::server {

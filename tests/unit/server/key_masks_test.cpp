@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "common/haptic_frame.hpp"
-#include "server/source/image_file.hpp"
-#include "server/source/image_sequence.hpp"
+#include "server/source/folder/image_sequence.hpp"
+#include "server/source/picture/image_file.hpp"
 #include "server/vision/base/frame_pair.hpp"
 #include "tests/unit/server/source_files.hpp"
 

@@ -11,8 +11,8 @@
 #include <iterator>
 #include <opencv2/imgproc.hpp>
 
-#include "server/source/kinect_calibration.hpp"
-#include "server/source/single_video.hpp"
+#include "server/source/picture/kinect_calibration.hpp"
+#include "server/source/video/single_video.hpp"
 #include "tests/unit/server/source_files.hpp"
 
 namespace hapticast::server {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Live streams from a sender of the test, over a real socket: what is refused, and what happens
 // when the sender ends. The videos are written with ffmpeg where it is there.
-#include "server/source/live_video.hpp"
+#include "server/source/live/live_video.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@
 #include <utility>
 
 #include "common/transport/asio.hpp"
-#include "server/source/video_file.hpp"
+#include "server/source/video/video_file.hpp"
 #include "tests/unit/server/source_files.hpp"
 
 namespace hapticast::server {

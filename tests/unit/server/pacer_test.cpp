@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "server/source/image_sequence.hpp"
-#include "server/source/synthetic_source.hpp"
+#include "server/source/folder/image_sequence.hpp"
+#include "server/source/synthetic/synthetic_source.hpp"
 #include "tests/unit/server/source_files.hpp"
 
 namespace hapticast::server {

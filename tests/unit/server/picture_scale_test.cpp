@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Pictures that are larger than a stream allows: every kind of source scales them, and the author's
 // points, key masks and intrinsics count in the pixels of the author's own pictures.
-#include "server/source/picture_scale.hpp"
+#include "server/source/picture/picture_scale.hpp"
 
 #include <fmt/core.h>
 #include <gmock/gmock.h>
@@ -12,8 +12,8 @@
 
 #include "server/pipeline/clip_scan.hpp"
 #include "server/preview/picture_axes.hpp"
-#include "server/source/image_file.hpp"
-#include "server/source/image_sequence.hpp"
+#include "server/source/folder/image_sequence.hpp"
+#include "server/source/picture/image_file.hpp"
 #include "tests/unit/server/source_files.hpp"
 
 namespace hapticast::server {

@@ -13,7 +13,7 @@
 #include "server/pipeline/clip_scan.hpp"
 #include "server/preview/correction_hint.hpp"
 #include "server/preview/picture_axes.hpp"
-#include "server/source/synthetic_source.hpp"
+#include "server/source/synthetic/synthetic_source.hpp"
 #include "server/vision/base/masks.hpp"
 #include "tests/unit/server/source_files.hpp"
 

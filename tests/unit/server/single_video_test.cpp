@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // One video file with colour and depth: as two tracks, or as halves of one picture. The files are
 // written with ffmpeg where it is there.
-#include "server/source/single_video.hpp"
+#include "server/source/video/single_video.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
-#include "server/source/depth_code.hpp"
+#include "server/source/picture/depth_code.hpp"
 #include "tests/unit/server/source_files.hpp"
 
 namespace hapticast::server {

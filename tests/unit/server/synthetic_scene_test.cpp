@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The truth of the synthetic scenes against finite differences and geometry done by hand, and the
 // rendered frames against the truth.
-#include "server/source/synthetic_scene.hpp"
+#include "server/source/synthetic/synthetic_scene.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <random>
 #include <string>
 
-#include "server/source/synthetic_source.hpp"
+#include "server/source/synthetic/synthetic_source.hpp"
 
 namespace hapticast::server {
 namespace {

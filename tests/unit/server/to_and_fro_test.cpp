@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "server/source/image_sequence.hpp"
+#include "server/source/folder/image_sequence.hpp"
 #include "tests/unit/server/source_files.hpp"
 
 namespace hapticast::server {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Buffers as Video4Linux2 devices deliver them: right ones, and ones that lie.
-#include "server/source/v4l2_picture.hpp"
+#include "server/source/live/v4l2_picture.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

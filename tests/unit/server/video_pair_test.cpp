@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Pairs of video files as a source. Motion JPEG is written with OpenCV, the others with ffmpeg
 // where it is there.
-#include "server/source/video_pair.hpp"
+#include "server/source/video/video_pair.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

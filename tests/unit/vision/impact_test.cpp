@@ -7,7 +7,7 @@
 #include <functional>
 #include <random>
 
-#include "server/source/synthetic_scene.hpp"
+#include "server/source/synthetic/synthetic_scene.hpp"
 #include "server/vision/frame_motion.hpp"
 #include "tests/unit/vision/vision_scenes.hpp"
 

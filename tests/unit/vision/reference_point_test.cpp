@@ -9,7 +9,7 @@
 #include <numbers>
 #include <optional>
 
-#include "server/source/synthetic_scene.hpp"
+#include "server/source/synthetic/synthetic_scene.hpp"
 
 namespace hapticast::server {
 namespace {

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+// Finds the files of an image sequence in its folder: colour, depth, masks and the author's
+// declarations. findClipFiles() describes the supported layouts. It opens no image. Thread: any.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "server/source/camera_model.hpp"
+#include "server/source/folder/clip_meta.hpp"
+
+namespace hapticast::server {
+
+/// Files of one frame.
+struct FrameFiles {
+  std::filesystem::path color;
+  std::filesystem::path depth;  ///< empty: the frame is a gap
+  std::filesystem::path mask;   ///< mask file; empty: the frame has none
+  /// Masks of single objects (BOP): element n has object n + 1; an empty path: it has none. No
+  /// elements: the frame has no such masks.
+  std::vector<std::filesystem::path> object_masks;
+  std::optional<double> mm_per_unit;  ///< of this frame's depth; nullopt: as the clip's
+};
+
+/// Files of a clip with their declarations.
+struct ClipFiles {
+  std::vector<FrameFiles> frames;  ///< in order of time, at least one
+  /// True: the masks are key masks, which only some frames have.
+  bool key_masks = false;
+  double fps = 25.0;                       ///< frames/s
+  std::optional<int> declared_depth_bits;  ///< bits of depth that the author declared, 8 or 16
+  /// mm for each unit of depth. Not declared: 1 for 16 bits, 1000 for float.
+  std::optional<double> mm_per_unit;
+  std::optional<CameraModel> camera;
+  std::optional<double> fov_deg;  ///< horizontal field of view, if no camera is declared
+  std::optional<int> declared_width_px;
+  std::optional<int> declared_height_px;
+};
+
+/// Returns the files of the clip in `folder`, with the declarations of its meta.json if it has one.
+/// Throws SourceError. The layouts are:
+/// * TUM RGB-D: rgb.txt and depth.txt have lines "timestamp file". Each colour frame is paired with
+///   the nearest depth frame at most 20 ms away. No depth frame is used twice. Depth has 5000 units
+///   per metre, and the field of view is a Kinect's.
+/// * Otherwise there is a folder of PNG or JPEG colour images (rgb/, color/, colour/, image/ or
+///   images/) and a folder of depth images (depth/, aligned_depth/, depth_aligned/ or depths/; PNG,
+///   JPEG, TIFF, EXR, PGM or NPY). Equal numbers of files are paired in the order of their names
+///   (numbers in names count by value). If the frame numbers of a pair differ, the log gets one
+///   warning. Other numbers of files are paired by the frame numbers in their names. A colour image
+///   without depth is then a gap.
+/// * BOP: the second layout with scene_camera.json (bop_scene.hpp).
+/// * Otherwise the second layout may also have mask/. If mask/ has as many files as the colour
+/// folder, each
+///   frame has a mask. If it has fewer, they are key masks for the colour images of the same names.
+[[nodiscard]] ClipFiles findClipFiles(const std::filesystem::path& folder);
+
+/// Returns whether name `a` comes before name `b`. Numbers in names are compared by value: frame2 <
+/// frame10.
+[[nodiscard]] bool naturalLess(const std::string& a, const std::string& b);
+
+}  // namespace hapticast::server

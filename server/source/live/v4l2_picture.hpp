@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+// Pictures as Video4Linux2 devices deliver them: raw bytes and a format. The format comes from a
+// device and is not trusted. Thread: any.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "server/source/picture/image_file.hpp"
+
+namespace hapticast::server {
+
+/// Returns the code of a pixel format from its four characters, as in linux/videodev2.h.
+constexpr std::uint32_t fourCc(const char (&text)[5]) {
+  std::uint32_t code = 0;
+  for (int i = 3; i >= 0; --i) code = code << 8U | static_cast<std::uint8_t>(text[i]);
+  return code;
+}
+
+/// Format of the pictures of a device.
+struct V4l2Format {
+  std::uint32_t code = 0;  ///< see fourCc()
+  std::uint32_t width_px = 0;
+  std::uint32_t height_px = 0;
+  std::uint32_t row_bytes = 0;  ///< from row to row; 0: the rows have no gaps
+};
+
+// The formats that are read, best first: uncompressed before compressed.
+inline constexpr std::uint32_t kColorCodes[] = {fourCc("YUYV"), fourCc("NV12"), fourCc("MJPG"),
+                                                fourCc("JPEG")};
+inline constexpr std::uint32_t kDepthCodes_mm[] = {fourCc("Z16 "), fourCc("Y16 ")};
+
+/// Return the picture in `bytes` (CV_8UC3 in the order BGR; CV_32FC1 in mm), or its problem. They
+/// check sizes and lengths before they read or allocate. `bytes` may be longer than the picture.
+[[nodiscard]] ImageResult readV4l2Color(const V4l2Format& format,
+                                        std::span<const std::uint8_t> bytes);
+[[nodiscard]] ImageResult readV4l2Depth(const V4l2Format& format,
+                                        std::span<const std::uint8_t> bytes);
+
+}  // namespace hapticast::server
