@@ -10,15 +10,13 @@
 
 #include "common/text.hpp"
 #include "server/source/folder/image_sequence.hpp"
-#include "server/source/live/camera.hpp"
 #include "server/source/live/live_video.hpp"
 #include "server/source/live/openni_camera.hpp"
 #include "server/source/live/v4l2_camera.hpp"
 #include "server/source/rgbd_source.hpp"
 #include "server/source/stream_url.hpp"
 #include "server/source/synthetic/synthetic_source.hpp"
-#include "server/source/video/single_video.hpp"
-#include "server/source/video/video_pair.hpp"
+#include "server/source/video/video_clip.hpp"
 
 namespace hapticast::server {
 
@@ -54,7 +52,9 @@ std::unique_ptr<RgbdSource> openCamera(const std::string& spec, std::string_view
     throw SourceError(spec + ": depth is needed too; use camera:" + std::to_string(color) +
                       ",M where M is the depth camera's number");
   }
-  return std::make_unique<Camera>(color, parse(numbers.substr(comma + 1)), fps);
+  const int depth = parse(numbers.substr(comma + 1));
+  return openV4l2Camera("/dev/video" + std::to_string(color), "/dev/video" + std::to_string(depth),
+                        fps);
 }
 
 std::unique_ptr<RgbdSource> openV4l2(const std::string& spec, const std::string& nodes,
@@ -96,7 +96,7 @@ std::unique_ptr<RgbdSource> openPair(const std::string& spec, double fps, DepthC
   if (color.empty() || depth.empty()) {
     throw SourceError(spec + ": one of the two videos is missing; use COLOR,DEPTH");
   }
-  return std::make_unique<VideoPair>(color, depth, fps, code);
+  return std::make_unique<VideoClip>(color, depth, fps, code);
 }
 
 /// Returns whether `spec` has the form of two files.
@@ -126,7 +126,7 @@ std::unique_ptr<RgbdSource> openSingle(const std::string& file, double fps,
     throw SourceError(file +
                       ": is a single file; depth is needed too, so use COLOR,DEPTH or a folder");
   }
-  return std::make_unique<SingleVideo>(std::move(video), layout, fps);
+  return std::make_unique<VideoClip>(std::move(video), layout, fps);
 }
 
 std::unique_ptr<RgbdSource> openLive(const std::string& url, double fps, bool to_and_fro,

@@ -15,7 +15,7 @@
 #include <string>
 
 #include "server/source/picture/depth_scale.hpp"
-#include "server/source/video/video_pair.hpp"
+#include "server/source/video/video_clip.hpp"
 #include "tests/unit/server/depth_edges.hpp"
 
 namespace hapticast::server {
@@ -110,7 +110,7 @@ void measurePair(benchmark::State& state, bool noisy, int who, const Run& run) {
 
 void readPair(benchmark::State& state, bool noisy) {
   measurePair(state, noisy, RUSAGE_SELF, [](const PairFiles& files) {
-    VideoPair source(files.path("color"), files.path("depth"), 0.0);
+    VideoClip source(files.path("color"), files.path("depth"), 0.0);
     while (auto frame = source.read()) benchmark::DoNotOptimize(frame->depth.data);
   });
 }

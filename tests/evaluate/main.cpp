@@ -2,7 +2,6 @@
 // hapticast-evaluate TOPIC: error against run time.
 #include <CLI/CLI.hpp>
 #include <cstdio>
-#include <map>
 #include <opencv2/core/utility.hpp>
 
 #include "tests/evaluate/report_check.hpp"
@@ -11,21 +10,11 @@
 namespace hapticast::evaluate {
 namespace {
 
-using Topics = std::map<std::string, void (*)(const Options&)>;
-
-constexpr const char* kFooter =
-    "Topics:\n"
-    "  accuracy   the force (surface models, samplers, interpolation in time, friction, inertia, "
-    "impacts)\n             against the exact one, through vision and wire; about 3 minutes on two "
-    "cores\n"
-    "  codec      heights on the wire: bytes, time and error beside other codecs\n"
-    "  figures    figures of the thesis again, by its method and by ours\n"
-    "  motion     velocity, acceleration and impacts of every estimator\n"
-    "  network    the force through loss, jitter and cuts, by each transport; clocks; about ten "
-    "minutes\n"
-    "  plan       what the plan saves and costs; frames a second of the whole server\n"
-    "  stability  the 1 kHz loop with device, hand and safety chain\n"
-    "  vision     masks and reliefs";
+std::string listTopics() {
+  std::string text = "Topics:\n";
+  for (const auto& [name, topic] : topics()) text += "  " + name + ": " + topic.about + "\n";
+  return text;
+}
 
 void addOptions(CLI::App& app, Options& options) {
   app.add_option("--out", options.out, "Folder for TOPIC.csv, TOPIC.png and TOPIC.md")
@@ -49,12 +38,12 @@ void addOptions(CLI::App& app, Options& options) {
 }
 
 // Returns whether all that was to be checked holds; a topic that fails does not end the others.
-bool runTopics(const Topics& topics, const std::string& wanted, const Options& options) {
+bool runTopics(const std::string& wanted, const Options& options) {
   bool good = true;
-  for (const auto& [name, evaluate] : topics) {
+  for (const auto& [name, topic] : topics()) {
     if (wanted != "all" && wanted != name) continue;
     try {
-      evaluate(options);
+      topic.evaluate(options);
     } catch (const CheckFailed& failed) {
       std::fprintf(stderr, "hapticast-evaluate: %s\n", failed.what());
       good = false;
@@ -64,16 +53,12 @@ bool runTopics(const Topics& topics, const std::string& wanted, const Options& o
 }
 
 int run(int argc, char** argv) {
-  const Topics topics{{"accuracy", evaluateAccuracy},   {"codec", evaluateCodec},
-                      {"figures", evaluateFigures},     {"motion", evaluateMotion},
-                      {"network", evaluateNetwork},     {"plan", evaluatePlan},
-                      {"stability", evaluateStability}, {"vision", evaluateVision}};
   CLI::App app("Measures hapticast against exact truth: error against run time, per topic.");
-  app.footer(kFooter);
+  app.footer(listTopics());
   std::string topic;
   Options options;
   std::vector<std::string> names{"all"};
-  for (const auto& [name, evaluate] : topics) names.push_back(name);
+  for (const auto& [name, topic] : topics()) names.push_back(name);
   app.add_option("topic", topic, "What to measure")->required()->check(CLI::IsMember(names));
   addOptions(app, options);
   try {
@@ -86,7 +71,7 @@ int run(int argc, char** argv) {
   if (options.baseline.empty())
     options.baseline = options.quick ? "tests/evaluate/baseline" : "tests/evaluate/report";
   cv::setNumThreads(1);  // run times are of one thread
-  const bool good = runTopics(topics, topic, options);
+  const bool good = runTopics(topic, options);
   writeReport(options.out, names);
   return good ? 0 : 1;
 }

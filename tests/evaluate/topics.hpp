@@ -1,25 +1,32 @@
 // SPDX-License-Identifier: MIT
-// The topics of hapticast-evaluate. Each measures, fills a Report and writes it.
+// The topics of hapticast-evaluate. Each measures, fills a Report and writes it. A topic registers
+// itself, so a program has the topics whose sources it links.
 #pragma once
+
+#include <map>
+#include <string>
 
 #include "tests/evaluate/report.hpp"
 
 namespace hapticast::evaluate {
 
-/// The force against exact truth, against its run time: what is required, aimed at and got.
-void evaluateAccuracy(const Options& options);
-/// Slices of reliefs beside other codecs: bytes, time, error, and what they add to the force's.
-void evaluateCodec(const Options& options);
-/// The thesis's figures again.
-void evaluateFigures(const Options& options);
-void evaluateMotion(const Options& options);
-/// The force through bad networks, by each transport; clocks and playout.
-void evaluateNetwork(const Options& options);
-/// What the plan saves against everything on, and what it costs; frames a second of the whole
-/// server.
-void evaluatePlan(const Options& options);
-/// Stability of the 1 kHz loop: maps, the chain link by link, extreme cases.
-void evaluateStability(const Options& options);
-void evaluateVision(const Options& options);
+/// One topic.
+struct Topic {
+  std::string about;  ///< what it measures, for --help
+  void (*evaluate)(const Options& options);
+};
+
+/// Returns the topics of this program by name. Thread: one, before and in main().
+inline std::map<std::string, Topic>& topics() {
+  static std::map<std::string, Topic> registered;
+  return registered;
+}
+
+/// Adds a topic to topics() before main() begins.
+struct RegisteredTopic {
+  RegisteredTopic(const char* name, const char* about, void (*evaluate)(const Options&)) {
+    topics().emplace(name, Topic{about, evaluate});
+  }
+};
 
 }  // namespace hapticast::evaluate

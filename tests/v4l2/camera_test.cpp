@@ -94,7 +94,7 @@ TEST_F(V4l2Camera, AWrongStartIsOneLine) {
   EXPECT_THAT(openError(kSpec), HasSubstr("test-color: delivers no colour"));
   color_.codes = depth_.codes = {fourCc("YUYV")};
   order();
-  EXPECT_THAT(openError(kSpec), HasSubstr("test-depth: delivers no depth (neither Z16 nor Y16)"));
+  EXPECT_THAT(openError(kSpec), HasSubstr("test-depth: delivers no depth (Z16, Y16 or grey)"));
   depth_.codes = {fourCc("Y16 ")};
   depth_.height_px = 64;
   order();

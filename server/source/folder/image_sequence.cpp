@@ -96,22 +96,21 @@ void ImageSequence::warnOfOtherSize(const std::filesystem::path& folder) const {
 }
 
 std::optional<RgbdFrame> ImageSequence::read() {
-  const std::uint64_t first = next_;
-  std::string problem;  // problem of frame `first`
   while (next_ < files_.frames.size()) {
     const std::uint64_t index = next_++;
     RgbdFrame frame;
-    const std::string what = load(index, frame);
-    if (what.empty()) {
-      exclude(first, index, problem);
+    const std::string problem = load(index, frame);
+    if (problem.empty()) {
+      skipped_.endRun();
       any_read_ = true;
       return frame;
     }
-    if (index == first) problem = what;
+    skipped_.add(index, problem);
   }
+  const std::string& problem = skipped_.problem();
   if (!problem.empty() && (!any_read_ || vanished(files_.frames.back())))
     throw SourceError(problem + ", and no frame after it can be read either; put the files back");
-  exclude(first, next_, problem);
+  skipped_.endRun();
   return std::nullopt;
 }
 
@@ -119,18 +118,6 @@ bool ImageSequence::vanished(const FrameFiles& frame) {
   std::error_code error;
   return !std::filesystem::exists(frame.color, error) ||
          (!frame.depth.empty() && !std::filesystem::exists(frame.depth, error));
-}
-
-void ImageSequence::exclude(std::uint64_t first, std::uint64_t end, const std::string& problem) {
-  bool is_new = false;
-  for (std::uint64_t index = first; index < end; ++index)
-    is_new = reported_.insert(index).second || is_new;
-  if (!is_new) return;
-  if (end - first == 1) {
-    spdlog::warn("{}; frame {} is left out", problem, first);
-  } else {
-    spdlog::warn("{}; frames {} to {} are left out", problem, first, end - 1);
-  }
 }
 
 bool ImageSequence::skip() {

@@ -4,13 +4,13 @@
 #pragma once
 
 #include <filesystem>
-#include <set>
 #include <string>
 #include <vector>
 
 #include "server/source/folder/clip_files.hpp"
 #include "server/source/picture/image_file.hpp"
 #include "server/source/rgbd_source.hpp"
+#include "server/source/skipped_frames.hpp"
 #include "server/source/video_layout.hpp"
 
 namespace hapticast::server {
@@ -57,10 +57,6 @@ class ImageSequence final : public RgbdSource {
   [[nodiscard]] ImageResult joinMasks(const std::vector<std::filesystem::path>& files) const;
   /// Returns whether the frame's files no longer exist.
   static bool vanished(const FrameFiles& frame);
-  /// Logs a warning that the frames first .. end - 1 were skipped. It does nothing if there are
-  /// none, or if earlier playbacks of the clip reported all of them. `problem`: that of the first
-  /// frame.
-  void exclude(std::uint64_t first, std::uint64_t end, const std::string& problem);
 
   ClipFiles files_;
   SourceInfo info_;
@@ -71,8 +67,7 @@ class ImageSequence final : public RgbdSource {
   std::uint64_t next_ = 0;
   std::uint32_t epoch_ = 0;
   bool any_read_ = false;  // whether a frame was read since the clip's start
-  // Unreadable frames whose warning was logged, so that a loop does not repeat it.
-  std::set<std::uint64_t> reported_;
+  SkippedFrames skipped_;
 };
 
 }  // namespace hapticast::server

@@ -4,7 +4,6 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <thread>
 #include <utility>
@@ -68,7 +67,8 @@ void LiveCamera::rewind() { throw SourceError(info_.name + ": is live and cannot
 void LiveCamera::open() {
   device_ = open_();
   const SourceInfo& now = device_->info();
-  if (now.width_px != info_.width_px || now.height_px != info_.height_px)
+  if (now.width_px != info_.width_px || now.height_px != info_.height_px ||
+      now.depth_kind != info_.depth_kind)
     throw SourceError(info_.name + ": delivers " + sizeText(now.width_px, now.height_px) +
                       ", but began with " + sizeText(info_.width_px, info_.height_px));
   pairer_.emplace(info_.fps);
@@ -84,7 +84,8 @@ std::optional<LivePair> LiveCamera::readPair() {
     (picture->is_depth ? any_depth_ : any_color_) = true;
     if (!picture->problem.empty()) {
       problem_ = picture->problem;
-      logFault(problem_);
+      skipped_.add(next_, problem_);
+      skipped_.endRun();
     } else if (auto pair = pairer_->push(std::move(*picture))) {
       deadline_ = steadyNow() + kDeviceSilence;
       any_color_ = any_depth_ = false;
@@ -118,16 +119,9 @@ RgbdFrame LiveCamera::makeFrame(LivePair pair) {
   frame.epoch = epoch_;
   frame.clip_time_s = toSeconds(now - began_);
   frame.color = std::move(pair.color);
-  frame.depth = scaleDepth(pair.depth, DepthKind::kMetric, frame.color);
+  frame.depth = scaleDepth(pair.depth, info_.depth_kind, frame.color);
   frame.age = std::max(now - pair.time, Duration{});
   return frame;
-}
-
-// Logs the first fault and every doubling, so that a device with occasional faults does not fill
-// the log.
-void LiveCamera::logFault(const std::string& problem) {
-  if (std::has_single_bit(++faults_))
-    spdlog::warn("{}; the picture is left out (time {})", problem, faults_);
 }
 
 void LiveCamera::lose(const std::string& reason) {

@@ -13,6 +13,7 @@
 
 #include "common/time.hpp"
 #include "server/source/rgbd_source.hpp"
+#include "server/source/skipped_frames.hpp"
 
 namespace hapticast::server {
 
@@ -20,7 +21,7 @@ namespace hapticast::server {
 struct LivePicture {
   bool is_depth = false;
   LocalTime time{};     ///< when the picture was captured or arrived
-  cv::Mat image;        ///< colour: CV_8UC3, BGR; depth: CV_32FC1, mm; empty if there is a problem
+  cv::Mat image;        ///< colour: CV_8UC3, BGR; depth: CV_32FC1; empty if there is a problem
   std::string problem;  ///< why the picture is unusable, with the name of the device; else empty
 };
 
@@ -29,7 +30,7 @@ struct LivePicture {
 class LiveDevice {
  public:
   virtual ~LiveDevice() = default;
-  /// Returns the name, the size of the colour, the rate and the camera model.
+  /// Returns the name, the size of the colour, the rate, the kind of depth and the camera model.
   [[nodiscard]] virtual const SourceInfo& info() const = 0;
   /// Returns what the user must know about this device, one line each.
   [[nodiscard]] virtual std::vector<std::string> warnings() const = 0;
@@ -89,7 +90,6 @@ class LiveCamera final : public RgbdSource {
   [[nodiscard]] std::optional<LivePair> readPair();
   [[noreturn]] void throwNoPair() const;
   [[nodiscard]] RgbdFrame makeFrame(LivePair pair);
-  void logFault(const std::string& problem);
   void lose(const std::string& reason);
 
   Open open_;
@@ -104,8 +104,8 @@ class LiveCamera final : public RgbdSource {
   bool away_ = false;
   std::uint64_t next_ = 0;
   std::uint32_t epoch_ = 0;
-  LocalTime began_{};         // of the epoch
-  std::uint64_t faults_ = 0;  // unusable pictures so far
+  LocalTime began_{};  // of the epoch
+  SkippedFrames skipped_{true};
   bool logged_scaling_ = false;
 };
 

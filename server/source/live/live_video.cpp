@@ -50,7 +50,7 @@ void LiveVideo::connect() {
   deadline_ = clock_.now() + kConnectTime;
   auto video = std::make_unique<VideoFile>(NetworkStream{
       schemeOf(url_) + url_.substr(url_.find("://")), shown_, [this] { return mustGiveUp(); }});
-  video_ = std::make_unique<SingleVideo>(std::move(video), layout_, fps_);
+  video_ = std::make_unique<VideoClip>(std::move(video), layout_, fps_);
 }
 
 bool LiveVideo::mustGiveUp() {

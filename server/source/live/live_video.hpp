@@ -16,7 +16,7 @@
 #include "common/time.hpp"
 #include "server/source/live/capture_clock.hpp"
 #include "server/source/rgbd_source.hpp"
-#include "server/source/video/single_video.hpp"
+#include "server/source/video/video_clip.hpp"
 #include "server/source/video_layout.hpp"
 
 namespace hapticast::server {
@@ -80,7 +80,7 @@ class LiveVideo final : public RgbdSource {
   SourceInfo info_;
 
   // Of the thread, and of the constructor before it.
-  std::unique_ptr<SingleVideo> video_;
+  std::unique_ptr<VideoClip> video_;
   LocalTime deadline_{};    // when a wait for the network ends
   LocalTime last_frame_{};  // when the last frame came
   bool in_gap_ = false;

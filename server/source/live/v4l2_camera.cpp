@@ -148,11 +148,11 @@ void V4l2Node::setFormat() {
     listed.push_back(description.pixelformat);
   }
   const std::span<const std::uint32_t> known =
-      is_depth_ ? std::span<const std::uint32_t>(kDepthCodes_mm) : kColorCodes;
+      is_depth_ ? std::span<const std::uint32_t>(kDepthCodes) : kColorCodes;
   const auto code = std::find_first_of(known.begin(), known.end(), listed.begin(), listed.end());
   if (code == known.end())
-    fail(is_depth_ ? "delivers no depth (neither Z16 nor Y16); choose the depth node of the camera"
-                   : "delivers no colour (neither YUYV, NV12 nor MJPEG); choose the colour node");
+    fail(is_depth_ ? "delivers no depth (Z16, Y16 or grey); choose the depth node of the camera"
+                   : "delivers no colour (YUYV, NV12, RGB or MJPEG); choose the colour node");
   v4l2_format format{};
   format.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   format.fmt.pix.width = kWantedWidth_px;
@@ -285,6 +285,7 @@ V4l2Device::V4l2Device(const std::string& color, const std::string& depth, doubl
   info_.width_px = size.width;
   info_.height_px = size.height;
   info_.fps = std::min(color_.fps(), depth_.fps());
+  info_.depth_kind = findDepthKind(depth_.format().code);
 }
 
 std::optional<LivePicture> V4l2Device::read(Duration longest) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Live source from two nodes of Video4Linux2: one for colour, one for 16-bit depth (Z16, for
-// example of a RealSense), which OpenCV cannot open. Thread: one.
+// Live source from two nodes of Video4Linux2: one for colour, one for depth of 16 bits (Z16, for
+// example of a RealSense) or 8 bits (grey). Thread: one.
 #pragma once
 
 #include <memory>
@@ -10,8 +10,8 @@
 
 namespace hapticast::server {
 
-/// Opens the nodes `color` and `depth`, paths such as /dev/video2. Colour is YUYV, NV12 or MJPEG,
-/// depth is Z16 or Y16 in mm. Both are asked for 640x480; depth of the same shape is scaled to the
+/// Opens the nodes `color` and `depth`, paths such as /dev/video2. The formats are those of
+/// v4l2_picture.hpp. Both are asked for 640x480; depth of the same shape is scaled to the
 /// colour. `fps` > 0: wanted rate, frames/s. Throws SourceError.
 [[nodiscard]] std::unique_ptr<RgbdSource> openV4l2Camera(const std::string& color,
                                                          const std::string& depth, double fps);

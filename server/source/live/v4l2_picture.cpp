@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "server/source/live/v4l2_picture.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cstddef>
+#include <iterator>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -52,12 +54,21 @@ cv::Mat viewRows(const V4l2Format& format, std::uint32_t divisor, int type,
           type, const_cast<std::uint8_t*>(bytes.data()), stride};
 }
 
-ImageResult readYuyv(const V4l2Format& format, std::span<const std::uint8_t> bytes) {
-  if (std::string problem = findSizeProblem(format, 2, 1); !problem.empty()) return {{}, problem};
-  const Rows rows = findRows(format, 2ULL * format.width_px, format.height_px, bytes);
+/// Reads a format whose pixels lie one after the other, `channels` bytes each.
+ImageResult readPacked(const V4l2Format& format, std::uint32_t even_width, int channels,
+                       int conversion, std::span<const std::uint8_t> bytes) {
+  if (std::string problem = findSizeProblem(format, even_width, 1); !problem.empty())
+    return {{}, problem};
+  const Rows rows =
+      findRows(format, std::uint64_t{format.width_px} * static_cast<std::uint64_t>(channels),
+               format.height_px, bytes);
   if (!rows.problem.empty()) return {{}, rows.problem};
   cv::Mat color;
-  cv::cvtColor(viewRows(format, 1, CV_8UC2, bytes, rows.stride), color, cv::COLOR_YUV2BGR_YUYV);
+  const cv::Mat raw = viewRows(format, 1, CV_8UC(channels), bytes, rows.stride);
+  if (conversion < 0)
+    raw.copyTo(color);
+  else
+    cv::cvtColor(raw, color, conversion);
   return {color, ""};
 }
 
@@ -72,6 +83,19 @@ ImageResult readNv12(const V4l2Format& format, std::span<const std::uint8_t> byt
       viewRows(format, 1, CV_8UC1, bytes, rows.stride),
       viewRows(format, 2, CV_8UC2, bytes.subspan(rows.stride * height), rows.stride), color,
       cv::COLOR_YUV2BGR_NV12);
+  return {color, ""};
+}
+
+// A plane of brightness, then two of colours with half the rows and columns.
+ImageResult readI420(const V4l2Format& format, std::span<const std::uint8_t> bytes) {
+  if (std::string problem = findSizeProblem(format, 2, 2); !problem.empty()) return {{}, problem};
+  V4l2Format whole = format;  // as OpenCV sees it: one picture of brightness, half as high again
+  whole.height_px += format.height_px / 2;
+  const Rows rows = findRows(whole, format.width_px, whole.height_px, bytes);
+  if (!rows.problem.empty()) return {{}, rows.problem};
+  if (rows.stride != format.width_px) return {{}, "delivers YU12 with gaps between its rows"};
+  cv::Mat color;
+  cv::cvtColor(viewRows(whole, 1, CV_8UC1, bytes, rows.stride), color, cv::COLOR_YUV2BGR_I420);
   return {color, ""};
 }
 
@@ -93,20 +117,34 @@ ImageResult readMotionJpeg(const V4l2Format& format, std::span<const std::uint8_
 ImageResult readV4l2Color(const V4l2Format& format, std::span<const std::uint8_t> bytes) {
   switch (format.code) {
     case fourCc("YUYV"):
-      return readYuyv(format, bytes);
+      return readPacked(format, 2, 2, cv::COLOR_YUV2BGR_YUYV, bytes);
+    case fourCc("UYVY"):
+      return readPacked(format, 2, 2, cv::COLOR_YUV2BGR_UYVY, bytes);
+    case fourCc("BGR3"):
+      return readPacked(format, 1, 3, -1, bytes);
+    case fourCc("RGB3"):
+      return readPacked(format, 1, 3, cv::COLOR_RGB2BGR, bytes);
+    case fourCc("YU12"):
+      return readI420(format, bytes);
     case fourCc("NV12"):
       return readNv12(format, bytes);
     case fourCc("MJPG"):
     case fourCc("JPEG"):
       return readMotionJpeg(format, bytes);
     default:
-      return {{}, "delivers no YUYV, NV12 or MJPEG"};
+      return {{}, "delivers colour in an unknown format"};
   }
 }
 
 ImageResult readV4l2Depth(const V4l2Format& format, std::span<const std::uint8_t> bytes) {
-  if (format.code != fourCc("Z16 ") && format.code != fourCc("Y16 "))
-    return {{}, "delivers no Z16 or Y16"};
+  if (std::find(std::begin(kDepthCodes), std::end(kDepthCodes), format.code) ==
+      std::end(kDepthCodes))
+    return {{}, "delivers depth in an unknown format"};
+  if (findDepthKind(format.code) == DepthKind::kHeight) {
+    ImageResult grey = format.code == fourCc("GREY") ? readPacked(format, 1, 1, -1, bytes)
+                                                     : readV4l2Color(format, bytes);
+    return grey.ok() ? toDepth(grey.image, {DepthKind::kHeight}) : grey;
+  }
   if (std::string problem = findSizeProblem(format, 1, 1); !problem.empty()) return {{}, problem};
   const Rows rows = findRows(format, 2ULL * format.width_px, format.height_px, bytes);
   if (!rows.problem.empty()) return {{}, rows.problem};

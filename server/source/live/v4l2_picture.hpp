@@ -26,13 +26,22 @@ struct V4l2Format {
   std::uint32_t row_bytes = 0;  ///< from row to row; 0: the rows have no gaps
 };
 
-// The formats that are read, best first: uncompressed before compressed.
-inline constexpr std::uint32_t kColorCodes[] = {fourCc("YUYV"), fourCc("NV12"), fourCc("MJPG"),
-                                                fourCc("JPEG")};
-inline constexpr std::uint32_t kDepthCodes_mm[] = {fourCc("Z16 "), fourCc("Y16 ")};
+// The formats that are read, best first: uncompressed before compressed, mm before height.
+inline constexpr std::uint32_t kColorCodes[] = {fourCc("YUYV"), fourCc("UYVY"), fourCc("NV12"),
+                                                fourCc("YU12"), fourCc("BGR3"), fourCc("RGB3"),
+                                                fourCc("MJPG"), fourCc("JPEG")};
+inline constexpr std::uint32_t kDepthCodes[] = {fourCc("Z16 "), fourCc("Y16 "), fourCc("GREY"),
+                                                fourCc("BGR3"), fourCc("RGB3")};
 
-/// Return the picture in `bytes` (CV_8UC3 in the order BGR; CV_32FC1 in mm), or its problem. They
-/// check sizes and lengths before they read or allocate. `bytes` may be longer than the picture.
+/// Returns the meaning of the depth in pictures of the format `code`: mm with 16 bits, height (near
+/// is white) with 8 bits.
+[[nodiscard]] constexpr DepthKind findDepthKind(std::uint32_t code) {
+  return code == fourCc("Z16 ") || code == fourCc("Y16 ") ? DepthKind::kMetric : DepthKind::kHeight;
+}
+
+/// Return the picture in `bytes` (CV_8UC3 in the order BGR; CV_32FC1, see RgbdFrame::depth), or its
+/// problem. They check sizes and lengths before they read or allocate. `bytes` may be longer than
+/// the picture.
 [[nodiscard]] ImageResult readV4l2Color(const V4l2Format& format,
                                         std::span<const std::uint8_t> bytes);
 [[nodiscard]] ImageResult readV4l2Depth(const V4l2Format& format,

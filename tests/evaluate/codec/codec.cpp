@@ -197,7 +197,7 @@ void measureForce(const Options& options, Report& report) {
 
 }  // namespace
 
-void evaluateCodec(const Options& options) {
+static void evaluateCodec(const Options& options) {
   Report report("codec", options);
   report.say(
       "Reliefs as slices beside JPEG-LS (CharLS), PNG, zstd and plain 16 bit at the same bound on "
@@ -210,5 +210,9 @@ void evaluateCodec(const Options& options) {
   measureShapes(options, report);
   report.write();
 }
+
+const RegisteredTopic kCodecTopic("codec",
+                                  "heights on the wire: bytes, time and error beside other codecs",
+                                  evaluateCodec);
 
 }  // namespace hapticast::evaluate

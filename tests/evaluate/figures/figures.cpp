@@ -5,7 +5,7 @@
 
 namespace hapticast::evaluate {
 
-void evaluateFigures(const Options& options) {
+static void evaluateFigures(const Options& options) {
   Report report("figures", options);
   report.say(
       "The thesis's figures 2, 5, 6, 7 and 9 again: its method (`--method thesis` on both sides) "
@@ -19,5 +19,9 @@ void evaluateFigures(const Options& options) {
   drawRealClip(options, report);
   report.write();
 }
+
+const RegisteredTopic kFiguresTopic("figures",
+                                    "figures of the thesis again, by its method and by ours",
+                                    evaluateFigures);
 
 }  // namespace hapticast::evaluate

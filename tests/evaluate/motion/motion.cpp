@@ -162,7 +162,7 @@ const RealObject kRealObjects[] = {
 
 }  // namespace
 
-void evaluateMotion(const Options& options) {
+static void evaluateMotion(const Options& options) {
   Report report("motion", options);
   report.say(
       "Velocity and acceleration as they are delivered, against the body's centre; run time is the "
@@ -220,5 +220,9 @@ void evaluateMotion(const Options& options) {
   }
   report.write();
 }
+
+const RegisteredTopic kMotionTopic("motion",
+                                   "velocity, acceleration and impacts of every estimator",
+                                   evaluateMotion);
 
 }  // namespace hapticast::evaluate

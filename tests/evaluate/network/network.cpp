@@ -43,7 +43,7 @@ std::vector<NetworkScene> networkScenes(double seconds) {
   return scenes;
 }
 
-void evaluateNetwork(const Options& options) {
+static void evaluateNetwork(const Options& options) {
   Report report("network", options);
   report.sayFirst(
       "A server, a network and a viewer in virtual time: the frames of the real server as "
@@ -60,5 +60,10 @@ void evaluateNetwork(const Options& options) {
   if (wanted("clocks")) networkClocks(scenes.front(), seconds, report);
   report.write();
 }
+
+const RegisteredTopic kNetworkTopic(
+    "network",
+    "the force through loss, jitter and cuts, by each transport; clocks; about ten minutes",
+    evaluateNetwork);
 
 }  // namespace hapticast::evaluate

@@ -144,7 +144,7 @@ void sustained(Report& report, int width_px, int height_px, bool own_mask) {
 
 }  // namespace
 
-void evaluatePlan(const Options& options) {
+static void evaluatePlan(const Options& options) {
   Report report("plan", options);
   report.say(
       "The second half of each clip, one thread. `added_force`: what the plan changes of the "
@@ -164,5 +164,8 @@ void evaluatePlan(const Options& options) {
   }
   report.write();
 }
+
+const RegisteredTopic kPlanTopic(
+    "plan", "what the plan saves and costs; frames a second of the whole server", evaluatePlan);
 
 }  // namespace hapticast::evaluate

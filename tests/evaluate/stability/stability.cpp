@@ -49,7 +49,7 @@ Law bareLaw(double damping_Ns_m, double peak_N) {
   };
 }
 
-void evaluateStability(const Options& options) {
+static void evaluateStability(const Options& options) {
   Report report("stability", options);
   Claims claims;
   const StabilityReport to{report, claims, options};
@@ -82,5 +82,9 @@ void evaluateStability(const Options& options) {
       claims.table());
   report.write();
 }
+
+const RegisteredTopic kStabilityTopic("stability",
+                                      "the 1 kHz loop with device, hand and safety chain",
+                                      evaluateStability);
 
 }  // namespace hapticast::evaluate

@@ -145,7 +145,7 @@ void measureScenes(const Options& options, Report& report) {
 
 }  // namespace
 
-void evaluateVision(const Options& options) {
+static void evaluateVision(const Options& options) {
   Report report("vision", options);
   const auto only = [&](const char* part) { return options.only.rfind(part, 0) == 0; };
   const bool a_part = only("surface") || only("deform");
@@ -163,5 +163,7 @@ void evaluateVision(const Options& options) {
   if (only("deform") || whole) measureDeforming(options, report);
   report.write();
 }
+
+const RegisteredTopic kVisionTopic("vision", "masks and reliefs", evaluateVision);
 
 }  // namespace hapticast::evaluate

@@ -12,7 +12,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "server/source/picture/kinect_calibration.hpp"
-#include "server/source/video/single_video.hpp"
+#include "server/source/video/video_clip.hpp"
 #include "tests/unit/server/source_files.hpp"
 
 namespace hapticast::server {

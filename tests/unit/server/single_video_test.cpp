@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // One video file with colour and depth: as two tracks, or as halves of one picture. The files are
 // written with ffmpeg where it is there.
-#include "server/source/video/single_video.hpp"
+#include "server/source/video/video_clip.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -403,8 +403,7 @@ TEST_F(SingleVideoFiles, ACutFileSaysWhereItEnds) {
   std::ifstream in(folder / "c.mp4", std::ios::binary);
   const std::string bytes{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
   const std::string file = folder.write("cut.mp4", bytes.substr(0, bytes.size() / 2));
-  SingleVideo source(std::make_unique<VideoFile>(file), {Layout::kSideBySide, DepthCode::kHue},
-                     0.0);
+  VideoClip source(std::make_unique<VideoFile>(file), {Layout::kSideBySide, DepthCode::kHue}, 0.0);
   const LogLines log;
   std::uint64_t last = 0;
   while (const auto frame = source.read()) last = frame->index;
@@ -421,8 +420,8 @@ TEST_F(SingleVideoFiles, TwoSizesInOneFileLeaveTheSecondOut) {
     std::ifstream in(folder / name, std::ios::binary);
     bytes.append(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
   }
-  SingleVideo source(std::make_unique<VideoFile>(folder.write("both.mjpeg", bytes)),
-                     {Layout::kSideBySide, DepthCode::kHue}, 0.0);
+  VideoClip source(std::make_unique<VideoFile>(folder.write("both.mjpeg", bytes)),
+                   {Layout::kSideBySide, DepthCode::kHue}, 0.0);
   const LogLines log;
   int frames = 0;
   while (source.read()) ++frames;

@@ -45,7 +45,7 @@ void expectRed(const ImageResult& result, cv::Size size) {
 
 TEST(V4l2Picture, DepthIsExactInMillimetres) {
   const Bytes bytes{0x20, 0x03, 0x21, 0x03, 0, 0, 0xFF, 0xFF};  // 800, 801, 0, 65535
-  for (const std::uint32_t code : kDepthCodes_mm) {
+  for (const std::uint32_t code : {fourCc("Z16 "), fourCc("Y16 ")}) {
     const ImageResult depth = readV4l2Depth({code, 2, 2, 0}, bytes);
     ASSERT_TRUE(depth.ok()) << depth.problem;
     ASSERT_EQ(depth.image.type(), CV_32FC1);
@@ -88,6 +88,37 @@ TEST(V4l2Picture, EachColorFormatIsRead) {
   expectRed(readV4l2Color({fourCc("MJPG"), 64, 48, 0}, jpeg), {64, 48});
   jpeg.resize(jpeg.size() + 1000);  // drivers deliver more bytes than the picture has
   expectRed(readV4l2Color({fourCc("JPEG"), 64, 48, 0}, jpeg), {64, 48});
+}
+
+TEST(V4l2Picture, FormatsOfVirtualCamerasAreRead) {
+  const std::size_t pixels = std::size_t{64} * 48;
+  expectRed(readV4l2Color({fourCc("UYVY"), 64, 48, 0}, repeat({90, 81, 240, 81}, 2 * pixels)),
+            {64, 48});
+  expectRed(readV4l2Color({fourCc("BGR3"), 64, 48, 0}, repeat({0, 0, 254}, 3 * pixels)), {64, 48});
+  expectRed(readV4l2Color({fourCc("RGB3"), 64, 48, 0}, repeat({254, 0, 0}, 3 * pixels)), {64, 48});
+  Bytes planes(pixels, 81);
+  planes.resize(pixels + pixels / 4, 90);
+  planes.resize(pixels + pixels / 2, 240);
+  expectRed(readV4l2Color({fourCc("YU12"), 64, 48, 0}, planes), {64, 48});
+  EXPECT_THAT(readV4l2Color({fourCc("YU12"), 64, 46, 66}, planes).problem, HasSubstr("gaps"));
+  planes.pop_back();
+  EXPECT_EQ(readV4l2Color({fourCc("YU12"), 64, 48, 0}, planes).problem,
+            "delivers 4607 bytes instead of 4608");
+}
+
+TEST(V4l2Picture, GreyDepthIsHeight) {
+  const ImageResult grey = readV4l2Depth({fourCc("GREY"), 2, 2, 3}, Bytes{0, 1, 99, 254, 255});
+  ASSERT_TRUE(grey.ok()) << grey.problem;
+  ASSERT_EQ(grey.image.type(), CV_32FC1);
+  EXPECT_EQ(grey.image.at<float>(0, 1), 1.0F);
+  EXPECT_EQ(grey.image.at<float>(1, 1), 255.0F);
+  const ImageResult three = readV4l2Depth({fourCc("RGB3"), 2, 1, 0}, Bytes{7, 7, 7, 9, 9, 9});
+  ASSERT_TRUE(three.ok()) << three.problem;
+  EXPECT_EQ(three.image.at<float>(0, 1), 9.0F);
+  EXPECT_FALSE(readV4l2Depth({fourCc("RGB3"), 2, 1, 0}, Bytes{255, 0, 0, 0, 255, 0}).ok())
+      << "false colours are no depth";
+  EXPECT_EQ(findDepthKind(fourCc("GREY")), DepthKind::kHeight);
+  EXPECT_EQ(findDepthKind(fourCc("Y16 ")), DepthKind::kMetric);
 }
 
 TEST(V4l2Picture, ShortBuffersAreRefused) {

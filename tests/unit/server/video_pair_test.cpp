@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Pairs of video files as a source. Motion JPEG is written with OpenCV, the others with ffmpeg
 // where it is there.
-#include "server/source/video/video_pair.hpp"
+#include "server/source/video/video_clip.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -66,13 +66,13 @@ class VideoPairFiles : public testing::Test {
     return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
   }
   [[nodiscard]] static std::string openError(const std::string& color, const std::string& depth) {
-    return errorOf([&] { VideoPair(color, depth, 0.0); });
+    return errorOf([&] { VideoClip(color, depth, 0.0); });
   }
   SourceFolder folder;
 };
 
 TEST_F(VideoPairFiles, ReadsBothTogether) {
-  VideoPair source(video("c.avi", 8), video("d.avi", 8), 0.0);
+  VideoClip source(video("c.avi", 8), video("d.avi", 8), 0.0);
   EXPECT_EQ(source.info().width_px, 64);
   EXPECT_EQ(source.info().height_px, 48);
   EXPECT_EQ(source.info().fps, 30.0);
@@ -95,11 +95,11 @@ TEST_F(VideoPairFiles, ReadsBothTogether) {
   EXPECT_EQ(frame->index, 1U);
   EXPECT_EQ(frame->epoch, 1U);
   EXPECT_NEAR(frame->depth.at<float>(20, 30), 48.0F, 3.0F);
-  EXPECT_EQ(VideoPair(video("c.avi", 8), video("d.avi", 8), 12.0).info().fps, 12.0);
+  EXPECT_EQ(VideoClip(video("c.avi", 8), video("d.avi", 8), 12.0).info().fps, 12.0);
 }
 
 TEST_F(VideoPairFiles, EndsWithTheShorterAndSaysSoOnce) {
-  VideoPair source(video("c.avi", 8), video("d.avi", 6), 0.0);
+  VideoClip source(video("c.avi", 8), video("d.avi", 6), 0.0);
   EXPECT_EQ(source.info().frame_count, 6U);
   const LogLines log;
   int frames = 0;
@@ -115,7 +115,7 @@ TEST_F(VideoPairFiles, EndsWithTheShorterAndSaysSoOnce) {
 
 TEST_F(VideoPairFiles, AFileThatVanishesOrIsAnotherEndsTheNextRoundInOneLine) {
   const std::string color = video("c.avi", 4);
-  VideoPair source(color, video("d.avi", 4), 0.0);
+  VideoClip source(color, video("d.avi", 4), 0.0);
   while (source.read()) {
   }
   const LogLines log;
@@ -146,7 +146,7 @@ TEST_F(VideoPairFiles, DifferentAspectsAreRefused) {
 
 TEST_F(VideoPairFiles, SmallerDepthOfTheSameAspectIsScaled) {
   const LogLines log;
-  VideoPair source(video("c.avi", 3), video("d.avi", 3, {32, 24}), 0.0);
+  VideoClip source(video("c.avi", 3), video("d.avi", 3, {32, 24}), 0.0);
   EXPECT_THAT(log.text(), HasSubstr("d.avi: depth of 32 x 24 is scaled to 64 x 48"));
   const auto frame = source.read();
   ASSERT_TRUE(frame);
@@ -186,14 +186,14 @@ TEST_F(VideoPairFiles, AFolderInThePairIsToldAsOne) {
 TEST_F(VideoPairFiles, DifferentRatesAreToldOnce) {
   const LogLines log;
   const std::string color = video("c.avi", 8, {64, 48}, {1.0, 1.0, 1.0}, 24.0);
-  VideoPair source(color, video("d.avi", 8), 0.0);
+  VideoClip source(color, video("d.avi", 8), 0.0);
   EXPECT_EQ(log.count(), 1);
   EXPECT_THAT(log.text(), AllOf(HasSubstr("d.avi: has 30 frames/s, but the colour video has 24"),
                                 HasSubstr("pairs frames by number"), HasSubstr("fps=24")));
   source.rewind();
   EXPECT_EQ(log.count(), 1);
   EXPECT_EQ(source.info().fps, 24.0);
-  VideoPair same(video("c.avi", 8, {64, 48}, {1.0, 1.0, 1.0}, 29.97), video("d.avi", 8), 0.0);
+  VideoClip same(video("c.avi", 8, {64, 48}, {1.0, 1.0, 1.0}, 29.97), video("d.avi", 8), 0.0);
   EXPECT_EQ(log.count(), 1) << "29.97 is 30";
 }
 
@@ -244,7 +244,7 @@ TEST_F(VideoPairFiles, DepthOfMoreThanEightBitsIsMmToTheBit) {
     SCOPED_TRACE(name);
     const std::vector<cv::Mat> depths = depthFile(format, name, bits);
     if (depths.empty()) GTEST_SKIP() << "needs ffmpeg";
-    VideoPair source(good, (folder / name).string(), 0.0);
+    VideoClip source(good, (folder / name).string(), 0.0);
     EXPECT_EQ(source.info().depth_kind, DepthKind::kMetric);
     for (const cv::Mat& depth : depths) {
       const auto frame = source.read();
@@ -275,7 +275,7 @@ TEST_F(VideoPairFiles, ADamagedFrameOfPngDepthIsLeftOut) {
   std::string bytes = readAll("d.mkv");
   bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 0x55);
   folder.write("d.mkv", bytes);
-  VideoPair source(good, (folder / "d.mkv").string(), 0.0);
+  VideoClip source(good, (folder / "d.mkv").string(), 0.0);
   const LogLines log;
   std::vector<std::uint64_t> read;
   while (const auto frame = source.read()) read.push_back(frame->index);
@@ -351,7 +351,7 @@ TEST_F(VideoPairFiles, EightBitGreyIsReadExactly) {
           "g.mkv")) {
     GTEST_SKIP() << "needs ffmpeg with FFV1";
   }
-  VideoPair source(good, (folder / "g.mkv").string(), 0.0);
+  VideoClip source(good, (folder / "g.mkv").string(), 0.0);
   for (int i = 0; i < 10; ++i) {
     EXPECT_EQ(source.read()->depth.at<float>(5, 5), 10.0F * static_cast<float>(i));
   }

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+// Drives the pipeline of one stream: reads each frame of the source when it is due, passes it to
+// vision with its media time, and passes what that completes to the encoder. A clip is paced by
+// Pacer, a live source by its own frames. Thread: the pipeline's.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+
+#include "common/time.hpp"
+#include "server/pipeline/encoder_thread.hpp"
+#include "server/pipeline/pipeline_counter.hpp"
+#include "server/source/pacer.hpp"
+#include "server/source/rgbd_source.hpp"
+#include "server/vision/vision.hpp"
+
+namespace hapticast::server {
+
+/// What a step of the pump came to.
+enum class PumpStep : std::uint8_t {
+  kFrame,    ///< a frame was processed
+  kSilence,  ///< a live source has no frame at the moment
+  kEnd,      ///< the clip has ended
+};
+
+/// The pump of one stream.
+class FramePump {
+ public:
+  /// Waits until `due` or until the server stops. Returns whether the server goes on.
+  using Wait = std::function<bool(MediaTime due)>;
+
+  /// What the pump connects. All of it must outlive the pump.
+  struct Parts {
+    RgbdSource& source;
+    Vision& vision;
+    EncoderThread& encoder;
+    const Clock& clock;
+    const MediaClock& media_clock;
+    PipelineCounter* counter;  ///< receives the figures of each frame; null: none are needed
+  };
+
+  /// The first frame of a clip is due at once. `loop`: a clip begins again at its end.
+  FramePump(const Parts& parts, bool loop, Wait wait);
+
+  /// Reads the next frame when it is due and processes it. If a live source is silent, publishes
+  /// the frames that vision holds back for its look-ahead: later they would be so late that viewers
+  /// would raise their playout delay for them. Throws SourceError.
+  PumpStep step();
+  /// Waits a moment, or drops a frame of a live source. Throws SourceError.
+  void idle();
+  /// Continues with the frame at `time_s` of the clip. Vision processes all frames before it again,
+  /// without publishing them, because it follows the objects from the first frame on. Only logs a
+  /// warning if the source is live. Throws SourceError.
+  void seek(double time_s);
+  /// Publishes all frames that vision holds back for its look-ahead.
+  void flush();
+  /// Continues after a time without playback: the next frame is due now.
+  void resume() { pacer_.resume(parts_.media_clock.now()); }
+  /// Replaces material and mass of all objects by those of `settings`.
+  void setMaterials(const VisionSettings& settings);
+
+  /// Returns the media time of the last frame that went to the encoder.
+  [[nodiscard]] MediaTime lastPublished() const { return last_published_; }
+  /// Returns the number of frames that were skipped because they were late.
+  [[nodiscard]] std::uint64_t skipped() const { return pacer_.skipped(); }
+
+ private:
+  [[nodiscard]] std::optional<RgbdFrame> readFrame();
+  [[nodiscard]] MediaTime findMediaTime(const RgbdFrame& frame);
+  void process(const RgbdFrame& frame);
+  void publish(VisionResult result);
+  void publishHeldBack();
+  void logSkippedFrames();
+
+  Parts parts_;
+  bool loop_;
+  Wait wait_;
+  Pacer pacer_;
+  MediaTime last_published_{};
+  MediaTime last_captured_{};  // of a live source
+  std::uint64_t logged_skipped_ = 0;
+  MediaTime last_logged_{};
+};
+
+}  // namespace hapticast::server

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+// Changes of a running stream: operators pause, seek and set the material, and a reload of the
+// settings brings materials too. The network thread adds them, and the pipeline's thread carries
+// them out between two frames. Thread: see each function.
+#pragma once
+
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "common/protocol/messages.hpp"
+#include "server/pipeline/frame_pump.hpp"
+#include "server/pipeline/pipeline_counter.hpp"
+#include "server/vision/vision_settings.hpp"
+
+namespace hapticast::server {
+
+/// Requests that wait for the pipeline.
+class OperatorRequests {
+ public:
+  /// Adds a request of an operator. Drops it if too many wait. Thread: any.
+  void push(const Control& request);
+  /// Sets the settings that a reload has read. Their materials will take effect. Thread: any.
+  void pushReload(VisionSettings reloaded);
+  /// Carries out what was added since the last call, and writes new materials to `settings`, those
+  /// of the stream. Returns whether an operator requested something. Throws SourceError. Thread:
+  /// the pipeline's.
+  bool carryOut(FramePump& pump, PipelineCounter& counter, VisionSettings& settings);
+  /// Returns whether the stream is paused. Thread: the pipeline's.
+  [[nodiscard]] bool paused() const { return paused_; }
+
+ private:
+  void carryOut(const Control& request, FramePump& pump, PipelineCounter& counter,
+                VisionSettings& settings);
+
+  std::mutex mutex_;
+  std::vector<Control> requests_;           // guarded by mutex_
+  std::optional<VisionSettings> reloaded_;  // guarded by mutex_
+  bool paused_ = false;
+};
+
+}  // namespace hapticast::server

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: MIT
+// Source from video: colour and depth are each a track of a file. A pair is two files, whose frames
+// are paired by number. A single file or stream has two tracks, paired by time, or one track whose
+// picture has two halves. Depth of 8 bits is height (near is white), more bits are mm. Thread: one.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <opencv2/core.hpp>
+#include <optional>
+#include <string>
+
+#include "server/source/picture/depth_registration.hpp"
+#include "server/source/picture/image_file.hpp"
+#include "server/source/rgbd_source.hpp"
+#include "server/source/skipped_frames.hpp"
+#include "server/source/video/video_file.hpp"
+#include "server/source/video_layout.hpp"
+
+namespace hapticast::server {
+
+/// A track of an open file. Two channels may share a file.
+struct VideoChannel {
+  std::shared_ptr<VideoFile> file;
+  std::size_t track = 0;
+
+  [[nodiscard]] const VideoTrack& facts() const { return file->tracks()[track]; }
+};
+
+/// Source whose frames are those of one or two files, or of one stream. It leaves out damaged
+/// frames.
+class VideoClip final : public RgbdSource {
+ public:
+  /// Opens a pair of files and decodes their first frames. `fps` > 0 overrides the colour video's
+  /// rate, frames/s. The clip ends with the shorter file. Throws SourceError if the files' aspect
+  /// ratios differ, or if their frame counts differ by more than five. It also throws if both are
+  /// one file, and for depth in colours that `code` does not explain.
+  VideoClip(const std::string& color_file, const std::string& depth_file, double fps,
+            DepthCode code = DepthCode::kGrey);
+  /// Decodes the first frame of `video`, of which no track has started. `fps` as above. With
+  /// Layout::kSeparate the depth is the track of an Azure Kinect's depth, else the one whose title
+  /// has the word depth, else the only grey one. Its frames belong to the colour frames that are
+  /// nearest in time. Throws SourceError. For one track without a layout the error says what the
+  /// picture looks like. Of a stream the source begins with the second frame, it cannot be rewound,
+  /// and RgbdFrame::clip_time_s is the stream's own time.
+  VideoClip(std::unique_ptr<VideoFile> video, const VideoLayout& layout, double fps);
+
+  [[nodiscard]] const SourceInfo& info() const override { return info_; }
+  /// Returns the next frame. Throws SourceError if no frame of the whole clip is readable, because
+  /// the files vanished or changed.
+  std::optional<RgbdFrame> read() override;
+  bool skip() override { return grab(); }
+  void rewind() override;
+
+ private:
+  [[nodiscard]] bool isPair() const { return color_.file != depth_.file; }
+  [[nodiscard]] bool hasHalves() const { return layout_.layout != Layout::kSeparate; }
+  /// Decodes the first frame and describes the source. Then goes back to that frame, if possible.
+  void begin(double fps);
+  /// Sets the sizes and the kind of depth from the first frame, and logs if depth is scaled. Throws
+  /// SourceError if the pictures cannot be a source.
+  void describe(const cv::Mat& color, const cv::Mat& raw, double fps);
+  /// Chooses the tracks of a single file. Throws SourceError if they are not clear.
+  void chooseTracks();
+  /// Throws SourceError that says what the file with a single track looks like.
+  [[noreturn]] void throwOneTrack();
+  /// Throws SourceError if the pictures are too large.
+  void requireSizes() const;
+  /// Prepares the registration of a Kinect's depth from its attached calibration. Logs a warning if
+  /// that is impossible. Throws SourceError if the calibration is damaged.
+  void prepareRegistration();
+  /// Logs a warning if the files of a pair state different frame rates.
+  void warnOfOtherRate() const;
+  /// Returns the number of frames, of a pair that of the shorter file; nullopt if it is not stated.
+  /// Throws SourceError if the numbers of a pair differ by more than five.
+  [[nodiscard]] std::optional<std::uint64_t> countFrames() const;
+  void startTracks();
+
+  /// Moves to the next frame and counts it. Returns false at the end.
+  bool grab();
+  /// Moves both channels to the next frame; `next_` is still its number. Returns false at the end.
+  /// Throws SourceError if there is no first frame.
+  bool grabByNumber();
+  bool grabByTime();
+  /// Moves the depth to the frame of the colour's time. Returns false at the end of the depth.
+  bool followColor();
+  /// Throws the SourceError of a file without a first frame.
+  [[noreturn]] void throwNoFrame(const VideoChannel& channel) const;
+  /// Logs once that one channel ends before the other.
+  void logCut(const std::string& text);
+  /// Sets the pictures of the frame: colour as CV_8UC3, and depth as the file has it, or registered
+  /// as CV_32FC1 in mm. A picture is empty if it is damaged. Returns "", or another problem of the
+  /// frame, as a phrase.
+  std::string retrieve(cv::Mat& color, cv::Mat& depth);
+  /// Sets pictures of `frame`. Returns the problem with the file's name, or "".
+  std::string load(RgbdFrame& frame);
+
+  VideoLayout layout_;
+  VideoChannel color_;
+  VideoChannel depth_;
+  SourceInfo info_;
+  DepthFormat format_;
+  cv::Size color_size_;  // sizes of the pictures in the files
+  cv::Size depth_size_;
+  std::optional<DepthRegistration> registration_;                   // nullopt: aligned already
+  std::optional<CameraModel> camera_;                               // of the colour, if known
+  double color_time_s_ = -std::numeric_limits<double>::infinity();  // latest so far
+  bool depth_grabbed_ = false;  // whether the depth has a frame, of a pairing by time
+  std::string problem_;         // problem of the frame's time; "" if depth belongs to colour
+  std::uint64_t next_ = 0;
+  std::uint32_t epoch_ = 0;
+  bool ended_ = false;
+  bool any_read_ = false;      // whether a frame was read since the clip's start
+  bool cut_reported_ = false;  // whether a warning of a clip that ends early was logged
+  SkippedFrames skipped_;
+};
+
+}  // namespace hapticast::server

@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: MIT
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <utility>
+#include <vector>
+
+#include "server/source/picture/depth_code.hpp"
+#include "server/source/picture/depth_scale.hpp"
+#include "server/source/picture/picture_scale.hpp"
+#include "server/source/video/video_clip.hpp"
+
+namespace hapticast::server {
+
+namespace {
+
+/// Videos of a pair that differ by up to so many frames are cut; a larger difference means that
+/// they do not belong together.
+constexpr std::uint64_t kCountTolerance = 5;
+
+/// Returns the track with depth; nullopt if that is not clear.
+std::optional<std::size_t> findDepthTrack(const std::vector<VideoTrack>& tracks) {
+  const auto first = [&](auto VideoTrack::*fact) -> std::optional<std::size_t> {
+    const auto found = std::find_if(tracks.begin(), tracks.end(),
+                                    [&](const VideoTrack& track) { return track.*fact; });
+    if (found == tracks.end()) return std::nullopt;
+    return static_cast<std::size_t>(found - tracks.begin());
+  };
+  if (const auto kinect = first(&VideoTrack::kinect_depth)) return kinect;
+  if (const auto named = first(&VideoTrack::depth_name)) return named;
+  const auto isGreyTrack = [](const VideoTrack& track) { return track.grey; };
+  if (std::count_if(tracks.begin(), tracks.end(), isGreyTrack) != 1) return std::nullopt;
+  return first(&VideoTrack::grey);
+}
+
+std::size_t findColorTrack(const std::vector<VideoTrack>& tracks, std::size_t depth) {
+  for (std::size_t i = 0; i < tracks.size(); ++i) {
+    if (i != depth && !tracks[i].grey) return i;
+  }
+  return depth == 0 ? 1 : 0;
+}
+
+std::shared_ptr<VideoFile> openVideo(const std::string& file) {
+  std::error_code error;
+  if (std::filesystem::is_directory(file, error)) {
+    throw SourceError(file +
+                      ": is a folder, but a pair is two video files; a folder of images is "
+                      "one source, with rgb/ and depth/");
+  }
+  return std::make_shared<VideoFile>(file);
+}
+
+/// Throws SourceError if `track` of `file` is too large to be a source.
+void requireVideoSize(const VideoTrack& track, const std::string& file) {
+  if (sizeReadable(track.width_px, track.height_px)) return;
+  const bool known = track.width_px > 0;  // else the decoder refused them
+  throw SourceError(file + ": " +
+                    (known ? tooLarge(track.width_px, track.height_px)
+                           : "has pictures that cannot be decoded or are larger than " +
+                                 sizeText(kMostSide_px, 4320)) +
+                    "; scale it down");
+}
+
+/// Throws SourceError if the values of `track` are no depth: more than 8 bits, but not grey.
+void requireDepthFormat(const VideoTrack& track, const std::string& file) {
+  if (track.grey || track.bits <= 8) return;
+  throw SourceError(file + ": depth video with " + std::to_string(track.bits) +
+                    " bits must be grey, but it is " + track.format +
+                    "; convert it to mm (ffmpeg -i FILE -pix_fmt gray16le -c:v ffv1 OUT.mkv), or "
+                    "to 8-bit grey (-pix_fmt gray)");
+}
+
+}  // namespace
+
+VideoClip::VideoClip(const std::string& color_file, const std::string& depth_file, double fps,
+                     DepthCode code)
+    : layout_{Layout::kSeparate, code} {
+  std::error_code error;
+  if (std::filesystem::equivalent(color_file, depth_file, error)) {
+    throw SourceError(depth_file +
+                      ": is the colour video and the depth video; name a grey video "
+                      "of the depth (near is white) as the second one");
+  }
+  color_.file = openVideo(color_file);
+  depth_.file = openVideo(depth_file);
+  begin(fps);
+}
+
+VideoClip::VideoClip(std::unique_ptr<VideoFile> video, const VideoLayout& layout, double fps)
+    : layout_(layout), color_{std::move(video)}, depth_(color_) {
+  if (!hasHalves()) chooseTracks();
+  info_.live = color_.file->isLive();
+  skipped_ = SkippedFrames(info_.live);
+  begin(fps);
+}
+
+void VideoClip::begin(double fps) {
+  requireSizes();
+  prepareRegistration();
+  startTracks();
+  cv::Mat color;
+  cv::Mat depth;
+  while (color.empty() || depth.empty()) {
+    if (!(isPair() ? grabByNumber() : grabByTime())) throwNoFrame(color_);
+    cv::Mat next_color;
+    cv::Mat next_depth;
+    (void)retrieve(next_color, next_depth);
+    if (color.empty()) color = next_color;
+    if (depth.empty()) depth = next_depth;
+  }
+  if (!hasHalves()) requireDepthFormat(depth_.facts(), depth_.file->file());
+  describe(color, depth, fps);
+  if (camera_) info_.camera = scaleCamera(*camera_, info_);
+  if (info_.live) return;
+  if (isPair()) warnOfOtherRate();
+  info_.frame_count = countFrames();
+  rewind();
+  epoch_ = 0;
+}
+
+void VideoClip::describe(const cv::Mat& color, const cv::Mat& raw, double fps) {
+  const std::string& file = depth_.file->file();
+  const bool metric = raw.depth() != CV_8U;
+  if (metric && layout_.code != DepthCode::kGrey)
+    throw SourceError(file + ": has depth in mm, so leave --depth-near and --depth-code out");
+  const cv::Mat depth = decodeDepth(raw, layout_.code);
+  if (!sameAspect(depth.size(), color.size())) {
+    throw SourceError(file + ": is " + sizeText(depth.cols, depth.rows) +
+                      ", but the colour video is " + sizeText(color.cols, color.rows) +
+                      "; scale one to the other's size");
+  }
+  if (isColorCoded(depth))
+    throw SourceError(file + ": shows depth as colours; make it grey (near is white)");
+  color_size_ = color.size();
+  depth_size_ = depth.size();
+  // Hue is a code of mm in 8 bits, so the decoded picture decides.
+  format_.kind = depth.depth() != CV_8U ? DepthKind::kMetric : DepthKind::kHeight;
+  info_.name = fileName(color_.file->file());
+  setSize(info_, color_size_, color_.file->file());
+  if (depth_size_ != color_size_) logScaledDepth(file, depth_size_, frameSize(info_));
+  // Without a plausible rate of the file, the clip has that of most films.
+  const double stated = color_.facts().fps;
+  info_.fps = fps > 0.0 ? fps : (stated >= 1.0 && stated <= 240.0 ? stated : 25.0);
+  info_.depth_kind = format_.kind;
+}
+
+void VideoClip::chooseTracks() {
+  const std::vector<VideoTrack>& tracks = color_.file->tracks();
+  if (tracks.size() == 1) throwOneTrack();
+  const auto depth = findDepthTrack(tracks);
+  if (!depth) {
+    throw SourceError(color_.file->file() + ": has " + std::to_string(tracks.size()) +
+                      " video tracks, but it is not clear which one is the depth; name it (ffmpeg "
+                      "-i FILE -map 0 -c copy -metadata:s:v:1 title=depth OUT.mkv)");
+  }
+  depth_.track = *depth;
+  color_.track = findColorTrack(tracks, *depth);
+}
+
+void VideoClip::throwOneTrack() {
+  VideoFile& video = *color_.file;
+  video.start(0);
+  cv::Mat picture;
+  while (picture.empty() && video.grab(0)) picture = video.retrieveColor(0);
+  const std::string guess = guessLayout(picture);
+  if (!guess.empty()) throw SourceError(video.file() + ": has one video track; it " + guess);
+  if (video.isLive()) {
+    throw SourceError(
+        video.file() +
+        ": has one video track; depth is needed too, so send it as a second track, or "
+        "use --layout if the picture shows both");
+  }
+  throw SourceError(video.file() +
+                    ": is a single file with one video track; depth is needed too, so use "
+                    "COLOR,DEPTH or a folder, or --layout if the picture shows both");
+}
+
+void VideoClip::requireSizes() const {
+  VideoTrack color = color_.facts();
+  if (layout_.layout == Layout::kSideBySide) color.width_px /= 2;
+  if (layout_.layout == Layout::kTopBottom) color.height_px /= 2;
+  requireVideoSize(color, color_.file->file());
+  if (!hasHalves()) requireVideoSize(depth_.facts(), depth_.file->file());
+}
+
+void VideoClip::prepareRegistration() {
+  const VideoTrack& depth = depth_.facts();
+  const VideoTrack& color = color_.facts();
+  if (isPair() || hasHalves() || !depth.kinect_depth) return;
+  const std::string& file = color_.file->file();
+  const std::string text = color_.file->attachment("calibration.json");
+  if (!text.empty()) {
+    const KinectCalibration calibration =
+        parseKinectCalibration(text, file + ": its calibration.json");
+    const auto from = depthCamera(calibration, {depth.width_px, depth.height_px});
+    const auto to = colorCamera(calibration, {color.width_px, color.height_px});
+    if (from && to) {
+      registration_.emplace(*from, *to, calibration);
+      camera_ = CameraModel{to->matrix(0, 0), to->matrix(1, 1), to->matrix(0, 2) + 0.5,
+                            to->matrix(1, 2) + 0.5};
+      spdlog::info("{}: its depth is registered to its colour by the attached calibration", file);
+      return;
+    }
+  }
+  spdlog::warn(
+      "--source {}: is a recording of an Azure Kinect or Orbbec {}; its depth is not aligned to "
+      "its "
+      "colour, so touch and picture do not match; align the depth to the colour first",
+      file, text.empty() ? "without calibration" : "of sizes that its calibration does not know");
+}
+
+void VideoClip::warnOfOtherRate() const {
+  constexpr double kSameRate = 0.01;  // chosen: 29.97 and 30 frames/s are one rate
+  const double color = color_.facts().fps;
+  const double depth = depth_.facts().fps;
+  if (!(color >= 1.0 && depth >= 1.0) || std::abs(color - depth) <= kSameRate * color) return;
+  spdlog::warn(
+      "--source {}: has {:.4g} frames/s, but the colour video has {:.4g}; the server pairs frames "
+      "by "
+      "number, so convert one to the other's rate (ffmpeg -i FILE -vf fps={:.4g} OUT)",
+      depth_.file->file(), depth, color, color);
+}
+
+std::optional<std::uint64_t> VideoClip::countFrames() const {
+  const std::uint64_t colors = color_.facts().frame_count;
+  const std::uint64_t depths = isPair() ? depth_.facts().frame_count : colors;
+  if (colors == 0 || depths == 0) return std::nullopt;
+  if (std::max(colors, depths) - std::min(colors, depths) > kCountTolerance) {
+    throw SourceError(depth_.file->file() + ": has " + std::to_string(depths) +
+                      " frames, but the colour video has " + std::to_string(colors) +
+                      "; cut both to the same frames");
+  }
+  return std::min(colors, depths);
+}
+
+}  // namespace hapticast::server
