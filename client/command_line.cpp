@@ -157,7 +157,7 @@ void addDeviceOptions(CLI::App& app, Settings& settings) {
   addDriverOption(app, settings);
   app.add_option("--profile", settings.profile,
                  "The limits of the device: omni (default), falcon, or a file "
-                 "of KEY = VALUE lines (keys: client/README.md, Profiles)")
+                 "of KEY = VALUE lines (keys: client/device/README.md, Profiles)")
       ->type_name("NAME|FILE")
       ->default_str(settings.profile);
   app.add_option("--hand", settings.hand,

@@ -9,9 +9,11 @@ endif()
 set(source ${PROJECT_SOURCE_DIR}/deploy/debian)
 set(made ${PROJECT_BINARY_DIR}/package_files)
 file(MAKE_DIRECTORY ${made})
-configure_file(${source}/changelog.in ${made}/changelog @ONLY)
-add_custom_command(OUTPUT ${made}/changelog.gz COMMAND gzip -9nkf changelog DEPENDS ${made}/changelog
-  WORKING_DIRECTORY ${made} VERBATIM)
+add_custom_command(OUTPUT ${made}/changelog.gz
+  COMMAND sh -c "\"$0\" \"$@\" >changelog" ${source}/changelog ${PROJECT_VERSION}
+    ${PROJECT_SOURCE_DIR}/deploy/CHANGES.md
+  COMMAND gzip -9nkf changelog
+  DEPENDS ${source}/changelog ${PROJECT_SOURCE_DIR}/deploy/CHANGES.md WORKING_DIRECTORY ${made} VERBATIM)
 set(made_files ${made}/changelog.gz)
 
 # The files of both packages. `section`: of the man page.
@@ -28,8 +30,13 @@ function(hapticast_package name section description)
   install(TARGETS ${program} DESTINATION usr/bin COMPONENT ${name})
   install(FILES ${made}/${page}.gz DESTINATION usr/share/man/man${section} COMPONENT ${name})
   install(FILES ${made}/${name}.conf DESTINATION etc/hapticast COMPONENT ${name})
-  install(FILES ${made}/changelog.gz ${source}/copyright ${PROJECT_SOURCE_DIR}/${name}/README.md
-    DESTINATION usr/share/doc/${program} COMPONENT ${name})
+  install(FILES ${made}/changelog.gz ${source}/copyright DESTINATION usr/share/doc/${program} COMPONENT ${name})
+  file(GLOB_RECURSE pages RELATIVE ${PROJECT_SOURCE_DIR}/${name} ${PROJECT_SOURCE_DIR}/${name}/*.md)
+  foreach(document IN LISTS pages)  # in folders as here, so that links between them work
+    cmake_path(GET document PARENT_PATH folder)
+    install(FILES ${PROJECT_SOURCE_DIR}/${name}/${document} DESTINATION usr/share/doc/${program}/${folder}
+      COMPONENT ${name})
+  endforeach()
   file(GLOB scripts ${source}/${name}/*)
   string(TOUPPER ${name} upper)
   set(CPACK_DEBIAN_${upper}_PACKAGE_NAME ${program} PARENT_SCOPE)
@@ -38,6 +45,7 @@ endfunction()
 
 hapticast_package(server 8 "streams video that viewers can touch")
 install(FILES ${source}/hapticast-server.service DESTINATION lib/systemd/system COMPONENT server)
+install(FILES ${PROJECT_SOURCE_DIR}/deploy/README.md DESTINATION usr/share/doc/hapticast-server/deploy COMPONENT server)
 set(CPACK_DEBIAN_SERVER_DESCRIPTION "server of video that viewers can touch
 hapticast-server reads video with a depth for every pixel, finds an object
 and its motion, and streams both to hapticast-client.")

@@ -1,5 +1,5 @@
 # Comments and pages stand by themselves: nothing in the repository points to a page outside it (a design paper,
-# somebody's working papers). They may cite a README.md of the repository, a publication or an equation.
+# somebody's working papers). They may cite a page of the repository, a publication or an equation.
 # Run: cmake -DROOT=. -P tests/comments.cmake
 cmake_minimum_required(VERSION 3.25)
 get_filename_component(ROOT "${ROOT}" ABSOLUTE BASE_DIR "${CMAKE_BINARY_DIR}")

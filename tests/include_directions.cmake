@@ -1,4 +1,4 @@
-# Checks who may include whom (README.md, "Folders"). Run: cmake -DROOT=. -P tests/include_directions.cmake
+# Checks who may include whom (README.md, "Folders and pages"). Run: cmake -DROOT=. -P tests/include_directions.cmake
 # Each rule: files that match -> the only project includes and library includes they may have.
 cmake_minimum_required(VERSION 3.25)
 get_filename_component(ROOT "${ROOT}" ABSOLUTE BASE_DIR "${CMAKE_BINARY_DIR}")

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // List of the device kinds (--device), and the functions that open a device.
-// client/device/README.md describes how to add a kind.
+// client/device/drivers.md describes how to add a kind.
 // Thread: main, before the loop.
 #pragma once
 

@@ -17,7 +17,7 @@ namespace hapticast::client {
 
 /// Constants of a device class. The defaults are those of an Omni class. Its mass, count, peak and
 /// continuous force are from the data sheet. The other values are choices or were measured
-/// (client/haptics/README.md, "Constants of the chain").
+/// (client/haptics/safety/README.md, "Constants of the chain").
 struct DeviceProfile {
   std::string name = "omni";
   /// Apparent mass of the device at the HIP; a profile must never overstate it.

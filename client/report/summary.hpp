@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Results of a run, as a JSON file (--summary) and as text. client/README.md lists the keys of the
-// JSON object.
+// Results of a run, as a JSON file (--summary) and as text. client/report/README.md lists the keys
+// of the JSON object.
 // Thread: main, after the run.
 #pragma once
 

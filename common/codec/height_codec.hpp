@@ -6,7 +6,7 @@
 //
 // A slice has one of two modes. Smooth mode interpolates the heights on a pyramid of coarser and
 // coarser points. Rough mode predicts each pixel from its neighbours. In both modes an adaptive
-// binary range coder writes the bytes (proto/README.md).
+// binary range coder writes the bytes (proto/slices.md).
 // Thread: one for each object; both classes reuse their working memory.
 #pragma once
 

@@ -32,7 +32,7 @@ struct Hello {
   bool wants_frames_on_tcp = true;
   std::string access_token = {};  ///< secret of the user; empty: none
 };
-/// Key of the sealed datagrams (proto/README.md, section 13).
+/// Key of the sealed datagrams (proto/datagrams.md).
 struct DatagramKey {
   std::uint8_t id = 1;  ///< 1..255
   SealKeyBytes bytes{};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Messages between origin and edges (proto/relay.proto; proto/README.md, section 12). A whole
+// Messages between origin and edges (proto/relay.proto; proto/relay.md). A whole
 // message consists of magic, channel, term, origin, number, content, and the origin's signature
 // over all of that. It travels in numbered pieces, because NATS limits the size of a payload.
 // Decoders check limits before they allocate. Thread: any, one for each RelayJoiner.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Format of the datagrams (proto/README.md). A datagram is the receiver's token and a body. The
+// Format of the datagrams (proto/datagrams.md). A datagram is the receiver's token and a body. The
 // server seals (if it has TLS) and signs the body once for all receivers. An echo is a datagram
 // from a viewer: it returns the token, and so registers the viewer's address. The functions are
 // pure. Thread: any.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Encryption of datagrams: AES-128-GCM (NIST SP 800-38D; proto/README.md, section 13). The owner of
+// Encryption of datagrams: AES-128-GCM (NIST SP 800-38D; proto/datagrams.md). The owner of
 // a SealingKey cannot use a counter twice: the key is random, it counts by itself, and it cannot be
 // copied. Only the .cpp of this header includes OpenSSL. Thread: one for each object.
 #pragma once

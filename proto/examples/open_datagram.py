@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Opens the sealed datagram of proto/README.md (section 13) with read_stream.py, which shares no code with hapticast.
+"""Opens the sealed datagram of proto/datagrams.md with read_stream.py, which shares no code with hapticast.
 
     open_datagram.py SEALED.hex PLAIN.hex
 

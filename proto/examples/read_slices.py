@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Decodes slices of reliefs as proto/README.md, section 10, describes them: a second implementation in plain integers,
+"""Decodes slices of reliefs as proto/slices.md describes them: a second implementation in plain integers,
 which shares no code with hapticast's own, to be read beside that page.
 
     read_slices.py FILE...    checks files of slices: lines `rect WIDTH HEIGHT`, `slice HEX`, then `crc MASK HEIGHTS`

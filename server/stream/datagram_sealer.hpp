@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Keys of the sealed datagrams of one run of the server (proto/README.md, section 13). Each key is
+// Keys of the sealed datagrams of one run of the server (proto/datagrams.md). Each key is
 // random. A new key replaces the present one every hour, and after revoke(). Viewers receive each
 // new key before the first datagram under it. Thread: see each function.
 #pragma once

@@ -2,11 +2,11 @@
 // UDP fan-out: sends a frame's datagrams over one socket to all targets, many in one system call
 // (sendmmsg). A datagram consists of its target's token and a body. All targets share the bodies.
 // Datagrams of one target and one size form a single message. The kernel splits the message into
-// datagrams (UDP_SEGMENT, generic segmentation offload). That halves the cost (server/README.md). A
-// *round* is all that one call of send() has to send: the newest frame, and earlier frames again
-// for redundancy. If the socket is full, the rest of the round waits. The next round replaces that
-// rest, because its frames are newer. So UdpFanout never blocks and stores only one round. Thread:
-// io.
+// datagrams (UDP_SEGMENT, generic segmentation offload). That halves the cost
+// (server/stream/README.md). A *round* is all that one call of send() has to send: the newest
+// frame, and earlier frames again for redundancy. If the socket is full, the rest of the round
+// waits. The next round replaces that rest, because its frames are newer. So UdpFanout never blocks
+// and stores only one round. Thread: io.
 #pragma once
 
 #include <cstddef>

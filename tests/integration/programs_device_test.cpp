@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Drivers in files of their own beside the real client and helper: the stand-in driver misbehaves
-// in every way that a driver can, and the example of client/device/README.md works as printed.
+// in every way that a driver can, and the example of client/device/drivers.md works as printed.
 #include <sys/stat.h>
 
 #include <cstdlib>
@@ -168,9 +168,9 @@ TEST_F(ProgramsDeviceTest, TheListAsksEachDriverForAtMostTwoSeconds) {
   EXPECT_LE(countOf("serial number S1", list("crowd")), 32U);
 }
 
-/// Returns the C code of client/device/README.md.
+/// Returns the C code of client/device/drivers.md.
 std::string readExample() {
-  std::ifstream in(std::string(HAPTICAST_TESTS) + "/../client/device/README.md");
+  std::ifstream in(std::string(HAPTICAST_TESTS) + "/../client/device/drivers.md");
   std::ostringstream whole;
   whole << in.rdbuf();
   const std::string text = whole.str();

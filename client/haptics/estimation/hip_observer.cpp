@@ -9,7 +9,7 @@
 namespace hapticast::client {
 
 namespace {
-// All values measured with the presses of client/haptics/README.md, section 5a.
+// All values measured with the presses of client/haptics/stability.md.
 constexpr double kMassFactor = 1.03;
 constexpr double kSlowest_rad_s = 15.0;
 constexpr double kFastest_rad_s = 550.0;

@@ -3,7 +3,7 @@
 // measured positions and the sent forces. It then predicts both for the time when a force sent now
 // acts. The observer receives the wall's own force as an input. So its filter can be slow, and a
 // slow filter makes single encoder counts imperceptible. The law and its measurements are in
-// client/haptics/README.md, section 5a.
+// client/haptics/stability.md.
 // Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 

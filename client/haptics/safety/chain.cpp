@@ -60,7 +60,7 @@ void SafetyChain::forgetDelay() noexcept {
   setDelay(profile_delay_ticks_);
 }
 
-// The numbers are the steps of client/haptics/README.md, section 5. The fade (9) acts before the
+// The numbers are the steps of client/haptics/safety/README.md. The fade (9) acts before the
 // tank (5), the budget (6) and the slew limit (8). A fade at its begin or end, a release ramp and a
 // gain can step as well. Only limits behind all of them hold for the sent force.
 SafetyOutput SafetyChain::step(const SafetyInput& in) noexcept {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The safety chain computes the force for the device from the displacement and the dynamic force.
 // The result is safe for device and hand, whatever the stream sends. No force bypasses the chain.
-// client/haptics/README.md, section 5, has its eleven steps, their laws and their constants.
+// client/haptics/safety/README.md has its eleven steps, their laws and their constants.
 // Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 

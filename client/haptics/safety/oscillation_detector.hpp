@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Oscillation detection at a wall. It recognises swings and bounces of the HIP that no hand causes.
-// They show that the device answers later than its profile declares. client/haptics/README.md,
-// section 5, has the measurements.
+// They show that the device answers later than its profile declares.
+// client/haptics/safety/README.md, "Delay longer than declared", has the measurements.
 // Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 

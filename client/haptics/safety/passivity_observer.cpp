@@ -10,7 +10,7 @@
 namespace hapticast::client {
 
 namespace {
-// All values measured or chosen with the battery of client/haptics/README.md, section 6.
+// All values measured or chosen with the battery of client/haptics/stability.md.
 constexpr double kTolerated_mJ = 3.0;
 // Limit of stored dissipation: a contact may not save up for long.
 constexpr double kDebt_mJ = -2.0;

@@ -15,11 +15,10 @@ namespace hapticast::client {
 
 class Trust {
  public:
-  /// The safety actions that count. The selection was measured (client/haptics/README.md, "Trust"):
-  /// a stream causes these actions, and a hand cannot cause them. A jump counts only if the stream
-  /// caused it. The other actions have honest
-  /// causes. A hand reaches the peak, a cut disarms, an author requests stiff walls, and a late
-  /// device makes a contact generate energy.
+  /// The safety actions that count. The selection was measured (client/haptics/safety/README.md,
+  /// "Trust"): a stream causes these actions, and a hand cannot cause them. A jump counts only if
+  /// the stream caused it. The other actions have honest causes. A hand reaches the peak, a cut
+  /// disarms, an author requests stiff walls, and a late device makes a contact generate energy.
   static constexpr std::array<SafetyAction, 5> kCounted = {
       SafetyAction::kImplausible, SafetyAction::kTank, SafetyAction::kSlew,
       SafetyAction::kSurfaceSpeed, SafetyAction::kJump};

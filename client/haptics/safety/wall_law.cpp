@@ -22,8 +22,8 @@ constexpr double kArmDepth_mm = 2.0;     // chosen
 }  // namespace
 
 double wallLead_s(int delay_ticks) noexcept {
-  // Measured with battery and presses of client/haptics/README.md, sections 5a and 6. The value for
-  // 4 ticks is the mean of its neighbours and was not measured.
+  // Measured with battery and presses of client/haptics/stability.md. The value for 4 ticks
+  // is the mean of its neighbours and was not measured.
   constexpr std::array<double, 6> kLead_s = {1.2e-3, 2.19e-3, 3.09e-3, 3.79e-3, 6.14e-3, 8.48e-3};
   return kLead_s[static_cast<std::size_t>(std::clamp(delay_ticks, 0, kMostDelay_ticks))];
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Wall law: the stiffness and the damping of a wall that a device renders without instability. The
 // stiffness is at most K_max, which depends on the device's mass and delay. The damping follows
-// from stiffness and mass. client/haptics/README.md, sections 5 and 6, has the law and its
-// measurements.
+// from stiffness and mass. client/haptics/safety/README.md has the law,
+// client/haptics/stability.md its measurements.
 // Thread: any (pure functions); DamperLimit: loop.
 #pragma once
 
@@ -17,7 +17,7 @@ inline constexpr int kMostDelay_ticks = 5;  ///< longest delay for which the law
 double wallLead_s(int delay_ticks) noexcept;
 /// Returns K_max = min(10, 0.64 m / tau²) in N/mm. K_max is the stiffest wall at which the HIP
 /// swings by at most 2 counts after an impact. Factor and tau were
-/// measured together (client/haptics/README.md, section 6).
+/// measured together (client/haptics/stability.md).
 double stiffnessLimit_N_mm(double mass_kg, int delay_ticks) noexcept;
 double stiffnessLimit_N_mm(const DeviceProfile& profile) noexcept;
 /// Returns the damping of the wall law (N·s/m) for the stiffness K = `stiffness_N_mm` along the

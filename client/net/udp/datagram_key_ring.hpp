@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Keys of the sealed datagrams of one stream, on the client's side (proto/README.md, section 13).
+// Keys of the sealed datagrams of one stream, on the client's side (proto/datagrams.md).
 // Each key has an expiry and a sliding window of the counters that it has opened (as in RFC 6479),
 // so that no sealed datagram counts twice. Times are arguments. Thread: network.
 #pragma once

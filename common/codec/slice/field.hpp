@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Interpolation pyramid of a slice, for encoder and decoder (proto/README.md). A slice has cells of
+// Interpolation pyramid of a slice, for encoder and decoder (proto/slices.md). A slice has cells of
 // 8 x 8 px. Nodes are the coarsest points, at the corners of the cells. Between them are three
 // levels of points, which are 4, 2 and 1 px apart. Each level is interpolated from the coarser one.
 // Heights are integers in units of 1/4096 mm. Thread: one.

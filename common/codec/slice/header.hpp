@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Header of a slice: how it is coded, and which cells it covers (proto/README.md). Thread: any.
+// Header of a slice: how it is coded, and which cells it covers (proto/slices.md). Thread: any.
 #pragma once
 
 #include <cmath>

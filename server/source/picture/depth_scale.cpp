@@ -20,8 +20,8 @@ namespace {
 // less between neighbouring pixels, and sensors have less noise.
 constexpr float kStep = 0.02F;
 constexpr float kStep_levels = 8.0F;  // likewise for 8-bit depth
-// Measured on drawn scenes (server/README.md): deviation of places that belong to one side of an
-// edge, px of the depth; weight of the places against the colours; noise of colours, levels.
+// Measured on drawn scenes (server/source/README.md): deviation of places that belong to one side
+// of an edge, px of the depth; weight of the places against the colours; noise of colours, levels.
 constexpr double kPlaceSigma_px = 1.0;
 constexpr float kPlaceWeight = 4.0F;
 constexpr float kColorNoise = 8.0F;

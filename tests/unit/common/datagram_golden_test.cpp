@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The datagrams that proto/README.md takes apart, byte by byte: HAPTICAST_UPDATE_GOLDEN=1
+// The datagrams that proto/datagrams.md takes apart, byte by byte: HAPTICAST_UPDATE_GOLDEN=1
 // unit_common --gtest_filter='DatagramGolden*' writes golden/datagram.hex and
 // golden/sealed_datagram.hex anew. proto/examples/open_datagram.py reads them, too.
 #include <gtest/gtest.h>
@@ -118,15 +118,15 @@ TEST(DatagramGoldenTest, BytesStayAsTheyAre) {
 }
 
 TEST(DatagramGoldenTest, ThePageShowsThem) {
-  EXPECT_EQ(blockBehind(kTests / "../proto/README.md", "### A datagram, byte by byte"),
+  EXPECT_EQ(blockBehind(kTests / "../proto/datagrams.md", "## A datagram, byte by byte"),
             exampleDatagram());
-  EXPECT_EQ(blockBehind(kTests / "../proto/README.md", "### A sealed datagram, byte by byte"),
+  EXPECT_EQ(blockBehind(kTests / "../proto/datagrams.md", "### A sealed datagram, byte by byte"),
             sealedExample());
   std::ostringstream key;
   const KeyBytes verifying = exampleKey().verifyingKey();
   for (const std::uint8_t byte : verifying)
     key << std::hex << std::setw(2) << std::setfill('0') << int{byte};
-  std::ifstream page(kTests / "../proto/README.md");
+  std::ifstream page(kTests / "../proto/datagrams.md");
   EXPECT_NE(std::string(std::istreambuf_iterator<char>(page), {}).find(key.str()),
             std::string::npos);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Depth that is scaled to the size of the colour: where its edges are, on drawn scenes, and which
-// values it may have. The first test prints the figures of server/README.md.
+// values it may have. The first test prints the figures of server/source/README.md.
 #include "server/source/picture/depth_scale.hpp"
 
 #include <fmt/core.h>
