@@ -148,7 +148,7 @@ TEST_F(DatagramClientTest, UdpThatFailsInMidStreamIsReplacedByTcpAndTheStreamGoe
   EXPECT_EQ(client.lost.size(), 0U) << "the connection stands";
 }
 
-TEST_F(DatagramClientTest, AServerWithoutDatagramsIsToldOnce) {
+TEST_F(DatagramClientTest, ReportsAServerWithoutDatagramsOnce) {
   TestServer server(io, clock);
   TestClient client(io, clock, server.port());
   ASSERT_TRUE(runUntil([&] { return client.welcomes == 1; }));
@@ -270,7 +270,7 @@ TEST_F(DatagramClientTest, AFloodIsSeenThoughItsSecondEndsWithIt) {
   EXPECT_NE(client.news[0].find("somebody forges datagrams"), std::string::npos) << client.news[0];
 }
 
-TEST_F(DatagramClientTest, WhoCannotJoinGoesOnByUdpAndSaysSo) {
+TEST_F(DatagramClientTest, AClientThatCannotJoinUsesUdpAndReportsIt) {
   const auto server = serverOf(loopbackGroup("239.255.74.47"));
   if (!server) GTEST_SKIP() << why_no_group;
   TestClient client(io, clock, server->port(),

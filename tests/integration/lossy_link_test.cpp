@@ -104,7 +104,7 @@ TEST_F(LossyLinkTest, DatagramsOfEachPeerComeFromAPortOfItsOwn) {
   EXPECT_EQ(echo.seen.size(), 3U) << "as behind a router that has forgotten it";
 }
 
-TEST_F(LossyLinkTest, DoesToDatagramsWhatItIsAskedTo) {
+TEST_F(LossyLinkTest, AppliesTheRequestedFaultsToDatagrams) {
   Echo echo(io, asio::ip::address_v4::loopback());
   LossyLink link(io, echo.acceptor.local_endpoint().port(), {.delay = milliseconds(10)});
   Peer peer(io, at(link.port()));
@@ -168,7 +168,7 @@ TEST_F(LossyLinkTest, WorksWithIpv6) {
 }
 
 /// hapticast-link itself.
-TEST_F(LossyLinkTest, TheProgramRelaysAndSaysWhatItDid) {
+TEST_F(LossyLinkTest, TheProgramRelaysAndReportsItsCounts) {
   Echo echo(io, asio::ip::address_v4::loopback());
   const std::string server = "127.0.0.1:" + std::to_string(echo.acceptor.local_endpoint().port());
   Process program({HAPTICAST_LINK_PROGRAM, "--listen", "127.0.0.1:0", "--server", server, "--delay",

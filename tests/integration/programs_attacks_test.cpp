@@ -359,7 +359,7 @@ TEST_F(ProgramsAttacksTest, AreAllBounded) {
 }
 
 /// As many viewers are asked for as the system has files for, and more.
-TEST_F(ProgramsAttacksTest, FewOpenFilesAreToldAndKeepNobodyWaiting) {
+TEST_F(ProgramsAttacksTest, ReportsAFewOpenFilesAndKeepsNoViewerWaiting) {
   const auto server = start(
       "/bin/sh", {"-c", "ulimit -n 150; exec \"$0\" \"$@\"", HAPTICAST_SERVER_PROGRAM, "--source",
                   "synthetic:still", "--loop", "--listen", "127.0.0.1:0", "--max-clients", "2000"});

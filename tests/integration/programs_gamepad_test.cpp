@@ -143,7 +143,7 @@ TEST_F(ProgramsGamepadTest, ContactRumblesAReleaseAndThePlugStopItAndItComesBack
   interrupt(*server);
 }
 
-TEST_F(ProgramsGamepadTest, WithoutOneTheClientSaysSoAndEnds) {
+TEST_F(ProgramsGamepadTest, WithoutOneTheClientReportsSoAndEnds) {
   const auto client = startClient({"--device", "gamepad"});
   EXPECT_EQ(client->wait(kSoon), 1);
   EXPECT_EQ(countOf("--device gamepad: none was found; is it plugged in?", client->output()), 1U)
@@ -179,7 +179,7 @@ class ProgramsSoundTest : public ProgramsTest {
   }
 };
 
-TEST_F(ProgramsSoundTest, ATouchIsHeardAndNothingElse) {
+TEST_F(ProgramsSoundTest, OnlyATouchIsAudible) {
   const auto server = startServer({"--source", "synthetic:still", "--loop"});
   const auto client = listen("disk", addressOf(*server));
   EXPECT_TRUE(waitUntil(kSoon, [this] { return touched(); })) << client->output();

@@ -97,14 +97,14 @@ TEST_F(ProgramsInputTest, AddressesOfTheServer) {
   interrupt(*first);
 }
 
-TEST_F(ProgramsInputTest, AServerListensWhereItIsTold) {
+TEST_F(ProgramsInputTest, AServerListensAtItsAddress) {
   const std::string clip = makeClip("clip");
   const std::vector<std::pair<std::string, std::string>> forms = {
       {":0", "0.0.0.0:"}, {"0", "0.0.0.0:"}, {"localhost:0", "localhost:"}};
-  for (const auto& [given, told] : forms) {
+  for (const auto& [given, expected] : forms) {
     const auto server = startServer({"--source", clip, "--loop"}, given);
     const std::string address = addressOf(*server);
-    EXPECT_TRUE(address.starts_with(told)) << address;
+    EXPECT_TRUE(address.starts_with(expected)) << address;
     const auto client = startClient({address.substr(address.rfind(':') + 1)});
     EXPECT_TRUE(client->says("connected: ", kSoon)) << client->output();
     interrupt(*client);
@@ -233,7 +233,7 @@ TEST_F(ProgramsInputTest, ClipsThatDoNotFit) {
   serverEnds({"--source", clip, "--segment", "source"}, 2, {"--segment source", "no mask"});
 }
 
-TEST_F(ProgramsInputTest, AClipWithNothingToTouchIsTold) {
+TEST_F(ProgramsInputTest, AClipWithNothingToTouchIsReported) {
   const std::string clip = makeClip("clip");
   std::filesystem::remove_all(clip + "/mask");
   const auto warning = [&](const cv::Mat& depth) {

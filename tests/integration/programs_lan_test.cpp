@@ -135,7 +135,7 @@ TEST_F(ProgramsLanTest, AServerIsFoundByNameAndNeverUsedUnnamed) {
   interrupt(*server);
 }
 
-TEST_F(ProgramsLanTest, ADaemonThatComesBackIsToldAgain) {
+TEST_F(ProgramsLanTest, AnnouncesAgainAfterTheDaemonComesBack) {
   const std::string announced = std::string("announced on the LAN as ") + kName;
   const auto server = announce(hosts_.server(), kName);
   ASSERT_TRUE(server->says(announced, kSoon)) << server->output();

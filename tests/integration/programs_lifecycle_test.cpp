@@ -225,7 +225,7 @@ TEST_F(ProgramsLifeTest, AClientStartedBeforeItsServerWaitsForIt) {
   interrupt(*server);
 }
 
-TEST_F(ProgramsLifeTest, AStillClipIsFeltWithoutAThumpWhereItBeginsAgain) {
+TEST_F(ProgramsLifeTest, ARepeatedStillClipHasNoStepAtItsSeam) {
   const auto server = startServer({"--source", stillClip(25), "--loop"});
   const auto client = follow(addressOf(*server));
   ASSERT_TRUE(feelsForceAfter(0.0)) << client->output();
@@ -253,7 +253,7 @@ TEST_F(ProgramsLifeTest, AStillClipIsFeltWithoutAThumpWhereItBeginsAgain) {
   }
 }
 
-TEST_F(ProgramsLifeTest, AServerThatIsToldToEndSaysGoodbye) {
+TEST_F(ProgramsLifeTest, AStoppedServerSendsGoodbye) {
   const auto server = startServer({"--source", stillClip(), "--loop"});
   const auto client = follow(addressOf(*server));
   ASSERT_TRUE(feelsForceAfter(0.0)) << client->output();

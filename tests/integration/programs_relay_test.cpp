@@ -138,24 +138,24 @@ TEST_F(ProgramsRelayTest, ANatsServerMayRestart) {
   interrupt(*origin);
 }
 
-TEST_F(ProgramsRelayTest, MessagesOfStrangersHarmNobody) {
+TEST_F(ProgramsRelayTest, IgnoresMessagesOfUnauthorisedSenders) {
   const auto origin = startOrigin();
   const auto edge = startEdge();
   const auto client = startViewer(addressOf(*edge), "stranger");
   EXPECT_TRUE(framesArrive("stranger"));
   const server::Subjects subjects("lab");
-  server::NatsConnection stranger("--publish", *server::parseNatsAddress(nats_->channel("lab")),
-                                  {});
+  server::NatsConnection unauthorised("--publish", *server::parseNatsAddress(nats_->channel("lab")),
+                                      {});
   const std::vector<std::uint8_t> noise(700'000, std::uint8_t{0x5a});
   for (int i = 0; i < 40; ++i) {
     for (const std::string& subject : {subjects.state, subjects.frames, subjects.pings}) {
-      (void)stranger.publish(subject, noise);
-      (void)stranger.publish(subject, {});
+      (void)unauthorised.publish(subject, noise);
+      (void)unauthorised.publish(subject, {});
     }
   }
   const auto forged = encodeRelay("lab", {std::uint64_t{1} << 61U, 5, 1}, RelayPong{},
                                   [](auto /*bytes*/) { return Signature{}; });
-  (void)stranger.publish(subjects.state, splitRelay(forged, 1, 100'000).front());
+  (void)unauthorised.publish(subjects.state, splitRelay(forged, 1, 100'000).front());
   EXPECT_TRUE(origin->says("it ignores heartbeats: they are no states", kSoon)) << origin->output();
   EXPECT_TRUE(edge->says("bytes that are not a piece of a relayed message", kSoon))
       << edge->output();

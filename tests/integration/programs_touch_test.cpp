@@ -182,7 +182,7 @@ TEST_F(ProgramsTouchTest, ThesisOnBothSides) {
             {"--method", "thesis"});
 }
 
-TEST_F(ProgramsTouchTest, AThesisClientSaysWhatItCannotSwitchOnAnotherServer) {
+TEST_F(ProgramsTouchTest, AThesisClientReportsTheStagesThatAnotherServerDoes) {
   const auto server = startServer({"--source", makeClip("clip"), "--loop"});
   const auto client = startClient({addressOf(*server), "--method", "thesis"});
   EXPECT_TRUE(client->says("connected: ", kSoon)) << client->output();

@@ -11,7 +11,7 @@ namespace hapticast::testing {
 namespace {
 
 /// The plateau's slices in pieces, so that there are several.
-CodedFrame pieces(const Telling& t) {
+CodedFrame pieces(const OutgoingFrame& t) {
   HapticFrame frame = t.frame;
   frame.objects.front().relief = shape([](double x, double y) {
     return 10.0 + 0.3 * std::sin(23.0 * x * y) + 0.1 * std::cos(90.0 * x);
@@ -22,7 +22,7 @@ CodedFrame pieces(const Telling& t) {
 
 /// From the 30th frame on every frame's slices are changed, and it is sent so.
 auto sliced(void (*change)(CodedRelief&, std::mt19937_64&)) {
-  return [change](Telling& t) {
+  return [change](OutgoingFrame& t) {
     if (t.n < 30) return;
     CodedFrame frame = pieces(t);
     CodedRelief relief = *frame.objects.front().relief;
@@ -47,7 +47,7 @@ void noise(CodedRelief& relief, std::mt19937_64& random) {
 
 }  // namespace
 
-Lies slices() {
+FalseStreams slices() {
   return {
       {"slices_none", kHold, kRefused, sliced([](auto& relief, auto&) { relief.slices.clear(); })},
       {"slices_empty", kHold, kRefused,

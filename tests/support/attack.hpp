@@ -133,8 +133,8 @@ class Attack {
 };
 
 /// Devices, surfaces, interpolations, methods, delays of 0-5 ticks.
-inline std::vector<RendererSettings> everyRoom() {
-  std::vector<RendererSettings> rooms;
+inline std::vector<RendererSettings> listRendererSettings() {
+  std::vector<RendererSettings> all_settings;
   for (const char* profile : {"omni", "falcon"}) {
     for (const SurfaceKind surface :
          {SurfaceKind::kProxy, SurfaceKind::kNormal, SurfaceKind::kPerturbed}) {
@@ -144,16 +144,16 @@ inline std::vector<RendererSettings> everyRoom() {
           if (method == Method::kThesis && interpolation != Interpolation::kHermite) continue;
           RendererSettings renderer;
           renderer.profile = loadDeviceProfile(profile);
-          renderer.profile.delay_ticks = static_cast<int>(rooms.size() % 6);
+          renderer.profile.delay_ticks = static_cast<int>(all_settings.size() % 6);
           renderer.surface = surface;
           renderer.interpolation = interpolation;
           renderer.method = method;
-          rooms.push_back(renderer);
+          all_settings.push_back(renderer);
         }
       }
     }
   }
-  return rooms;
+  return all_settings;
 }
 
 }  // namespace hapticast::client

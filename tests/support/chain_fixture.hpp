@@ -27,14 +27,14 @@ inline PlantProfile omni(double stiffness_N_mm, int delay_ticks, double friction
 /// another law in its place).
 class ChainFixture {
  public:
-  ChainFixture(const DeviceProfile& told, const PlantProfile& real, const Hand& hand,
+  ChainFixture(const DeviceProfile& assumed, const PlantProfile& real, const Hand& hand,
                const SafetyLinks& links = {})
       : device(real, hand, clock),
-        motion(told),
-        chain(told, links),
-        logged_(told),
+        motion(assumed),
+        chain(assumed, links),
+        logged_(assumed),
         real_delay_ticks_(real.delay_ticks) {
-    stiffness_N_mm = told.stiffness_N_mm;
+    stiffness_N_mm = assumed.stiffness_N_mm;
   }
 
   const SafetyOutput& step(Duration period = Duration(1'000'000)) {

@@ -22,7 +22,7 @@ namespace hapticast::testing {
 
 using Bytes = std::vector<std::uint8_t>;
 
-inline constexpr double kLiarsFps = 25.0;
+inline constexpr double kFalseStreamFps = 25.0;
 inline constexpr PixelRect kPlateau_px{260, 180, 120, 120};  ///< +-15 mm about the middle
 inline constexpr float kPlateau_mm = 10.0F;
 
@@ -47,7 +47,7 @@ enum class AdversarialRun : std::uint8_t {
 };
 
 /// A frame that is about to be sent, honest until the lie has changed it.
-struct Telling {
+struct OutgoingFrame {
   double t_s;       ///< since the connection
   std::uint64_t n;  ///< frames before it on this connection
   std::mt19937_64& random;
@@ -61,13 +61,13 @@ struct Telling {
   [[nodiscard]] Motion& motion() { return object().motion; }
   [[nodiscard]] Material& material() { return object().material; }
   /// The plateau as another relief; told as one that has changed.
-  void shows(std::shared_ptr<const Relief> relief);
+  void setRelief(std::shared_ptr<const Relief> relief);
   /// Uniform.
   [[nodiscard]] double between(double low, double high);
 };
 
 /// A frame's datagrams that are about to be signed and sent, honest until the lie has changed them.
-struct PartsTelling {
+struct OutgoingDatagrams {
   struct Part {
     DatagramHeader header;
     Bytes payload;
@@ -83,28 +83,28 @@ struct PartsTelling {
 };
 
 /// A pong's time on the server's clock, from the true one, s.
-using ClockLie = double (*)(double true_s);
+using FalseClock = double (*)(double true_s);
 
-struct Lie {
+struct FalseStream {
   std::string name;
   AdversarialRun hand = AdversarialRun::kHold;
   Verdict verdict = Verdict::kLimited;
-  std::function<void(Telling&)> tell;
+  std::function<void(OutgoingFrame&)> alter;
   std::function<void(StreamDescription&)> announce = nullptr;
-  ClockLie clock = nullptr;  ///< null: an honest one
-  bool answers = true;       ///< pings
+  FalseClock clock = nullptr;  ///< null: an honest one
+  bool answers = true;         ///< pings
   /// Frames go by datagrams, and are lied about there; null: they go over TCP.
-  std::function<void(PartsTelling&)> tell_parts = nullptr;
-  bool on_tcp = false;  ///< and over TCP, as `tell` left them
+  std::function<void(OutgoingDatagrams&)> alter_datagrams = nullptr;
+  bool on_tcp = false;  ///< and over TCP, as `alter` left them
 };
 
 /// All of them.
-const std::vector<Lie>& lies();
+const std::vector<FalseStream>& falseStreams();
 
 class MaliciousServer {
  public:
-  /// `lie` outlives it.
-  explicit MaliciousServer(const Lie& lie);
+  /// `false_stream` outlives it.
+  explicit MaliciousServer(const FalseStream& false_stream);
 
   static constexpr std::uint64_t kToken = 0xabcdef0123456789;
 
@@ -122,16 +122,16 @@ class MaliciousServer {
   [[nodiscard]] std::vector<Bytes> takeDatagrams();
   /// The body of an honest probe.
   [[nodiscard]] Bytes probe();
-  [[nodiscard]] bool byDatagrams() const { return lie_.tell_parts != nullptr; }
+  [[nodiscard]] bool byDatagrams() const { return false_stream_.alter_datagrams != nullptr; }
   /// The answer to a ping, if one is given.
   [[nodiscard]] std::optional<Bytes> answer(const Ping& ping, double now_s) const;
 
  private:
   [[nodiscard]] Bytes encodeFrame(const CodedFrame& frame);
   [[nodiscard]] HapticFrame honestFrame(double t_s) const;
-  void lieInParts(double t_s, const CodedFrame& frame);
+  void alterDatagrams(double t_s, const CodedFrame& frame);
 
-  const Lie& lie_;
+  const FalseStream& false_stream_;
   FrameCoder coder_;
   SigningKey key_{KeyBytes{17}};
   bool signed_ = false;

@@ -118,11 +118,11 @@ Outcome measure(const Rub& applyFriction) {
   kind.material.static_friction = kSticking;
   kind.material.dynamic_friction = kSliding;
   const Variant& variant = defaultVariant();
-  const Felt felt =
-      feel(makeStream(applyFriction.scene, kind), variant, applyFriction.hand, {0.4, 1.6, -0.08});
+  const ForceTrace trace = renderTrace(makeStream(applyFriction.scene, kind), variant,
+                                       applyFriction.hand, {0.4, 1.6, -0.08});
   Outcome out;
   for (const bool true_normal : {false, true}) {
-    const Rubbed off = rubbed(applyFriction, felt.ticks, true_normal);
+    const Rubbed off = rubbed(applyFriction, trace.ticks, true_normal);
     const std::string name = applyFriction.name + (true_normal ? ", against the true normal" : "");
     out.rows.push_back(rowOf(name, "friction, breakaway off by", variant, off.breakaway, "%", 0.0));
     out.rows.push_back(rowOf(name, "friction, slip off by", variant, off.slip, "%", 0.0));

@@ -95,7 +95,7 @@ struct Ratio {
   }
 };
 
-void tell(Report& report, const std::string& what, const Ratio& ratio) {
+void reportRatio(Report& report, const std::string& what, const Ratio& ratio) {
   if (ratio.count == 0) return;
   report.say(text("%s (%d shapes): %.3f of the bytes of JPEG-LS, %.2f of its decoding time.",
                   what.c_str(), ratio.count, std::exp(ratio.bytes / ratio.count),
@@ -129,7 +129,8 @@ void measureShapes(const Options& options, Report& report) {
       if (shape.name == "ball, Gaussian 3 px" && error_mm != kDefaultHeightError_mm)
         report.add(Goal{"ball of 45,000 px at 0.055 mm", "bytes", 1300, 1000, bytes});
     }
-    for (const auto& [what, ratio] : ratios) tell(report, what + " at " + mm(error_mm), ratio);
+    for (const auto& [what, ratio] : ratios)
+      reportRatio(report, what + " at " + mm(error_mm), ratio);
   }
 }
 
@@ -179,8 +180,8 @@ void measureForce(const Options& options, Report& report) {
     kind.longest_s = options.quick ? 6.0 : 20.0;
     const Stream stream = makeStream(touched.scene, kind);
     const Hand hand = slidingHand(touched.scene, touched.reach_mm);
-    const auto error = [&](const Stream& felt) {
-      return 100.0 * relativeError(feel(felt, defaultVariant(), hand).ticks);
+    const auto error = [&](const Stream& trace) {
+      return 100.0 * relativeError(renderTrace(trace, defaultVariant(), hand).ticks);
     };
     const double without = error(stream);
     for (const SliceSettings& settings : forceSettings(options.quick)) {

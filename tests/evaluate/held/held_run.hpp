@@ -42,9 +42,9 @@ struct Run {
   std::optional<server::DepthRange> mapped;          ///< what became heights
   std::string refused;  ///< why there is nothing; empty: it went through
 };
-Run watch(const Recording& recording, const Words& words);
+Run runVision(const Recording& recording, const Words& words);
 /// The same with the true masks given by the source: what is left is the surface's share.
-Run watchByTrueMasks(const Recording& recording);
+Run runVisionOnTrueMasks(const Recording& recording);
 
 /// The mask of one frame with which a recording begins; nullopt: refused.
 std::optional<cv::Mat> startOf(const server::RgbdFrame& first, const server::SourceInfo& info,

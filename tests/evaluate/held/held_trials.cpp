@@ -164,8 +164,8 @@ Corrected correctAtRandomTimes(const Recording& recording, const Run& run, const
   Run now = run;
   for (int n = 0; n < 2; ++n) {
     const std::size_t frame = 1 + draw.oneOf(recording.frames.size() - 1);
-    if (!say(recording, now, frame, said)) ++out.truthful;
-    Run next = watch(recording, said);
+    if (!say(recording, now, frame, said)) ++out.uninformative;
+    Run next = runVision(recording, said);
     if (emptied(recording, now, next, frame)) ++out.emptied;
     now = std::move(next);
   }

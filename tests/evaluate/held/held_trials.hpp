@@ -44,8 +44,8 @@ std::optional<WrongPiece> findLargestWrong(const Recording& recording, const Run
 /// Two corrections, each at a random time.
 struct Corrected {
   Scores scores;
-  int emptied = 0;   ///< corrections after which less than a tenth of the object was left
-  int truthful = 0;  ///< corrections that said nothing new: a --not on a hand
+  int emptied = 0;        ///< corrections after which less than a tenth of the object was left
+  int uninformative = 0;  ///< corrections that said nothing new: a --not on a hand
 };
 /// Makes them, starting from `run`, the result of `words`.
 Corrected correctAtRandomTimes(const Recording& recording, const Run& run, const Words& words);

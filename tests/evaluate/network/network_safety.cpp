@@ -81,7 +81,7 @@ void play(SafetyRun& run) {
                      run.stale_N = std::max(run.stale_N, report.force_N.norm());
                    });
   run.contact /= ticks;
-  run.unexplained_N = viewer.felt.max_unexplained_N;
+  run.unexplained_N = viewer.trace.max_unexplained_N;
 }
 
 }  // namespace

@@ -83,20 +83,20 @@ class ScriptedViewer {
 
 }  // namespace
 
-NetworkFelt feelThrough(const SentStream& stream, const Network& network, const Hand& hand,
-                        double seconds) {
+NetworkTrace renderThroughNetwork(const SentStream& stream, const Network& network,
+                                  const Hand& hand, double seconds) {
   ScriptedViewer viewer(hand);
-  NetworkFelt felt;
-  felt.ticks.reserve(static_cast<std::size_t>(seconds * 1e3));
-  felt.conversation =
+  NetworkTrace trace;
+  trace.ticks.reserve(static_cast<std::size_t>(seconds * 1e3));
+  trace.conversation =
       runSession(stream, network, seconds, viewer, [&](const Wire& wire, NetworkTick tick) {
         const LocalTime now = viewer.now();
         if (tick.clock_offset)
           tick.clock_error_ms = 1e3 * toSeconds(now.time_since_epoch() + *tick.clock_offset -
                                                 wire.mediaNow(now).time_since_epoch());
-        felt.ticks.push_back(tick);
+        trace.ticks.push_back(tick);
       });
-  return felt;
+  return trace;
 }
 
 }  // namespace hapticast::evaluate

@@ -30,7 +30,7 @@ struct Conversation {
   std::vector<double> waited_ms;
 };
 
-struct NetworkFelt {
+struct NetworkTrace {
   std::vector<NetworkTick> ticks;  ///< every millisecond since the viewer came
   Conversation conversation;
 };
@@ -78,7 +78,7 @@ Conversation runSession(const SentStream& stream, const Network& network, double
 }
 
 /// What a hand feels whose way is told in play time.
-NetworkFelt feelThrough(const SentStream& stream, const Network& network, const Hand& hand,
-                        double seconds);
+NetworkTrace renderThroughNetwork(const SentStream& stream, const Network& network,
+                                  const Hand& hand, double seconds);
 
 }  // namespace hapticast::evaluate

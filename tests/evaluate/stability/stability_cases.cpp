@@ -69,7 +69,7 @@ void draw(const StabilityReport& to, const std::vector<ExtremeCase>& all) {
 
 void stabilityCases(const StabilityReport& to) {
   std::vector<ExtremeCase> all = planeCases();
-  for (const ExtremeCase& more : roomCases()) all.push_back(more);
+  for (const ExtremeCase& more : rendererCases()) all.push_back(more);
   std::vector<std::vector<std::string>> lines{{"case", "naive: step N, hand mm/s, mJ", "chain",
                                                "unexplained step N", "peak, end N",
                                                "what the chain did"}};

@@ -29,6 +29,6 @@ struct ExtremeCase {
 /// A wall, a virtual device, a light hand: what happens to the wall, the tip, the clock.
 std::vector<ExtremeCase> planeCases();
 /// The whole room, frames in and force out: what a stream does.
-std::vector<ExtremeCase> roomCases();
+std::vector<ExtremeCase> rendererCases();
 
 }  // namespace hapticast::evaluate

@@ -57,6 +57,6 @@ void stabilityIntegrators(const StabilityReport& to);
 void stabilityLife(const StabilityReport& to);
 void stabilityCases(const StabilityReport& to);
 void stabilityHonest(const StabilityReport& to);
-void stabilityLies(const StabilityReport& to);
+void stabilityFalseStreams(const StabilityReport& to);
 
 }  // namespace hapticast::evaluate

@@ -52,7 +52,7 @@ struct Tick {
   [[nodiscard]] Vec3 error_mm() const { return displacement_mm - hand.truth_mm; }
 };
 
-struct Felt {
+struct ForceTrace {
   std::vector<Tick> ticks;
   double tick_us = 0.0;  ///< look-up and surface, mean
 };
@@ -66,15 +66,15 @@ struct PlayTimes {
 
 /// What a hand feels by each of the variants; frames are made once for those that read the same
 /// ones. `streams` gives the stream of a method.
-std::vector<Felt> feelAll(const std::function<const Stream&(Method)>& streams,
-                          const std::vector<Variant>& variants, const Hand& hand,
-                          const PlayTimes& times = {});
+std::vector<ForceTrace> renderTraces(const std::function<const Stream&(Method)>& streams,
+                                     const std::vector<Variant>& variants, const Hand& hand,
+                                     const PlayTimes& times = {});
 
 /// One variant. `look`: what else is wanted of each tick; its time counts.
 using Look = std::function<void(const client::Scene&, const client::StreamTiming&,
                                 const client::Contact&, const Tick&)>;
-Felt feel(const Stream& stream, const Variant& variant, const Hand& hand,
-          const PlayTimes& times = {}, const Look& look = nullptr);
+ForceTrace renderTrace(const Stream& stream, const Variant& variant, const Hand& hand,
+                       const PlayTimes& times = {}, const Look& look = nullptr);
 
 /// Relative RMS of the error over the ticks in which the truth is in contact.
 double relativeError(const std::vector<Tick>& ticks);

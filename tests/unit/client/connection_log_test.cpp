@@ -6,7 +6,7 @@
 namespace hapticast::client {
 namespace {
 
-TEST(ConnectionLog, SaysOnceWhatItWaitsForAndThenOnceAMinute) {
+TEST(ConnectionLog, ReportsTheReasonOfItsWaitOnceAndThenOnceAMinute) {
   ConnectionLog log("here:1");
   EXPECT_EQ(log.lost("connection refused", localTime(0)),
             "waiting for a server at here:1 (connection refused)");
@@ -17,7 +17,7 @@ TEST(ConnectionLog, SaysOnceWhatItWaitsForAndThenOnceAMinute) {
   EXPECT_EQ(log.reason(), "connection refused");
 }
 
-TEST(ConnectionLog, SaysHowFarTheServerIsInQuarters) {
+TEST(ConnectionLog, ReportsHowFarTheServerIsInQuarters) {
   ConnectionLog log("here:1");
   (void)log.connected("connected: x", localTime(0));
   EXPECT_EQ(log.preparing(0.1, localTime(1)), "the server scans its clip first: 10 % done");
@@ -28,7 +28,7 @@ TEST(ConnectionLog, SaysHowFarTheServerIsInQuarters) {
   EXPECT_FALSE(log.preparing(1.0, localTime(6))) << "nothing is waited for";
 }
 
-TEST(ConnectionLog, SaysEveryNewReasonAndEveryConnection) {
+TEST(ConnectionLog, ReportsEveryNewReasonAndEveryConnection) {
   ConnectionLog log("here:1");
   EXPECT_TRUE(log.lost("connection refused", localTime(0)));
   EXPECT_TRUE(log.lost("no route", localTime(1)));
@@ -59,7 +59,7 @@ TEST(ConnectionLog, AServerThatComesAndGoesDoesNotFillTheLog) {
   EXPECT_TRUE(log.connected("connected: x", localTime(61))) << "a minute later";
 }
 
-TEST(StreamErrorLog, SaysWhatIsNotShownOnceAMinute) {
+TEST(StreamErrorLog, ReportsErrorsThatAreNotShownOnceAMinute) {
   StreamErrorLog log;
   ReceiverCounts counts;
   counts.duplicates = 3;

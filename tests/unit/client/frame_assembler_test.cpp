@@ -45,7 +45,7 @@ TEST(FrameAssembler, PutsFramesInTheirPlace) {
   EXPECT_EQ(second->frame.id, 14U);
 }
 
-TEST(FrameAssembler, DropsWhatCameBeforeOrTooLate) {
+TEST(FrameAssembler, DropsDuplicatesAndLateFrames) {
   FrameAssembler assembler;
   assembler.restart();
   EXPECT_TRUE(whole(assembler, frameOf(5)));
@@ -74,7 +74,7 @@ TEST(FrameAssembler, OneAbsurdIdDoesNotSilenceTheStream) {
   EXPECT_FALSE(whole(assembler, frameOf(84))->place.resync);
 }
 
-TEST(FrameAssembler, WhatANetworkDoesIsNoJump) {
+TEST(FrameAssembler, NetworkDelaysAreNoJump) {
   FrameAssembler assembler;
   assembler.restart();
   constexpr std::uint64_t kJump = FrameAssembler::kLargestJump;
@@ -172,7 +172,7 @@ TEST_F(FrameAssemblerParts, AFrameLeavesWhenItsLastPartHasCome) {
   EXPECT_FALSE(assembler.oldestCame());
 }
 
-TEST_F(FrameAssemblerParts, AFrameThatIsDueLeavesWithWhatHasCome) {
+TEST_F(FrameAssemblerParts, AFrameThatIsDueLeavesWithItsReceivedParts) {
   const Packed frame = packed(11);
   (void)add(frame, 0);
   (void)add(frame, 1);
@@ -254,7 +254,7 @@ TEST_F(FrameAssemblerParts, TheFirstFrameOfAConnectionHasAllReliefs) {
   EXPECT_TRUE(assembler.next(false)) << "it has all reliefs";
 }
 
-TEST_F(FrameAssemblerParts, WhatIsFarFromTheStreamIsAstray) {
+TEST_F(FrameAssemblerParts, DropsFramesFarFromTheStream) {
   constexpr auto kAstray = FrameAssembler::Want::kAstray;
   DatagramHeader header = packed(11).headers[0];
   header.frame = 10 + FrameAssembler::kLargestJump + 1;
@@ -293,7 +293,7 @@ enum class Ids { kRise, kRace, kBackAndForth };
 class FrameAssemblerFlood : public FrameAssemblerParts,
                             public ::testing::WithParamInterface<std::tuple<Ids, bool, bool>> {};
 
-TEST_P(FrameAssemblerFlood, WhateverTheIdsLittleIsKept) {
+TEST_P(FrameAssemblerFlood, KeepsFewFramesAtAnyIds) {
   const auto [ids, any_before, broken] = GetParam();
   if (!any_before) assembler.restart();
   const Packed honest = packed(11);
@@ -339,7 +339,7 @@ TEST_F(FrameAssemblerParts, AnAbsurdIdByDatagramEndsWithTheNextFrameByTcp) {
   EXPECT_TRUE(assembler.next(false));
 }
 
-TEST_F(FrameAssemblerParts, WhateverTheOrderFramesRiseAndNoneComesTwice) {
+TEST_F(FrameAssemblerParts, FrameIdsRiseWithoutRepetitionInAnyOrder) {
   std::mt19937 random(5);
   std::vector<Packed> frames;
   for (std::uint64_t id = 11; id < 60; ++id) frames.push_back(packed(id));

@@ -38,7 +38,7 @@ TEST(ReliefCache, ASameReliefResentIsTheSameToTouch) {
   EXPECT_NE(fieldOf(flatRelief({101, 100, 40, 30}, 5.5F)), third);
 }
 
-TEST(ReliefCache, WhatNeverCameIsTheReliefBeforeMovedWithTheObject) {
+TEST(ReliefCache, AMissingReliefIsThePreviousOneMovedWithTheObject) {
   ReliefCache cache;
   const Workspace workspace;
   cache.reset(workspace, Method::kHapticast);

@@ -32,7 +32,7 @@ TEST(FoundServers, ANameThatTwoHostsAnnounceIsNotChosen) {
   EXPECT_EQ(why, "more than one host announces this name: 192.168.1.5:7447, 10.0.0.9:7447");
 }
 
-TEST(FoundServers, WhatStrangersSayIsBoundedAndClean) {
+TEST(FoundServers, LimitsAndCleansTextsOfTheNetwork) {
   FoundServer evil = announced("\x1b[31mred\n1  safe");
   evil.host = std::string(500, 'h');
   evil.plays = std::string(500, 'p') + "\x07";

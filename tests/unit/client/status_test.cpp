@@ -24,7 +24,7 @@ class StatusTest : public ::testing::Test {
   }
   [[nodiscard]] std::string status() const { return statusLine(report, ui_state); }
   [[nodiscard]] std::string hint() const {
-    TickWatch ticks;
+    TickStatus ticks;
     ticks.add(report);
     return hintLine(ticks, ui_state);
   }
@@ -113,7 +113,7 @@ TEST_F(StatusTest, AHintExplainsTheFirstTouch) {
   EXPECT_EQ(hint(), "Move over the object, turn the wheel down to press. F1: keys and colours.");
   ui_state.pointer_is_device = false;
   EXPECT_EQ(hint().find("wheel"), std::string::npos) << "no wheel moves this device";
-  TickWatch ticks;
+  TickStatus ticks;
   ticks.add(report);
   touch(0.5);
   ticks.add(report);
@@ -123,7 +123,7 @@ TEST_F(StatusTest, AHintExplainsTheFirstTouch) {
 }
 
 TEST_F(StatusTest, TheChainUsesPlainWords) {
-  TickWatch ticks;
+  TickStatus ticks;
   ticks.add(report);
   EXPECT_EQ(ticks.chain(), "no action");
   report.interferences = bit(SafetyAction::kSlew) | bit(SafetyAction::kFade);

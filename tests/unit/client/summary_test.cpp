@@ -104,7 +104,7 @@ TEST(Summary, EveryKeyWithItsNumber) {
   EXPECT_EQ(written(eventful()), expected);
 }
 
-TEST(Summary, WhatIsNotFiniteIsNull) {
+TEST(Summary, WritesNullForNonFiniteValues) {
   RunResult result;
   result.loop.step_excess_max_N = std::numeric_limits<double>::infinity();
   result.loop.work.object_mJ = std::numeric_limits<double>::quiet_NaN();

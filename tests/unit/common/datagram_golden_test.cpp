@@ -131,7 +131,7 @@ TEST(DatagramGoldenTest, ThePageShowsThem) {
             std::string::npos);
 }
 
-TEST(DatagramGoldenTest, ItIsReadAsItWasMeant) {
+TEST(DatagramGoldenTest, IsDecodedToItsFields) {
   const auto bytes = exampleDatagram();
   const auto datagram = readDatagram(bytes);
   ASSERT_TRUE(datagram);

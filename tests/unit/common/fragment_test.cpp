@@ -88,7 +88,7 @@ Reassembly joined(const CodedFrame& frame, const Payloads& payloads,
   return join;
 }
 
-TEST(FramePiecesTest, WhatIsPackedComesOutWhateverTheOrder) {
+TEST(FramePiecesTest, UnpacksAFrameFromPiecesInAnyOrder) {
   for (std::uint32_t seed = 1; seed <= 5; ++seed) {
     const CodedFrame frame = largeFrame(seed);
     const Payloads payloads = packFrame(frame);
@@ -106,7 +106,7 @@ TEST(FramePiecesTest, WhatIsPackedComesOutWhateverTheOrder) {
   }
 }
 
-TEST(FramePiecesTest, WhatArrivesIsUsable) {
+TEST(FramePiecesTest, AllReceivedPiecesAreUsable) {
   const CodedFrame frame = largeFrame(9);
   const Payloads payloads = packFrame(frame);
   std::mt19937 random(3);
@@ -254,7 +254,7 @@ TEST(FramePiecesTest, AHeadAnnouncesNoMoreSlicesThanThereAreCells) {
   EXPECT_FALSE(readPiece(head, 9).ok());
 }
 
-TEST(FramePiecesTest, AReliefHasNoMoreSlicesThanItsHeadSays) {
+TEST(FramePiecesTest, AReliefHasNoMoreSlicesThanItsHeadAnnounces) {
   CodedFrame frame = largeFrame(4);
   const Payloads honest = packFrame(frame);
   for (CodedObject& object : frame.objects) {

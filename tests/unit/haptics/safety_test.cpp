@@ -67,7 +67,7 @@ TEST(SafetyChain, TheDamperGrowsWithDepthAndWithTheTicksInContact) {
   EXPECT_DOUBLE_EQ(limit.most_N(3.0), 0.04);
 }
 
-TEST(SafetyChain, NoFirstTouchIsABlowWhateverTheObjectDoes) {
+TEST(SafetyChain, NoFirstTouchIsABlowAtAnyMotionOfTheObject) {
   constexpr double kWay_mm = 0.33;  // a tick at 330 mm/s
   for (const double stiffness_N_mm : {0.5, 1.5, 5.0}) {
     SafetyChain chain = armedChain(omni(stiffness_N_mm, 1));
@@ -189,7 +189,7 @@ TEST(SafetyChain, FadesInFromZeroAtTheStart) {
   EXPECT_NEAR(last_N, 1.0, 1e-9);
 }
 
-TEST(SafetyChain, TooDeepAtTheStartStaysUnarmedUntilTheHandHasLeft) {
+TEST(SafetyChain, ADeepStartStaysDisarmedUntilTheHandHasLeft) {
   SafetyChain chain(omni(0.5, 1));
   for (int i = 0; i < 500; ++i) {
     const SafetyOutput out = chain.step(pressed(7.0));  // above 3.3 / 0.5 mm

@@ -133,7 +133,7 @@ TEST(StepLimit, ANumberThatIsNoneIsNoSilence) {
   }
 }
 
-TEST(StepLimit, SeesAStepThatNothingExplains) {
+TEST(StepLimit, DetectsAnUnexplainedStep) {
   StepMeter meter;
   StepState state;
   EXPECT_EQ(meter.excess_N(state, false), 0.0);

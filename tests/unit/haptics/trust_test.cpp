@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::uint32_t kTankBit = bit(SafetyAction::kTank);
 
-TEST(Trust, IsLostToWhatLastsAndNotToWhatPasses) {
+TEST(Trust, IsLostToLastingActionsAndNotToShortOnes) {
   Trust lasting;
   int ticks = 0;
   for (; !lasting.lost() && ticks < 10000; ++ticks) lasting.add(kTankBit);
@@ -31,7 +31,7 @@ TEST(Trust, IsLostToWhatLastsAndNotToWhatPasses) {
   EXPECT_TRUE(often.lost());
 }
 
-TEST(Trust, CountsWhatAStreamDoesAndAHandCannot) {
+TEST(Trust, CountsActionsThatOnlyAStreamCanCause) {
   using enum SafetyAction;
   for (std::size_t i = 0; i < kInterferenceNames.size(); ++i) {
     const auto which = static_cast<SafetyAction>(i);
@@ -209,7 +209,7 @@ TEST(RearmPolicy, WithoutTheFlagNothingComesBack) {
 
 const RearmPolicy kNever(false);
 
-TEST(HapticStatusLog, SaysWhyThereIsNoForceAndThatItIsBack) {
+TEST(HapticStatusLog, ReportsWhyThereIsNoForceAndThatItIsBack) {
   HapticStatusLog log;
   EXPECT_FALSE(log.onReport(at(1.0, Halt::kNone), kNever));
   EXPECT_EQ(log.onReport(at(2.0, Halt::kTrustLost), kNever),
@@ -227,7 +227,7 @@ TEST(HapticStatusLog, SaysWhyThereIsNoForceAndThatItIsBack) {
   EXPECT_FALSE(log.onReport(at(7.0, Halt::kStopped), kNever)) << "the end is no news";
 }
 
-TEST(HapticStatusLog, SaysThatFramesStayOutAndComeAgain) {
+TEST(HapticStatusLog, ReportsThatFramesStayOutAndComeAgain) {
   HapticStatusLog log;
   TickReport report = at(1.0, Halt::kNone);
   EXPECT_FALSE(log.onReport(report, kNever));
@@ -240,7 +240,7 @@ TEST(HapticStatusLog, SaysThatFramesStayOutAndComeAgain) {
   EXPECT_EQ(log.onReport(report, kNever), "frames arrive again");
 }
 
-TEST(HapticStatusLog, SaysOnceThatNoFrameHasEverArrived) {
+TEST(HapticStatusLog, ReportsOnceThatNoFrameHasEverArrived) {
   HapticStatusLog log;
   const auto line = [&](double time_s, Lookup lookup = Lookup::kEmpty) {
     TickReport report = at(time_s, Halt::kNone);
@@ -255,7 +255,7 @@ TEST(HapticStatusLog, SaysOnceThatNoFrameHasEverArrived) {
   EXPECT_FALSE(line(9.0));
 }
 
-TEST(HapticStatusLog, SaysThatADeviceComesBackThoughNoTrustIsLeftToForgive) {
+TEST(HapticStatusLog, ReportsThatADeviceComesBackThoughNoTrustIsLeftToForgive) {
   HapticStatusLog log;
   EXPECT_EQ(log.onReport(at(1.0, Halt::kDeviceLost), rearmAfter(3)),
             "the device does not answer: no force until it answers again");
@@ -263,7 +263,7 @@ TEST(HapticStatusLog, SaysThatADeviceComesBackThoughNoTrustIsLeftToForgive) {
                   ->ends_with("no force from now on; restart the client to touch this stream"));
 }
 
-TEST(HapticStatusLog, SaysAHaltWhateverElseHasUsedUpTheLines) {
+TEST(HapticStatusLog, ReportsAHaltEvenIfOtherLinesUsedUpTheLimit) {
   HapticStatusLog log;
   for (int i = 0; i < 100; ++i) {
     TickReport report = at(1.0 + i * 0.1, Halt::kNone);
@@ -273,7 +273,7 @@ TEST(HapticStatusLog, SaysAHaltWhateverElseHasUsedUpTheLines) {
   EXPECT_TRUE(log.onReport(at(20.0, Halt::kTrustLost), kNever));
 }
 
-TEST(HapticStatusLog, SaysAtMostTenHaltsAndTenOtherLinesAMinute) {
+TEST(HapticStatusLog, ReportsAtMostTenHaltsAndTenOtherLinesAMinute) {
   HapticStatusLog log;
   int lines = 0;
   for (int i = 0; i < 59'000; ++i) {
@@ -285,7 +285,7 @@ TEST(HapticStatusLog, SaysAtMostTenHaltsAndTenOtherLinesAMinute) {
   EXPECT_EQ(lines, 2 * (LogRateLimiter::kBurst + 3)) << "a token comes back at 15, 30 and 45 s";
 }
 
-TEST(HapticStatusLog, SaysOnceAMinuteThatAWallIsSofter) {
+TEST(HapticStatusLog, ReportsOnceAMinuteThatAWallIsSofter) {
   HapticStatusLog log;
   int lines = 0;
   for (int i = 0; i < 150; ++i) {

@@ -159,7 +159,7 @@ TEST(SafetyLinks, ALongHardPressIsEasedToTheContinuousForce) {
   EXPECT_NEAR(warm.out.force_N.z(), 3.3, 0.01);
 }
 
-TEST(SafetyLinks, TheAuthorsDampingIsFeltWithinBounds) {
+TEST(SafetyLinks, TheAuthorsDampingActsWithinBounds) {
   const auto braked_N = [](double damping_Ns_m, std::uint64_t& cut) {
     const PlantProfile profile = omni(0.5, 1);
     SafetyChain chain(profile);
@@ -222,10 +222,12 @@ TEST(SafetyLinks, ThePassivityControllerActsWhereAContactGenerates) {
   EXPECT_LT(swing_mm[0], 0.5 * swing_mm[1]);
 }
 
-/// Swings of a free tip in a wall told `told` ticks of delay that really has `real`.
-struct Told {
-  Told(double stiffness_N_mm, int told, int real, const Hand& hand, const SafetyLinks& links = {})
-      : rig(profileOf(stiffness_N_mm, told), profileOf(stiffness_N_mm, real), hand, links) {
+/// Swings of a free tip in a wall told `profile_ticks` ticks of delay that really has `real`.
+struct DelayedRig {
+  DelayedRig(double stiffness_N_mm, int profile_ticks, int real, const Hand& hand,
+             const SafetyLinks& links = {})
+      : rig(profileOf(stiffness_N_mm, profile_ticks), profileOf(stiffness_N_mm, real), hand,
+            links) {
     rig.device.reset({0.0, 0.0, 5.0}, {0.0, 0.0, -200.0});
     rig.device.setPush({0.0, 0.0, -1.0});
     rig.device.setTarget({0.0, 0.0, -2.0});
@@ -240,19 +242,19 @@ struct Told {
   int alarms = 0;
 };
 
-TEST(SafetyLinks, TheLatencyWatchSeesALongerDelayAndSoftensTheWall) {
-  Told wrong(5.0, 1, 3, Hand::lightGrip());
+TEST(SafetyLinks, TheOscillationDetectorFindsALongerDelayAndSoftensTheWall) {
+  DelayedRig wrong(5.0, 1, 3, Hand::lightGrip());
   EXPECT_EQ(wrong.alarms, 1);  // once a connection
   EXPECT_GT(wrong.rig.count(SafetyAction::kLatency), 100U);
   EXPECT_GT(wrong.rig.count(SafetyAction::kStiffness), 100U);  // K_max is now that of 2 ticks
   EXPECT_EQ(wrong.rig.max_excess_N, 0.0);
-  const Told unwatched(5.0, 1, 3, Hand::lightGrip(), {.latency_watch = false});
-  EXPECT_EQ(unwatched.alarms, 0);
-  EXPECT_EQ(unwatched.rig.count(SafetyAction::kLatency), 0U);
+  const DelayedRig undetected(5.0, 1, 3, Hand::lightGrip(), {.latency_watch = false});
+  EXPECT_EQ(undetected.alarms, 0);
+  EXPECT_EQ(undetected.rig.count(SafetyAction::kLatency), 0U);
 }
 
-TEST(SafetyLinks, WhatTheLatencyWatchLearnedEndsWithTheConnectionOutOfContact) {
-  Told wrong(5.0, 1, 3, Hand::lightGrip());
+TEST(SafetyLinks, ANewConnectionResetsTheMeasuredDelayOutOfContact) {
+  DelayedRig wrong(5.0, 1, 3, Hand::lightGrip());
   wrong.rig.clear();
   wrong.rig.chain.newConnection();
   wrong.rig.run(1);
@@ -267,11 +269,11 @@ TEST(SafetyLinks, WhatTheLatencyWatchLearnedEndsWithTheConnectionOutOfContact) {
   EXPECT_EQ(wrong.rig.count(SafetyAction::kLatency), 0U);
 }
 
-TEST(SafetyLinks, TheLatencyWatchIsSilentWhereTheDelayIsTold) {
+TEST(SafetyLinks, TheOscillationDetectorIsSilentAtTheProfilesDelay) {
   for (int d = 0; d <= 3; ++d) {
     for (const double k : {0.5, 1.0, 2.0, 5.0}) {
       for (const Hand& hand : {Hand::none(), Hand::light(), Hand::firmGrip(), Hand::lightGrip()}) {
-        EXPECT_EQ(Told(k, d, d, hand).alarms, 0) << "K " << k << " d " << d;
+        EXPECT_EQ(DelayedRig(k, d, d, hand).alarms, 0) << "K " << k << " d " << d;
       }
     }
   }
@@ -279,7 +281,7 @@ TEST(SafetyLinks, TheLatencyWatchIsSilentWhereTheDelayIsTold) {
 
 TEST(SafetyLinks, ThePassivityControllerIsBlindToAWrongDelay) {
   // Why the watch is there: told 1, real 3, the meters see a contact that pays for itself.
-  Told blind(5.0, 1, 3, Hand::none(), {.latency_watch = false, .trust = false});
+  DelayedRig blind(5.0, 1, 3, Hand::none(), {.latency_watch = false, .trust = false});
   const double metered_mJ = blind.rig.chain.work().relative_mJ;
   std::printf("told 1, real 3: metered %.1f mJ\n", metered_mJ);
   EXPECT_LT(metered_mJ, 0.0);

@@ -27,7 +27,7 @@ FramePair at(double time_s, double gap = 1.0) {
   return out;
 }
 
-TEST(AnnotationTrack, APointSpeaksOfTheFrameNextToItAndOfNoOther) {
+TEST(AnnotationTrack, APointAppliesToTheNearestFrameOnly) {
   VisionSettings settings;
   settings.object_points = {{{5, 6}, 0.0}, {{7, 8}, 0.41}};
   settings.not_points = {{{9, 10}, 0.0}, {{11, 12}, 0.79}};
@@ -84,7 +84,7 @@ struct SquareAndBar {
   }
 };
 
-TEST(AnnotationsTest, WhatAPointSaysIsNotItLeavesTheMaskAndNothingElse) {
+TEST(AnnotationsTest, ANegativePointRemovesItsObjectOnly) {
   const SquareAndBar drawn;
   const FrameImages images = drawn.images();
   const SceneContext scene{measureNoise(drawn.depth), {}, {}, {}};
@@ -95,7 +95,7 @@ TEST(AnnotationsTest, WhatAPointSaysIsNotItLeavesTheMaskAndNothingElse) {
   EXPECT_LT(test::overlap(right, drawn.square), 0.1) << "the author may mean the bar";
 }
 
-TEST(AnnotationsTest, WhatAPointSaysIsItJoinsTheMaskAndNothingElse) {
+TEST(AnnotationsTest, APositivePointAddsItsObjectOnly) {
   const SquareAndBar drawn;
   const FrameImages images = drawn.images();
   const SceneContext scene{measureNoise(drawn.depth), {}, {}, {}};
@@ -304,7 +304,7 @@ TEST(AnnotationsTest, ALaterPointOnNothingIsLeftOut) {
   for (int i = 0; i < kWordFrames; ++i) EXPECT_EQ(segments[i].size(), 1U) << i;
 }
 
-TEST(AnnotationsTest, APointOnWhatIsFollowedChangesNothing) {
+TEST(AnnotationsTest, APointOnTheTrackedObjectChangesNothing) {
   Played said;
   said.settings.object_points = {{{90, 110}}, {{130, 110}, 10 / kWordFps}};
   Played silent;
@@ -331,14 +331,14 @@ TEST(AnnotationsTest, AClipIsLookedThroughTwiceForLaterNots) {
   settings.object_points = {{{90, 110}}};
   settings.not_points = {{{20, 20}, 8 / kWordFps}};
   Vision vision(source.info(), settings);
-  std::vector<std::uint64_t> told;
+  std::vector<std::uint64_t> progress;
   EXPECT_TRUE(vision.scan(source, [&](std::uint64_t done, std::uint64_t total) {
     EXPECT_EQ(total, 24U);
-    told.push_back(done);
+    progress.push_back(done);
     return true;
   }));
-  ASSERT_EQ(told.size(), 24U);
-  for (std::size_t i = 0; i < told.size(); ++i) EXPECT_EQ(told[i], i + 1);
+  ASSERT_EQ(progress.size(), 24U);
+  for (std::size_t i = 0; i < progress.size(); ++i) EXPECT_EQ(progress[i], i + 1);
 }
 
 }  // namespace

@@ -58,7 +58,7 @@ struct Direction {
 const Direction kDirections[] = {{{1, 0}, {1, 0}}, {{0, 1}, {0, -1}}, {{0.6, 0.8}, {0.6, -0.8}}};
 constexpr double kSwing_mm_s2 = 0.5 * kSwing_px * kTurn * kTurn;
 
-TEST(Pan, WhatStandsOnTheBackgroundIsNotAccelerated) {
+TEST(Pan, AnObjectAtRestOnTheBackgroundIsNotAccelerated) {
   for (const Direction& along : kDirections) {
     const auto frame = [&](std::uint64_t i) {
       return panned(i, kMiddle_px + panAt_px(i) * along.px, panAt_px(i) * along.px);
@@ -72,7 +72,7 @@ TEST(Pan, WhatStandsOnTheBackgroundIsNotAccelerated) {
 }
 
 // The camera follows the object, which rests in the picture: the background tells how it moves.
-TEST(Pan, WhatTheCameraFollowsIsAccelerated) {
+TEST(Pan, AnObjectThatTheCameraFollowsIsAccelerated) {
   for (const Direction& along : kDirections) {
     const auto frame = [&](std::uint64_t i) {
       return panned(i, kMiddle_px, panAt_px(i) * along.px);

@@ -27,7 +27,7 @@ Relief tilted(double slope, double noise_mm) {
   return out;
 }
 
-TEST(ScenePlan, ForceDifferenceIsWhatAFingerWouldFeel) {
+TEST(ScenePlan, ForceDifferenceIsThatAtAFinger) {
   EXPECT_EQ(forceDifference_N(tilted(0.2, 0), tilted(0.2, 0), 0.25, 0.5), 0.0);
   Relief higher = tilted(0.0, 0);
   for (float& h : higher.height_mm) h += 0.1F;
@@ -79,7 +79,7 @@ TEST(ScenePlan, AStageGoesOffWithinTheBudgetOnly) {
   EXPECT_TRUE(plan.on(Stage::kSmooth));
 }
 
-TEST(ScenePlan, AtRestAllGoesOffAndTheAuthorsWordHolds) {
+TEST(ScenePlan, AtRestAllStagesAreOffExceptTheAuthorsChoices) {
   ScenePlan plan({}, true);
   EXPECT_FALSE(plan.on(Stage::kSegment));
   EXPECT_TRUE(plan.on(Stage::kMotion));
@@ -200,7 +200,7 @@ RgbdFrame swaying(const test::BallScene& scene, std::uint64_t i, double sway_px)
   return frame;
 }
 
-TEST(ScenePlan, WhatDeformsGetsAGridAndARigidBodyNone) {
+TEST(ScenePlan, ADeformingObjectHasAGridAndARigidBodyNone) {
   const test::BallScene scene;
   for (const double sway_px : {0.0, 4.0}) {
     VisionSettings settings;

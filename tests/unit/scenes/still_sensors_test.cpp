@@ -113,7 +113,7 @@ INSTANTIATE_TEST_SUITE_P(All, StillSensors,
                                            Kind::kEstimate));
 
 // A part comes nearer while its colours stay: it is let go, but no frame makes a step of it.
-TEST(StillBalls, WhatIsReleasedByItsDepthGoesOverSoftly) {
+TEST(StillBalls, ATileReleasedByItsDepthChangesSmoothly) {
   const cv::Rect part(64, 40, 32, 32);
   StillBall ball(Kind::kFlight);
   Surface last;

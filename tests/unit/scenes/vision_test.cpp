@@ -194,7 +194,7 @@ TEST(Vision, PointsOutsideThePictureAreRefused) {
   }
 }
 
-TEST(Vision, AScanEndsWhereItIsToldTo) {
+TEST(Vision, AScanEndsAtItsLimit) {
   const BallScene scene;
   FunctionSource source(scene.info(), 10,
                         [&](std::uint64_t i) { return scene.frame(i, 160, 120, 0); });

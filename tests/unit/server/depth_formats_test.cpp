@@ -169,13 +169,13 @@ TEST_P(DepthFormats, OpensWithExactDepthAndTimes) {
   EXPECT_EQ(log.count(), 0) << log.text();
 }
 
-TEST_P(DepthFormats, CutInTheMiddleItPlaysWhatIsWhole) {
+TEST_P(DepthFormats, PlaysTheCompleteFramesOfACutFile) {
   const std::string bytes = readDepthFile();
   writeDepthFile(bytes.substr(0, bytes.size() / 2));
   EXPECT_LT(playWhatIsWhole(), kFormatFrames);
 }
 
-TEST_P(DepthFormats, AWrongHeaderIsToldWithTheFile) {
+TEST_P(DepthFormats, AWrongHeaderIsReportedWithTheFile) {
   std::string bytes = readDepthFile();
   std::fill_n(bytes.begin(), std::min<std::size_t>(bytes.size(), 64), '\x5A');
   writeDepthFile(bytes);

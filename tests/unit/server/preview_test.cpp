@@ -91,7 +91,7 @@ TEST_F(Preview, AFolderGetsASheetOfTheClip) {
   EXPECT_EQ(cv::imread((folder / "sheet/clip.png").string()).size(), cv::Size(6 * 240, 180));
 }
 
-TEST_F(Preview, PlacesThatCannotBeWrittenToAreToldInOneLine) {
+TEST_F(Preview, PlacesThatCannotBeWrittenToAreReportedInOneLine) {
   folder.write("file", std::string("x"));
   const auto refusal = [&](const char* place) {
     return errorOf([&] { (void)run(settingsFor(place)); });
@@ -101,7 +101,7 @@ TEST_F(Preview, PlacesThatCannotBeWrittenToAreToldInOneLine) {
   EXPECT_FALSE(std::filesystem::exists(folder / "none"));
 }
 
-TEST_F(Preview, WhatCannotBeStartedOnIsTheUsualLine) {
+TEST_F(Preview, ReportsAFailedStartInTheUsualLine) {
   Settings settings = settingsFor("a.png");
   settings.vision.object_points = {{{2, 2}}};
   EXPECT_THAT(errorOf([&] { (void)run(settings); }), HasSubstr("--object 2,2"));
@@ -227,7 +227,7 @@ TEST_F(Preview, WritesASceneThatBeginsWithTheSameObject) {
   EXPECT_EQ(facts(again), facts(said)) << "the same mask";
 }
 
-TEST(AuthorPoints, AfterTheEndOfTheClipAreToldAndLeftOut) {
+TEST(AuthorPoints, AfterTheEndOfTheClipAreReportedAndSkipped) {
   SourceInfo info;
   info.fps = 25.0;
   info.frame_count = 50;
@@ -247,7 +247,7 @@ TEST(AuthorPoints, AfterTheEndOfTheClipAreToldAndLeftOut) {
   EXPECT_EQ(preparePoints(settings, info).object_points.size(), 3U) << "no end is known";
 }
 
-TEST(AuthorPoints, ThatContradictEachOtherAreToldAndLeftOut) {
+TEST(AuthorPoints, ThatContradictEachOtherAreReportedAndSkipped) {
   VisionSettings settings;
   settings.object_points = {{{10, 20}}, {{30, 40}, 1.5}};
   settings.not_points = {{{31, 41}, 1.5}, {{30, 40}, 0.0}};

@@ -85,7 +85,7 @@ TEST(SceneFile, FlagsWinAndTheirPointsAddToIt) {
   EXPECT_EQ(vision.materialOf(1).stiffness_N_mm, 0.9) << "the object's own value";
 }
 
-TEST(SceneFile, WhatFlagsSaidIsInTheSceneThatAPreviewWrites) {
+TEST(SceneFile, AWrittenSceneHasTheValuesOfTheFlags) {
   const Probe run({"--source", "synthetic:still", "--stiffness", "0.4", "--stretch", "--object",
                    "7,8", "--not", "3,4@2"});
   const Scene& scene = run.settings.scene;

@@ -20,7 +20,7 @@ asio::ip::udp::endpoint udp(const char* host, std::uint16_t port) {
   return {make_address(host), port};
 }
 
-class AddressBookTest : public ::testing::Test {
+class UdpSubscribersTest : public ::testing::Test {
  protected:
   AddressValidation echo(std::uint64_t token, const asio::ip::udp::endpoint& from) {
     return book.onEcho(echoBytes({token, kStream}), from, now);
@@ -37,7 +37,7 @@ class AddressBookTest : public ::testing::Test {
   std::uint64_t ann = book.add(make_address("192.0.2.1"), make_address("192.0.2.9"));
 };
 
-TEST_F(AddressBookTest, NobodyTakesAnythingUntilItsEcho) {
+TEST_F(UdpSubscribersTest, SendsNoDatagramBeforeAValidEcho) {
   EXPECT_NE(ann, 0U);
   EXPECT_EQ(takers(), 0U);
   EXPECT_EQ(echo(ann, udp("192.0.2.1", 5000)), AddressValidation::kBelieved);
@@ -45,7 +45,7 @@ TEST_F(AddressBookTest, NobodyTakesAnythingUntilItsEcho) {
   EXPECT_EQ(book.find(ann)->at, udp("192.0.2.1", 5000));
 }
 
-TEST_F(AddressBookTest, OnlyTheHostOfTheViewersConnectionIsBelieved) {
+TEST_F(UdpSubscribersTest, AcceptsEchoesOfTheHostOfTheConnectionOnly) {
   EXPECT_EQ(echo(ann, udp("192.0.2.2", 5000)), AddressValidation::kForeign);
   EXPECT_EQ(echo(ann + 1, udp("192.0.2.1", 5000)), AddressValidation::kUnknownToken);
   EXPECT_EQ(book.onEcho(echoBytes({ann, kStream + 1}), udp("192.0.2.1", 5000), now),
@@ -58,7 +58,7 @@ TEST_F(AddressBookTest, OnlyTheHostOfTheViewersConnectionIsBelieved) {
   EXPECT_EQ(book.find(ann)->at, udp("192.0.2.1", 5000)) << "a stranger moves nothing";
 }
 
-TEST_F(AddressBookTest, BothVersionsOfAnAddressAreTheSameHost) {
+TEST_F(UdpSubscribersTest, BothVersionsOfAnAddressAreTheSameHost) {
   const std::uint64_t bob =
       book.add(make_address("::ffff:192.0.2.3"), make_address("::ffff:192.0.2.9"));
   EXPECT_EQ(echo(bob, udp("::ffff:192.0.2.3", 1)), AddressValidation::kBelieved);
@@ -68,7 +68,7 @@ TEST_F(AddressBookTest, BothVersionsOfAnAddressAreTheSameHost) {
   EXPECT_EQ(echo(eve, udp("2001:db8::1", 1)), AddressValidation::kBelieved);
 }
 
-TEST_F(AddressBookTest, TheNewestPortWinsButNotAHundredAtOnce) {
+TEST_F(UdpSubscribersTest, TheNewestPortWinsButNotAHundredAtOnce) {
   EXPECT_EQ(echo(ann, udp("192.0.2.1", 5000)), AddressValidation::kBelieved);
   for (std::uint16_t port = 6000; port < 6100; ++port)
     EXPECT_EQ(echo(ann, udp("192.0.2.1", port)), AddressValidation::kTooSoon);
@@ -79,7 +79,7 @@ TEST_F(AddressBookTest, TheNewestPortWinsButNotAHundredAtOnce) {
   EXPECT_EQ(takers(), 1U);
 }
 
-TEST_F(AddressBookTest, WhoFallsSilentIsForgottenAfterHalfAMinute) {
+TEST_F(UdpSubscribersTest, RemovesASilentViewerAfterHalfAMinute) {
   EXPECT_EQ(echo(ann, udp("192.0.2.1", 5000)), AddressValidation::kBelieved);
   now += seconds(10);
   EXPECT_EQ(echo(ann, udp("192.0.2.1", 5000)), AddressValidation::kBelieved);
@@ -92,7 +92,7 @@ TEST_F(AddressBookTest, WhoFallsSilentIsForgottenAfterHalfAMinute) {
   EXPECT_EQ(echo(ann, udp("192.0.2.1", 5000)), AddressValidation::kBelieved) << "it may come back";
 }
 
-TEST_F(AddressBookTest, DeliverySaysWhetherAndHowOften) {
+TEST_F(UdpSubscribersTest, DeliverySetsWhetherAndHowOften) {
   EXPECT_EQ(echo(ann, udp("192.0.2.1", 5000)), AddressValidation::kBelieved);
   book.deliver(ann, {true, false, 1});
   EXPECT_EQ(takers(), 0U);
@@ -103,7 +103,7 @@ TEST_F(AddressBookTest, DeliverySaysWhetherAndHowOften) {
   EXPECT_EQ(book.size(), 1U) << "nobody's token makes nobody";
 }
 
-TEST_F(AddressBookTest, WhoLeavesTakesItsTokenAlong) {
+TEST_F(UdpSubscribersTest, RemovesTheTokenOfAViewerThatLeaves) {
   EXPECT_EQ(echo(ann, udp("192.0.2.1", 5000)), AddressValidation::kBelieved);
   book.find(ann)->counts->sent = 12;
   EXPECT_EQ(book.remove(ann).sent, 12U);
@@ -111,7 +111,7 @@ TEST_F(AddressBookTest, WhoLeavesTakesItsTokenAlong) {
   EXPECT_EQ(book.remove(ann).sent, 0U);
 }
 
-TEST_F(AddressBookTest, AnotherStreamBeginsWithoutViewers) {
+TEST_F(UdpSubscribersTest, AnotherStreamBeginsWithoutViewers) {
   EXPECT_EQ(echo(ann, udp("192.0.2.1", 5000)), AddressValidation::kBelieved);
   book.find(ann)->counts->sent = 12;
   EXPECT_EQ(book.restart(kStream + 1).sent, 12U);
@@ -121,14 +121,14 @@ TEST_F(AddressBookTest, AnotherStreamBeginsWithoutViewers) {
   EXPECT_EQ(book.onEcho(bytes, udp("192.0.2.1", 5000), now), AddressValidation::kUnknownToken);
 }
 
-TEST_F(AddressBookTest, TokensAreUnguessableAndTheirOwn) {
+TEST_F(UdpSubscribersTest, TokensAreUnguessableAndTheirOwn) {
   std::set<std::uint64_t> tokens{0, ann};
   for (int i = 0; i < 1000; ++i)
     EXPECT_TRUE(
         tokens.insert(book.add(make_address("192.0.2.1"), make_address("192.0.2.9"))).second);
 }
 
-TEST_F(AddressBookTest, TheGroupGetsWhatNineOfTenNeed) {
+TEST_F(UdpSubscribersTest, TheGroupGetsTheCopiesThatNineOfTenViewersNeed) {
   EXPECT_EQ(book.groupCopies(), 1U);
   for (std::uint32_t i = 0; i < 10; ++i) {
     const std::uint64_t token = book.add(make_address("192.0.2.1"), make_address("192.0.2.9"));

@@ -40,7 +40,7 @@ FrameImages imagesWith(const cv::Mat& color, const cv::Mat& depth) {
   return {color, gray, depth, {}, {}};
 }
 
-TEST(SkinColors, AFingerIsSkinAndSpecksAreNotWhateverTheLight) {
+TEST(SkinColors, AFingerIsSkinAndSpecksAreNotInAnyLight) {
   const std::array lights{cv::Scalar(1, 1, 1), cv::Scalar(0.8, 0.95, 1.1)};
   for (const cv::Scalar& light : lights) {
     cv::Mat color(480, 640, CV_8UC3, kGrey.mul(light));
@@ -76,7 +76,7 @@ struct Drawn {
   }
 };
 
-TEST(Objectness, OnlyWhatIsFarInFrontOfAnObjectIsAnOccluder) {
+TEST(Objectness, OnlySurfacesFarInFrontOfAnObjectAreOccluders) {
   const auto score = [](double notch_mm) {  // a square with a notch, in which another thing is
     std::mt19937 random(5);
     Drawn drawn(kGrey);
@@ -113,7 +113,7 @@ TEST(MinimumCut, FollowsTheEdgeOfColourWhereTheEvidenceIsCoarse) {
   EXPECT_GT(test::overlap(cut, truth), 0.95);
 }
 
-TEST(JoinedPieces, WhatAFingerPartsIsOneThingAndWhatTheGroundPartsIsTwo) {
+TEST(JoinedPieces, AFingerDoesNotSplitAnObjectAndTheBackgroundDoes) {
   std::mt19937 random(5);
   const cv::Rect whole(100, 80, 60, 100);
   const cv::Rect between(100, 120, 60, 20);
@@ -145,7 +145,7 @@ Drawn darkAndLightSkin() {
 const cv::Rect kInDark(44, 44, 72, 152);
 const cv::Rect kInLight(204, 44, 72, 152);
 
-TEST(SkinColors, DarkSkinIsSkinOnlyForWhoAsksForIt) {
+TEST(SkinColors, DarkSkinIsSkinOnlyOnRequest) {
   std::mt19937 random(17);
   Drawn drawn = darkAndLightSkin();
   const FrameImages images = drawn.finish(random);

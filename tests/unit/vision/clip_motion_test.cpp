@@ -69,7 +69,7 @@ TEST(ClipMotion, TheWholeClipIsABetterWindow) {
   EXPECT_NEAR(whole[100].angular_velocity_rad_s, 0.3 * w * std::cos(w * 100 / kFps), 0.01);
 }
 
-TEST(ClipMotion, WhatIsNotMeasuredIsBridged) {
+TEST(ClipMotion, BridgesGapsBetweenMeasurements) {
   Track track = swinging(0.005);
   for (std::size_t i = 60; i < 66; ++i) {
     track.samples[i].seen = false;
@@ -114,7 +114,7 @@ TEST(ClipMotion, AnImpactSetsTheVelocityFree) {
   EXPECT_NEAR(knows[61].velocity_mm_s.y(), 900 - 4000 * (61 / kFps - when_s), 5);
 }
 
-TEST(ClipMotion, WhatRestsRestsPerfectly) {
+TEST(ClipMotion, AnObjectAtRestHasNoMotion) {
   std::vector<Sample> samples;
   for (int i = 0; i < 120; ++i) {
     Sample sample;

@@ -156,7 +156,7 @@ TEST(Enhance, ExactDepthAndRoundedDepthAreClean) {
   EXPECT_FALSE((DepthNoise{{1.9}, 1.57, true}).clean(700));
 }
 
-TEST(Enhance, WhatComesNearerThanAnythingWasIsNotNoisier) {
+TEST(Enhance, DepthNearerThanTheScanIsNotNoisier) {
   cv::RNG random(3);
   const cv::Mat depth =
       painted(120, [&](int u, int v) { return 620.0 + 0.1 * u + 0.2 * v + random.gaussian(0.05); });

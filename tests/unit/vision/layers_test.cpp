@@ -85,7 +85,7 @@ TEST(Layers, AStepSmearedByTheSensorCutsToo) {
   EXPECT_NEAR(computePixelRect(layers, 0), kHand.area(), 2 * (kHand.width + kHand.height));
 }
 
-TEST(Layers, TwoHandsShareALayerAndWhatTheyHoldIsBeforeThem) {
+TEST(Layers, TwoHandsShareALayerBehindTheHeldObject) {
   const cv::Rect other(110, 40, 30, 60);
   const Layers layers = findLayers(body({kHand, other}, 100), kStep_mm);
   ASSERT_EQ(layers.count, 2);

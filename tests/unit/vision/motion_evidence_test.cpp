@@ -69,7 +69,7 @@ TEST(MotionEvidence, PixelsBelongToTheMotionThatExplainsThem) {
   EXPECT_LT(cv::mean(evidence(beside))[0], -0.5);
 }
 
-TEST(MotionEvidence, AGroundThatMovesWithTheObjectSaysNothing) {
+TEST(MotionEvidence, AGroundThatMovesWithTheObjectGivesNoEvidence) {
   const TwoMotions one({4, 2}, {4, 2});
   EXPECT_FALSE(findOtherMotion(one.last, one.now, one.mask, one.flow));
 }

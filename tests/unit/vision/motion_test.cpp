@@ -125,7 +125,7 @@ TEST(Motion, ARepeatedDepthFrameIsNoObservation) {
   EXPECT_NEAR(fresh.depth_mm, 690, 1e-3);
 }
 
-TEST(Motion, WhatIsHeldEntirelyStaysExactlyAndIsCaughtUpWith) {
+TEST(Motion, AnObjectAtRestKeepsItsPoseAndCatchesUpLater) {
   ObjectFlow flow;
   flow.reliable = true;
   flow.similarity = {1, 0, 0.4, 0, 1, 0.2};  // noise, or a creep
@@ -145,7 +145,7 @@ TEST(Motion, WhatIsHeldEntirelyStaysExactlyAndIsCaughtUpWith) {
   EXPECT_NEAR(moved.depth_mm, 695, 1e-3);
 }
 
-TEST(Motion, ModesLeaveOutWhatTheyDoNotMeasure) {
+TEST(Motion, ModesLeaveOutUnmeasuredAxes) {
   ObjectFlow flow;
   flow.reliable = true;
   flow.similarity = {1, 0, 4, 0, 1, 0};
@@ -213,7 +213,7 @@ TEST(Motion, WindowOfAParabolaIsExactAtTheEndsToo) {
   }
 }
 
-TEST(Motion, WhatStandsStillHasNoMotionAtAll) {
+TEST(Motion, AStillObjectHasNoMotion) {
   const std::vector<Sample> samples =
       collectSamples(25, 7, [](double) { return Vec3(12.3456, -7.891, 14.2); });
   const Motion motion = motionFrom(samples, 3, 3);

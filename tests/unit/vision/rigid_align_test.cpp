@@ -108,7 +108,7 @@ TEST(RigidAlign, NonsenseIsNoMotion) {
   EXPECT_FALSE(RigidTemplate().find(before.view, Vec3(0, 0, 700), {}).reliable);
 }
 
-TEST(ReferencePoint, ASphereIsToldByItsCentre) {
+TEST(ReferencePoint, ASphereIsFoundByItsCentre) {
   const test::BallScene scene;
   const Frame frame = frameOf(scene, 190, 100);
   const BodyCentre centre = computeCentre(frame.surface, scene.camera());

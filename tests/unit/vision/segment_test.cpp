@@ -186,7 +186,7 @@ TEST(Segment, WaitsForAnObjectAndFindsItAgainUnderANewId) {
   EXPECT_EQ(runner.segments.size(), 1U);
 }
 
-TEST(Segment, SaysWhenThePointIsOnThePlaneOrOnNothing) {
+TEST(Segment, ReportsWhenThePointIsOnThePlaneOrOnNothing) {
   const test::BallScene scene{.with_mask = false};
   for (const bool hole : {false, true}) {
     std::uint32_t id = 1;

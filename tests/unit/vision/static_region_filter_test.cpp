@@ -71,7 +71,7 @@ TEST(StaticRegionFilter, AStillObjectIsPerfectlyStillAfterSixteenFrames) {
   EXPECT_LT(run.error_mm(run.held, 160), 0.4 * run.error_mm(run.free, 160));
 }
 
-TEST(StaticRegionFilter, WhatStartsToMoveIsReleasedAtOnce) {
+TEST(StaticRegionFilter, AnObjectThatStartsToMoveIsReleasedAtOnce) {
   Holding run;
   for (int i = 0; i < 25; ++i) run.next(160);
   ASSERT_EQ(run.hold.share(), 1.0);
