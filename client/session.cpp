@@ -126,7 +126,7 @@ ConnectionEvents Session::Impl::connectionEvents() {
 }
 
 void Session::Impl::onPrepared(const PreparedFrame& frame) {
-  receiver.prepared(frame);
+  receiver.addPrepared(frame);
   scan_share = 1.0;
   events.frame(frame.playable);
   publishStats(true);

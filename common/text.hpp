@@ -20,7 +20,7 @@ inline constexpr std::size_t kMaxKeyValueText_bytes = 65'536;
 inline constexpr std::size_t kMaxKey_bytes = 64;
 
 /// Returns `text` without white space (blank, tab, carriage return) at its begin and end.
-[[nodiscard]] std::string_view trimmed(std::string_view text);
+[[nodiscard]] std::string_view trim(std::string_view text);
 /// Returns `text` in quotes for an error message. Only the first 40 bytes of a longer text appear.
 [[nodiscard]] std::string quote(std::string_view text);
 /// Returns whether the name of the file `file` ends with `ending` (such as ".png", in small

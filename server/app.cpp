@@ -129,8 +129,8 @@ class App::Impl {
   PipelineCounter counter_;
   std::optional<RelayPublisher> relay_;
   StreamService service_;  // after what its port for operators reads
-  PlanLog plan_teller_;
-  DepthRangeLog range_teller_;
+  PlanLog plan_log_;
+  DepthRangeLog range_log_;
   std::atomic<bool> stop_{false};
   bool streaming_ = false;
   MediaTime last_published_{};
@@ -191,18 +191,18 @@ void App::Impl::browse() {
                  *settings_.vision.fov_deg, info.camera->degreesAcross(info.width_px));
   }
   const bool can_touch = warnOfUnlikelyInput(*source_, settings_.vision);
-  MediaTime told{};
-  const auto tell = [&](double share) {
+  MediaTime last_report{};
+  const auto report = [&](double share) {
     service_.open(vision_.description().name);
     service_.manager().reportAlive();
     const MediaTime now = media_clock_.now();
-    if (told != MediaTime{} && now - told < kPrepareEvery) return;
-    told = now;
+    if (last_report != MediaTime{} && now - last_report < kPrepareEvery) return;
+    last_report = now;
     service_.broadcaster().prepare(share);
   };
-  if (scanClip(vision_, *source_, media_clock_, stop_, tell))
+  if (scanClip(vision_, *source_, media_clock_, stop_, report))
     service_.broadcaster().describe(vision_.description());
-  range_teller_.log(vision_.mapped());
+  range_log_.log(vision_.mapped());
   if (stop_ || info.live || vision_.mapped() || !can_touch) return;
   spdlog::warn(
       "--source {}: no object was found, so there is nothing to touch; name one with --object U,V",
@@ -245,9 +245,9 @@ void App::Impl::play(EncoderThread& encoder) {
     ++frames;
     process(*frame, media_time, encoder);
     if (settings_.http) counter_.set(pacer.skipped(), encoder.times(), signer_.signingTime());
-    range_teller_.log(vision_.mapped());
+    range_log_.log(vision_.mapped());
     if (settings_.vision.explain)
-      plan_teller_.log(vision_.plan(), encoder.reliefBytes(), media_clock_.now());
+      plan_log_.log(vision_.plan(), encoder.reliefBytes(), media_clock_.now());
     logSkippedFrames(pacer);
   }
   flushVision(encoder);

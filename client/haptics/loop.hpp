@@ -24,7 +24,7 @@ struct LoopStats {
   std::array<std::uint64_t, kLookupKinds> lookup{};
   /// Number of ticks in contact for each Lookup. `lookup` counts all ticks.
   std::array<std::uint64_t, kLookupKinds> contact_lookup{};
-  std::array<std::uint64_t, kInterferenceNames.size()> interferences{};
+  std::array<std::uint64_t, kSafetyActionNames.size()> safety_actions{};
   /// Number of faults of each kind; the index is a Fault.
   std::array<std::uint64_t, kFaultKinds> faults{};
   std::uint64_t contact_ticks = 0;

@@ -44,7 +44,7 @@ class PictureBuffer {
   void add(VideoFrame video, const Workspace& workspace);
   /// Returns the picture whose media time is nearest to `time`. Returns null if the buffer is
   /// empty.
-  [[nodiscard]] std::shared_ptr<const StreamPicture> nearest(MediaTime time) const;
+  [[nodiscard]] std::shared_ptr<const StreamPicture> findNearest(MediaTime time) const;
 
  private:
   mutable std::mutex mutex_;

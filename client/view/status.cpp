@@ -47,7 +47,7 @@ std::string contactLine(const TickReport& report, const UserControls& user) {
   const double force_N = report.force_N.norm();
   if (force_N >= kLeastForce_N) return fmt::format("in contact, {:.1f} N", force_N);
   const auto acts = [&report](SafetyAction action) {
-    return (report.interferences & bit(action)) != 0;
+    return (report.safety_actions & bit(action)) != 0;
   };
   std::string why = offLine(report, user);
   if (!why.empty()) return "in contact, no force: " + why;
@@ -94,7 +94,7 @@ void TickWatch::add(const TickReport& report) {
     second_begin_ = report.time;
   }
   for (std::size_t i = 0; i < acted_.size(); ++i) {
-    if ((report.interferences >> i & 1U) == 0) continue;
+    if ((report.safety_actions >> i & 1U) == 0) continue;
     acted_[i] = report.time;
     ever_[i] = true;
   }

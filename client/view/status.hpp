@@ -45,8 +45,8 @@ class TickWatch {
   Duration second_sum_{0};
   std::uint64_t second_ticks_ = 0;
   LocalTime second_begin_{};
-  std::array<LocalTime, kInterferenceNames.size()> acted_{};
-  std::array<bool, kInterferenceNames.size()> ever_{};
+  std::array<LocalTime, kSafetyActionNames.size()> acted_{};
+  std::array<bool, kSafetyActionNames.size()> ever_{};
 };
 
 /// Returns a line about the touch such as "in contact, 1.2 N". If there is no force, the line

@@ -27,9 +27,9 @@ struct NearestPixel {
 /// The time is linear in the number of pixels. The function processes the columns first. Along each
 /// row it then uses the lower envelope of parabolas. Requires mask.size() == width * height, both
 /// above 0.
-NearestPixel nearestPixel(const std::vector<std::uint8_t>& mask, int width, int height,
-                          std::uint8_t marked, const Vec2& mm_per_px);
-/// Returns only the distances of nearestPixel().
+NearestPixel findNearestPixel(const std::vector<std::uint8_t>& mask, int width, int height,
+                              std::uint8_t marked, const Vec2& mm_per_px);
+/// Returns only the distances of findNearestPixel().
 std::vector<float> distanceTo(const std::vector<std::uint8_t>& mask, int width, int height,
                               std::uint8_t marked, const Vec2& mm_per_px);
 

@@ -140,8 +140,8 @@ std::optional<NpyHeader> readNpyHeader(Bytes bytes) {
   const std::string_view shape = findValue(text, "'shape':", '(', ')');
   const std::size_t comma = shape.find(',');
   if (comma == std::string_view::npos) return std::nullopt;
-  const auto height = parseNumber(trimmed(shape.substr(0, comma)));
-  const auto width = parseNumber(trimmed(shape.substr(comma + 1)));
+  const auto height = parseNumber(trim(shape.substr(0, comma)));
+  const auto width = parseNumber(trim(shape.substr(comma + 1)));
   if (!width || !height || !(*width >= 1.0 && *width < 1e6) || !(*height >= 1.0 && *height < 1e6))
     return std::nullopt;
   header.size = {static_cast<std::uint32_t>(*width), static_cast<std::uint32_t>(*height)};

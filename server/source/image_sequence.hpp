@@ -56,7 +56,7 @@ class ImageSequence final : public RgbdSource {
   /// with the file's name. Where two overlap, the later one covers the other.
   [[nodiscard]] ImageResult joinMasks(const std::vector<std::filesystem::path>& files) const;
   /// Returns whether the frame's files no longer exist.
-  static bool vanished(const FrameFiles& frame);
+  static bool hasVanished(const FrameFiles& frame);
   /// Logs a warning that the frames first .. end - 1 were skipped. It does nothing if there are
   /// none, or if earlier playbacks of the clip reported all of them. `problem`: that of the first
   /// frame.

@@ -43,7 +43,7 @@ void VideoSource::describe(const cv::Mat& color, const cv::Mat& raw, const Video
   if (isMetric(raw) && code_ != DepthCode::kGrey)
     throw SourceError(file + ": has depth in mm, so leave --depth-near and --depth-code out");
   const cv::Mat depth = decodeDepth(raw, code_);
-  if (!sameAspect(depth.size(), color.size())) {
+  if (!isSameAspect(depth.size(), color.size())) {
     throw SourceError(file + ": is " + sizeText(depth.cols, depth.rows) +
                       ", but the colour video is " + sizeText(color.cols, color.rows) +
                       "; scale one to the other's size");
@@ -100,7 +100,7 @@ std::string VideoSource::load(RgbdFrame& frame) {
 std::optional<RgbdFrame> VideoSource::read() {
   std::string problem;  // problem of frame `first_bad`
   std::uint64_t first_bad = 0;
-  const auto tell = [&] {
+  const auto warnAboutSkips = [&] {
     if (problem.empty() || !isNewFault(first_bad)) return;
     spdlog::warn("{}; this frame and later frames with the same problem are left out", problem);
   };
@@ -112,7 +112,7 @@ std::optional<RgbdFrame> VideoSource::read() {
     const std::string what = load(frame);
     if (what.empty()) {
       any_read_ = true;
-      tell();
+      warnAboutSkips();
       return frame;
     }
     if (!problem.empty()) continue;
@@ -122,7 +122,7 @@ std::optional<RgbdFrame> VideoSource::read() {
   if (!any_read_) {
     throw SourceError(problem + ", and no frame after it can be used either; put the file back");
   }
-  tell();
+  warnAboutSkips();
   return std::nullopt;
 }
 

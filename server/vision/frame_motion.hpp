@@ -31,8 +31,8 @@ bool haveSameObjects(const std::vector<TrackedObject>& a, const std::vector<Trac
 /// Returns whether `now` has the same objects as `before`, and no object changed noticeably. A
 /// change is noticeable if the changes of pose and relief together change the force by more than
 /// the error budget.
-bool nothingMoved(const std::vector<TrackedObject>& before, const std::vector<TrackedObject>& now,
-                  const NominalFrame& nominal, const VisionSettings& settings);
+bool isAllAtRest(const std::vector<TrackedObject>& before, const std::vector<TrackedObject>& now,
+                 const NominalFrame& nominal, const VisionSettings& settings);
 
 /// Returns the bound of the objects' accelerations, mm/s², which the welcome of a stream contains
 /// for its clients. It is the 0.99 quantile of `accelerations_mm_s2`, or 0 if there are none. It is

@@ -120,7 +120,7 @@ Comparison compareRows(const Scope& scope, const std::vector<Row>& got,
   std::map<std::string, int> skipped;
   for (const auto& [key, row] : before) {
     if (now.contains(key) || !scope.whole) continue;
-    if (scope.absent.contains(row->scene)) {
+    if (scope.describeAbsence.contains(row->scene)) {
       ++skipped[row->scene];
     } else {
       out.failures.push_back(describeFigure(scope, *row) + "got nothing" + describeLimit(*row));

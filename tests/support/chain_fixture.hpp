@@ -105,13 +105,13 @@ class ChainFixture {
   double max_step_N = 0.0;
   double max_force_N = 0.0;
   bool finite = true;
-  std::array<std::uint64_t, kInterferenceNames.size()> interferences{};
+  std::array<std::uint64_t, kSafetyActionNames.size()> safety_actions{};
   void clear() {
     max_excess_N = max_true_excess_N = max_step_N = max_force_N = 0.0;
-    interferences.fill(0);
+    safety_actions.fill(0);
   }
   [[nodiscard]] std::uint64_t count(SafetyAction which) const {
-    return interferences[static_cast<std::size_t>(which)];
+    return safety_actions[static_cast<std::size_t>(which)];
   }
 
  private:
@@ -145,8 +145,8 @@ class ChainFixture {
     max_step_N = std::max(max_step_N, (out.force_N - before_N).norm());
     max_force_N = std::max(max_force_N, out.force_N.norm());
     finite = finite && out.force_N.allFinite();
-    for (std::size_t i = 0; i < interferences.size(); ++i) {
-      interferences[i] += (out.interferences >> i) & 1U;
+    for (std::size_t i = 0; i < safety_actions.size(); ++i) {
+      safety_actions[i] += (out.safety_actions >> i) & 1U;
     }
   }
 

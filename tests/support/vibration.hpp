@@ -81,7 +81,7 @@ struct Press {
 /// `assumed` is what the chain knows of the device, `real` the device.
 inline Silence pressSteadily(const DeviceProfile& assumed, const PlantProfile& real,
                              const Hand& hand, const Press& press = {}) {
-  ChainFixture rig(assumed, real, hand, {.latency_watch = false});
+  ChainFixture rig(assumed, real, hand, {.oscillation_detector = false});
   rig.wall_mm = press.wall_mm;
   const bool free = hand.stiffness_N_m == 0.0;
   const double stretch_mm =

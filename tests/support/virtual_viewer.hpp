@@ -35,7 +35,7 @@ struct ForceTrace {
   double step_excess_N = 0.0;      ///< by the chain's own meter
   double max_unexplained_N = 0.0;  ///< step beyond K_max |dx| + B |dv| of the tip
   std::vector<double> work_mJ;     ///< into the hand, up to each tick
-  std::vector<std::uint32_t> interferences;
+  std::vector<std::uint32_t> safety_actions;
   std::vector<bool> contact;
   std::uint64_t refused = 0;   ///< messages
   std::uint64_t rejected = 0;  ///< objects, and slices of them
@@ -45,7 +45,7 @@ struct ForceTrace {
 
   /// Ticks in which any of these acted.
   [[nodiscard]] std::ptrdiff_t ticksWith(std::uint32_t any) const {
-    return std::count_if(interferences.begin(), interferences.end(),
+    return std::count_if(safety_actions.begin(), safety_actions.end(),
                          [=](std::uint32_t each) { return (each & any) != 0; });
   }
   /// Largest over any `seconds`; over all of them where it is longer.
@@ -81,7 +81,7 @@ class VirtualViewer {
         device_(plant, hand, clock_),
         delay_(static_cast<std::size_t>(plant.delay_ticks)),
         decode_thread_(*pool_, clock_, settings_.method,
-                       [this](const PreparedFrame& frame) { receiver_.prepared(frame); }),
+                       [this](const PreparedFrame& frame) { receiver_.addPrepared(frame); }),
         receiver_(decode_thread_, stream_, 1),
         renderer_(std::make_unique<HapticRenderer>(settings_, *pool_, stream_, user_, nullptr)),
         nailed_(script == nullptr) {
@@ -258,7 +258,7 @@ class VirtualViewer {
     most_N = std::max(most_N, step_N);
     trace.step_excess_N = std::max(trace.step_excess_N, report.step_excess_N);
     trace.max_unexplained_N = std::max(trace.max_unexplained_N, step_N - hand_N);
-    trace.interferences.push_back(report.interferences);
+    trace.safety_actions.push_back(report.safety_actions);
     trace.contact.push_back(report.contact);
     trace.last_force_N = report.force_N.norm();
     trace.max_trust_score_ticks = std::max(trace.max_trust_score_ticks, report.trust_score_ticks);

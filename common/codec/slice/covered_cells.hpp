@@ -17,9 +17,9 @@ namespace hapticast::codec {
 class CoveredCells {
  public:
   explicit CoveredCells(const PixelRect& rect)
-      : columns_(cellsOver(rect.width)),
+      : columns_(countCells(rect.width)),
         covered_(static_cast<std::size_t>(columns_) *
-                 static_cast<std::size_t>(cellsOver(rect.height))) {}
+                 static_cast<std::size_t>(countCells(rect.height))) {}
 
   /// Marks the cells of the slice as covered. Returns false if another slice has covered one of
   /// them before. Requires a slice of this relief.

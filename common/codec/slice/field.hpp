@@ -15,7 +15,7 @@ namespace hapticast::codec {
 
 inline constexpr int kCell_px = 8;
 /// Returns the number of cells that cover `px` pixels.
-constexpr int cellsOver(int px) noexcept { return (px + kCell_px - 1) / kCell_px; }
+constexpr int countCells(int px) noexcept { return (px + kCell_px - 1) / kCell_px; }
 inline constexpr int kUnitsPerMm = 4096;
 inline constexpr int kMargin_px = 8;  ///< width of the margin of zeros around a mask
 /// Largest magnitude of a height: 1024 mm, in units.
@@ -114,7 +114,7 @@ struct Field {
 
  private:
   void findCells();
-  [[nodiscard]] const std::int32_t* coarser(std::size_t level) const {
+  [[nodiscard]] const std::int32_t* findCoarser(std::size_t level) const {
     return level == 0 ? nodes.data() : levels[level - 1].height.data();
   }
 };

@@ -24,7 +24,7 @@ std::vector<double> meanDepths(const Surface& surface, const cv::Mat& labels, in
 /// Returns labels for the whole mask, grown from the labels 1 .. count of `seeds` ring by ring. A
 /// pixel adopts the label of that neighbour whose depth is nearest. Isolated parts adopt the label
 /// of the nearest mean depth.
-cv::Mat grownLabels(const Surface& surface, int count, const cv::Mat& seeds);
+cv::Mat growLabels(const Surface& surface, int count, const cv::Mat& seeds);
 
 inline constexpr int kMaxLayers = 4;  ///< largest number of layers of an object
 inline constexpr DepthRange kAllDepths{0.0, 1e9};

@@ -49,7 +49,7 @@ inline constexpr std::size_t kMostEnvelopeHead = 24;
 void greet(Transport way, int socket, bool subscribe);
 
 /// A TCP connection to a port of this machine; -1 where nobody listens there.
-[[nodiscard]] int connectedTo(std::uint16_t port);
+[[nodiscard]] int findConnected(std::uint16_t port);
 /// Sends all of it; waits only where the peer's buffers are full.
 void sendAll(int socket, std::span<const std::uint8_t> bytes);
 /// Throws std::runtime_error with the reason of the last system call.

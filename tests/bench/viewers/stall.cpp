@@ -36,7 +36,7 @@ class Stalled {
     const auto hello = framed(encode(Hello{kProtocolVersion, "stalled", false, true}));
     sockets_.reserve(count);
     for (std::size_t i = 0; i < count; ++i) {
-      sockets_.push_back(connectedTo(port));
+      sockets_.push_back(findConnected(port));
       sendAll(sockets_.back(), hello);
     }
   }

@@ -25,11 +25,11 @@ constexpr int kNear_px = 40;       // a hand beside the object
 cv::Mat handsIn(const Truth& truth) {
   const cv::Mat hands =
       (truth.id == static_cast<int>(kHand)) | (truth.id == static_cast<int>(kOtherHand));
-  return hands & ~server::dilatedBy(truth.mask(), 3);
+  return hands & ~server::dilateBy(truth.mask(), 3);
 }
 
 cv::Mat handsBeside(const Truth& truth, int reach_px) {
-  return handsIn(truth) & server::dilatedBy(truth.mask(), reach_px);
+  return handsIn(truth) & server::dilateBy(truth.mask(), reach_px);
 }
 
 // Adds a correction for `frame`. Returns whether it says something new.

@@ -16,8 +16,9 @@ class ScriptedViewer {
  public:
   explicit ScriptedViewer(Hand hand)
       : hand_(std::move(hand)),
-        decode_thread_(*pool_, clock_, Method::kHapticast,
-                       [this](const client::PreparedFrame& frame) { receiver_.prepared(frame); }),
+        decode_thread_(
+            *pool_, clock_, Method::kHapticast,
+            [this](const client::PreparedFrame& frame) { receiver_.addPrepared(frame); }),
         receiver_(decode_thread_, state_, 1),
         lookup_(*pool_, defaultVariant().interpolation),
         touch_(defaultVariant().make()) {}

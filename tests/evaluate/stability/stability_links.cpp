@@ -72,12 +72,12 @@ void withAndWithout(const StabilityReport& to) {
   double without = counts({.stiffness_limit = false}, 20.0, 1, 2, Hand::none());
   line("K_max", "20 N/mm asked, told d 1, really 2, without a hand: residual", "counts", with,
        without, with <= 2.0 && without > 10.0);
-  with = counts({.latency_watch = false}, 2.0, 1, 2, Hand::none());
-  without = counts({.damping = false, .latency_watch = false}, 2.0, 1, 2, Hand::none());
+  with = counts({.oscillation_detector = false}, 2.0, 1, 2, Hand::none());
+  without = counts({.damping = false, .oscillation_detector = false}, 2.0, 1, 2, Hand::none());
   line("damping B = sqrt(K m)", "2 N/mm told d 1, really 2, without a hand: residual", "counts",
        with, without, with <= 2.0 && without > 10.0);
   const SafetyLinks loose{
-      .stiffness_limit = false, .damping = false, .slew = false, .latency_watch = false};
+      .stiffness_limit = false, .damping = false, .slew = false, .oscillation_detector = false};
   SafetyLinks uninsured = loose;
   uninsured.passivity = false;
   with = counts(loose, 5.0, 3, 3, Hand::firmGrip());
@@ -85,7 +85,7 @@ void withAndWithout(const StabilityReport& to) {
   line("passivity controller", "damper, K_max and slew missing, 5 N/mm at d 3, firm grip: residual",
        "counts", with, without, with < without);
   with = counts({}, 5.0, 1, 3, Hand::lightGrip());
-  without = counts({.latency_watch = false}, 5.0, 1, 3, Hand::lightGrip());
+  without = counts({.oscillation_detector = false}, 5.0, 1, 3, Hand::lightGrip());
   line("latency watch", "5 N/mm told d 1, really 3, light grip: residual", "counts", with, without,
        with < without);
 

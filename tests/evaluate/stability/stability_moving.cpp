@@ -105,7 +105,7 @@ struct Swing {
 
 Swing swingOf(const PlantProfile& assumed, const PlantProfile& real, const Hand& hand,
               double push_N, double speed_mm_s, bool detects) {
-  ChainFixture rig(assumed, real, hand, {.latency_watch = detects});
+  ChainFixture rig(assumed, real, hand, {.oscillation_detector = detects});
   const bool free = hand.stiffness_N_m == 0.0;
   const double stretch_mm =
       push_N * ((free ? 0.0 : 1e3 / hand.stiffness_N_m) + 1.0 / rig.renderedStiffness_N_mm());

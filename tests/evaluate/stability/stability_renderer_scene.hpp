@@ -158,7 +158,7 @@ class RendererScene {
     out.speed_mm_s = std::max(out.speed_mm_s, device->trueVelocity_mm_s().z());
     out.energy_mJ = std::max(out.energy_mJ, work_mJ_ - begin_mJ);
     out.finite = out.finite && force_N_.allFinite();
-    out.interferences |= report.interferences;
+    out.safety_actions |= report.safety_actions;
     out.trace_N.push_back(force_N_.norm());
     out.trace_mm_s.push_back(device->trueVelocity_mm_s().z());
   }

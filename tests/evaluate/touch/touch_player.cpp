@@ -32,8 +32,9 @@ class Viewer {
  public:
   Viewer(const Stream& stream, const Variant& variant)
       : stream_(stream),
-        decode_thread_(pool_, clock_, variant.method,
-                       [this](const client::PreparedFrame& frame) { receiver_.prepared(frame); }),
+        decode_thread_(
+            pool_, clock_, variant.method,
+            [this](const client::PreparedFrame& frame) { receiver_.addPrepared(frame); }),
         receiver_(decode_thread_, state_, 2),
         lookup_(pool_, variant.interpolation) {
     receiver_.connected(stream.description, clock_.now());

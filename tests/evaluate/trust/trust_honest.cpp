@@ -97,7 +97,7 @@ struct Worst {
 };
 
 double share(const client::ForceTrace& trace, SafetyAction which) {
-  return double(trace.ticksWith(bit(which))) / double(trace.interferences.size());
+  return double(trace.ticksWith(bit(which))) / double(trace.safety_actions.size());
 }
 
 void take(Worst& worst, const HonestRun& run) {

@@ -63,7 +63,7 @@ class ReceiverTest : public ::testing::Test {
   LatestValue<StreamTiming> stream;
   ManualClock clock;
   DecodeThread decode_thread{*pool, clock, Method::kHapticast,
-                             [this](const PreparedFrame& frame) { receiver.prepared(frame); }};
+                             [this](const PreparedFrame& frame) { receiver.addPrepared(frame); }};
   Receiver receiver{decode_thread, stream, 1};
   StreamDescription description;
   std::vector<FramePool::Index> taken;

@@ -16,8 +16,8 @@ FoundServer announced(const std::string& name, const std::string& address = "192
 }
 
 TEST(FoundServers, OneThatIsOnManyNetworksIsShownOnceByIPv4First) {
-  const auto servers = eachOnce({announced("b"), announced("a", "fe80::1%eth0"),
-                                 announced("a", "10.0.0.5", "wlan0"), announced("a")});
+  const auto servers = removeDuplicates({announced("b"), announced("a", "fe80::1%eth0"),
+                                         announced("a", "10.0.0.5", "wlan0"), announced("a")});
   ASSERT_EQ(servers.size(), 2U);
   EXPECT_EQ(servers[0], announced("a"));
   EXPECT_EQ(servers[1], announced("b"));

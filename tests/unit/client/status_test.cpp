@@ -16,11 +16,11 @@ class StatusTest : public ::testing::Test {
     report.height_at_hip_mm = 10.0;
     report.hip_mm = {0.0, 0.0, 22.3};
   }
-  void touch(double force_N, std::uint32_t interferences = 0) {
+  void touch(double force_N, std::uint32_t safety_actions = 0) {
     report.contact = true;
     report.static_force_N = {0.0, 0.0, 1.5};
     report.force_N = {0.0, 0.0, force_N};
-    report.interferences = interferences;
+    report.safety_actions = safety_actions;
   }
   [[nodiscard]] std::string status() const { return statusLine(report, ui_state); }
   [[nodiscard]] std::string hint() const {
@@ -126,7 +126,7 @@ TEST_F(StatusTest, TheChainUsesPlainWords) {
   TickStatus ticks;
   ticks.add(report);
   EXPECT_EQ(ticks.chain(), "no action");
-  report.interferences = bit(SafetyAction::kSlew) | bit(SafetyAction::kFade);
+  report.safety_actions = bit(SafetyAction::kSlew) | bit(SafetyAction::kFade);
   ticks.add(report);
   EXPECT_EQ(ticks.chain(), "a step was slowed");
 }

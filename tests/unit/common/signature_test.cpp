@@ -148,7 +148,7 @@ TEST(SignatureTest, AKeyHasItsSize) {
 
 TEST(SignatureTest, RandomNumbersDoNotRepeat) {
   std::set<std::uint64_t> seen{0};
-  for (int i = 0; i < 1000; ++i) EXPECT_TRUE(seen.insert(unguessable()).second);
+  for (int i = 0; i < 1000; ++i) EXPECT_TRUE(seen.insert(makeUnguessable()).second);
 }
 
 }  // namespace

@@ -189,7 +189,7 @@ TEST(WireRefuses, UnknownFieldsInExcess) {
   std::mt19937 random(11);
   for (int round = 0; round < 400; ++round) {
     const auto count = static_cast<std::uint8_t>(random() % 40);
-    const Padded padded(count, random);
+    const Padded makePadded(count, random);
     const auto counted = submessages(padded.frame, kObjects, kMaxObjects);
     ASSERT_EQ(counted.has_value(), count <= kMaxObjects) << int{count};
     const auto message = decode(padded.message);

@@ -21,8 +21,8 @@ int alarms(
   const auto counted = [&](int i) { return std::round(tip_mm(i) / kCount_mm) * kCount_mm; };
   int count = 0;
   for (int i = 1; i <= ticks; ++i) {
-    count +=
-        detector.alarmed(counted(i) - counted(i - 1), surface_mm(i) - surface_mm(i - 1), acts(i));
+    count += detector.detectsAlarm(counted(i) - counted(i - 1), surface_mm(i) - surface_mm(i - 1),
+                                   acts(i));
   }
   return count;
 }
@@ -79,7 +79,7 @@ int bounceAlarms(const Bounces& what) {
   const auto tick = [&](double tip_mm_s, bool contact) {
     const Vec3 normal = contact ? Vec3::UnitX() : Vec3::UnitZ();  // none without contact
     const double surface_mm_s = contact ? what.surface_mm_s : 0.0;
-    count += detector.alarmed(
+    count += detector.detectsAlarm(
         {(tip_mm_s + what.surface_mm_s) * Vec3::UnitX(), surface_mm_s * Vec3::UnitX(), normal,
          contact ? what.stiffness_N_mm : 0.0, contact, what.acts, false},
         1);

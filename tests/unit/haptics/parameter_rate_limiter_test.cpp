@@ -90,7 +90,7 @@ TEST(RendererMaterial, AnAuthorsStiffnessHasALimit) {
     press(stage);
     EXPECT_NEAR(settleStiffness_N_mm(stage, 500), c.settled, 0.02 * c.settled);
     const bool logged =
-        (stage.renderer->report().interferences & bit(SafetyAction::kStiffness)) != 0U;
+        (stage.renderer->report().safety_actions & bit(SafetyAction::kStiffness)) != 0U;
     EXPECT_EQ(logged, c.settled < c.asked);
   }
 }

@@ -27,7 +27,7 @@ class PlausibilityTest : public ::testing::Test {
       seen.object[i] = &objects_[i];
     }
     seen.interval_s.fill(kStep_s);
-    return boundsFrom(seen);
+    return computePlausibilityBounds(seen);
   }
   static MotionAt swinging(double hz, double amplitude_mm) {
     return [=](double t) {
@@ -113,16 +113,17 @@ TEST_F(PlausibilityTest, RejectsFramesThatAreCloserThanThoseOfAnyStream) {
     seen.object[i] = &objects_[i];
   }
   seen.interval_s = {1e-6, 0.08, 1e-6, 0.08};
-  EXPECT_LE(boundsFrom(seen).acceleration_mm_s2, 20.0);
+  EXPECT_LE(computePlausibilityBounds(seen).acceleration_mm_s2, 20.0);
   seen.interval_s.fill(1.0 / 240.0);
-  EXPECT_GE(boundsFrom(seen).acceleration_mm_s2, 0.02 * 240.0 * 240.0) << "the fastest stream's do";
+  EXPECT_GE(computePlausibilityBounds(seen).acceleration_mm_s2, 0.02 * 240.0 * 240.0)
+      << "the fastest stream's do";
 }
 
 TEST_F(PlausibilityTest, WithoutNeighboursOnlyTheFramePresentCounts) {
   const PlayObject alone;
   ObjectHistory seen;
   seen.object[ObjectHistory::kNow] = &alone;
-  const PlausibilityBounds plausibility = boundsFrom(seen);
+  const PlausibilityBounds plausibility = computePlausibilityBounds(seen);
   EXPECT_EQ(plausibility.acceleration_mm_s2, 0.0);
   EXPECT_EQ(plausibility.impact_mm_s, 0.0);
 }

@@ -49,7 +49,7 @@ TEST(RendererEnable, ATipThatSankInMeanwhileIsNotThrownOut) {
   stage.holds = true;
   (void)stage.run(1000);
   EXPECT_EQ(stage.max_force_N, 0.0);
-  EXPECT_TRUE((stage.renderer->report().interferences & bit(SafetyAction::kDisarmed)) != 0);
+  EXPECT_TRUE((stage.renderer->report().safety_actions & bit(SafetyAction::kDisarmed)) != 0);
 }
 
 TEST(RendererEnable, ADeviceWithoutTheButtonNeedsNone) {

@@ -40,7 +40,7 @@ struct SlowDevice {
     for (int i = 0; i < ticks; ++i) {
       const TickReport& report = attack.step();
       faults += report.fault == Fault::kLatency;
-      softened += (report.interferences & bit(SafetyAction::kLatency)) != 0;
+      softened += (report.safety_actions & bit(SafetyAction::kLatency)) != 0;
     }
   }
   Attack attack;

@@ -14,7 +14,7 @@ class StepMeter {
  public:
   double excess_N(const StepState& now, bool measurement_jumped) {
     const MotionExplainedStep hand =
-        measurement_jumped ? MotionExplainedStep{} : stepAllowedByMotion(now, last_);
+        measurement_jumped ? MotionExplainedStep{} : computeStepAllowedByMotion(now, last_);
     const double excess_N = limit_.excess_N(now.force_N, last_.force_N, hand);
     last_ = now;
     return excess_N;

@@ -33,13 +33,13 @@ TEST(Trust, IsLostToLastingActionsAndNotToShortOnes) {
 
 TEST(Trust, CountsActionsThatOnlyAStreamCanCause) {
   using enum SafetyAction;
-  for (std::size_t i = 0; i < kInterferenceNames.size(); ++i) {
+  for (std::size_t i = 0; i < kSafetyActionNames.size(); ++i) {
     const auto which = static_cast<SafetyAction>(i);
     const bool counts = which == kImplausible || which == kTank || which == kSlew ||
                         which == kSurfaceSpeed || which == kJump;
     Trust trust;
     for (int tick = 0; tick < 5000; ++tick) trust.add(bit(which), which == SafetyAction::kJump);
-    EXPECT_EQ(trust.lost(), counts) << kInterferenceNames[i];
+    EXPECT_EQ(trust.lost(), counts) << kSafetyActionNames[i];
     if (counts) {
       EXPECT_EQ(trust.mostly(), which);
     }
@@ -145,11 +145,11 @@ TEST(SafetyTrust, AStepOfTheStreamCountsOnceThoughTheForceCatchesUpForTicks) {
 }
 
 /// A report at a time.
-TickReport at(double time_s, Halt halt, std::uint32_t interferences = 0) {
+TickReport at(double time_s, Halt halt, std::uint32_t safety_actions = 0) {
   TickReport report;
   report.time = localTime(time_s);
   report.halt = halt;
-  report.interferences = interferences;
+  report.safety_actions = safety_actions;
   report.trust_loss_cause = SafetyAction::kTank;
   report.lookup = Lookup::kInterpolated;
   return report;

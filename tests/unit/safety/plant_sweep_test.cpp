@@ -39,7 +39,7 @@ TEST(PlantSweep, DetectsAWallThatIsTooStiffForItsDelay) {
   // The test above can fail: told no delay, with two ticks of it, a free device runs away at 5
   // N/mm.
   ChainFixture rig(sweepProfile(5.0, 0), sweepProfile(5.0, 2), Hand::none(),
-                   {.latency_watch = false});
+                   {.oscillation_detector = false});
   EXPECT_GT(sweepPlant(rig, Hand::none()).counts(0.055), 10.0);
 }
 

@@ -39,7 +39,7 @@ TEST(SafetyLinks, AHealthyPressIsLeftAlone) {
               SafetyAction::kTank, SafetyAction::kThermal, SafetyAction::kLatency,
               SafetyAction::kStiffness}) {
           EXPECT_EQ(rig.count(link), 0U)
-              << name << " K " << k << ": " << kInterferenceNames[static_cast<std::size_t>(link)];
+              << name << " K " << k << ": " << kSafetyActionNames[static_cast<std::size_t>(link)];
         }
         // The observer that finds the hand faster than it thought may step (measured: 11 of 9000).
         EXPECT_LE(rig.count(SafetyAction::kSlew), 15U) << name << " K " << k;
@@ -176,7 +176,7 @@ TEST(SafetyLinks, TheAuthorsDampingActsWithinBounds) {
       in.displacement_mm.z() = 0.1 * i;
       in.position_mm.z() = in.ahead.position_mm.z() = 1.0 - 0.1 * i;
       out = chain.step(in);
-      cut += (out.interferences & bit(SafetyAction::kDamping)) != 0;
+      cut += (out.safety_actions & bit(SafetyAction::kDamping)) != 0;
     }
     return out.force_N.z();
   };
@@ -202,7 +202,7 @@ TEST(SafetyLinks, ThePassivityControllerActsWhereAContactGenerates) {
                       .damping = false,
                       .passivity = insured,
                       .slew = false,  // its delay would feed the swing
-                      .latency_watch = false,
+                      .oscillation_detector = false,
                       .trust = false});
     rig.device.reset({0.0, 0.0, 5.0}, Vec3::Zero());
     rig.device.setTarget({0.0, 0.0, -6.0});
@@ -248,7 +248,7 @@ TEST(SafetyLinks, TheOscillationDetectorFindsALongerDelayAndSoftensTheWall) {
   EXPECT_GT(wrong.rig.count(SafetyAction::kLatency), 100U);
   EXPECT_GT(wrong.rig.count(SafetyAction::kStiffness), 100U);  // K_max is now that of 2 ticks
   EXPECT_EQ(wrong.rig.max_excess_N, 0.0);
-  const DelayedRig undetected(5.0, 1, 3, Hand::lightGrip(), {.latency_watch = false});
+  const DelayedRig undetected(5.0, 1, 3, Hand::lightGrip(), {.oscillation_detector = false});
   EXPECT_EQ(undetected.alarms, 0);
   EXPECT_EQ(undetected.rig.count(SafetyAction::kLatency), 0U);
 }
@@ -281,7 +281,7 @@ TEST(SafetyLinks, TheOscillationDetectorIsSilentAtTheProfilesDelay) {
 
 TEST(SafetyLinks, ThePassivityControllerIsBlindToAWrongDelay) {
   // Why the watch is there: told 1, real 3, the meters see a contact that pays for itself.
-  DelayedRig blind(5.0, 1, 3, Hand::none(), {.latency_watch = false, .trust = false});
+  DelayedRig blind(5.0, 1, 3, Hand::none(), {.oscillation_detector = false, .trust = false});
   const double metered_mJ = blind.rig.chain.work().relative_mJ;
   std::printf("told 1, real 3: metered %.1f mJ\n", metered_mJ);
   EXPECT_LT(metered_mJ, 0.0);

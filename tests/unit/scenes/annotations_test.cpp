@@ -37,7 +37,7 @@ TEST(AnnotationTrack, APointAppliesToTheNearestFrameOnly) {
   EXPECT_TRUE(script.pointsLater());
   int spoken = 0;
   for (int i = 0; i < 30; ++i) {
-    const Annotation word = script.annotationAt(at(i / kWordFps));
+    const Annotation word = script.findAnnotation(at(i / kWordFps));
     EXPECT_EQ(word.on.size(), i == 10 ? 1U : 0U) << i;
     EXPECT_EQ(word.off.size(), i == 20 ? 1U : 0U) << i;
     EXPECT_EQ(script.hasLaterAnnotation(at(i / kWordFps)), i < 20) << i;
@@ -51,9 +51,9 @@ TEST(AnnotationTrack, NoPointIsMissedWhereFramesAreMissingNorRightAfterTheStart)
   settings.object_points = {{{5, 6}, 0.001}};
   settings.not_points = {{{9, 10}, 0.41}};
   const AnnotationTrack script(settings);
-  EXPECT_EQ(script.annotationAt(at(0)).on.size(), 1U);
-  EXPECT_TRUE(script.annotationAt(at(1 / kWordFps)).empty());
-  EXPECT_EQ(script.annotationAt(at(13 / kWordFps, 6)).off.size(), 1U)
+  EXPECT_EQ(script.findAnnotation(at(0)).on.size(), 1U);
+  EXPECT_TRUE(script.findAnnotation(at(1 / kWordFps)).empty());
+  EXPECT_EQ(script.findAnnotation(at(13 / kWordFps, 6)).off.size(), 1U)
       << "frames 8 to 12 are missing";
 }
 
@@ -171,7 +171,7 @@ TEST(AnnotationsTest, ColorsThatAreNotItSpeakAgainstItButForItsOwn) {
   NegativeColors avoided;
   addNegativeSample(scene.view(images), {200, 95}, avoided);
   ContourMemory memory;
-  const ObjectRoi patch = patchAround(images, drawn.square);
+  const ObjectRoi patch = makePatch(images, drawn.square);
   updateMemory(patch, drawn.square(patch.box), memory);
   const auto meanOver = [&](const cv::Mat& where) {
     const std::vector<float> evidence = computeColorEvidence(memory);

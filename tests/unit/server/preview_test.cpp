@@ -67,9 +67,9 @@ TEST_F(Preview, ShowsTheOutlineWhereTheMaskIsAndTheReliefBesideIt) {
     if (at < changed.rows) changed.row(at).setTo(0);
   }
   const cv::Mat mask = frame->mask > 0;
-  const cv::Mat rim = mask & ~erodedBy(mask, 1);
+  const cv::Mat rim = mask & ~erodeBy(mask, 1);
   EXPECT_LT(cv::countNonZero(rim & (changed == 0)), 20) << "a gap in the outline";
-  EXPECT_EQ(cv::countNonZero(~dilatedBy(mask, 6) & (changed > 0)), 0) << "drawn elsewhere";
+  EXPECT_EQ(cv::countNonZero(~dilateBy(mask, 6) & (changed > 0)), 0) << "drawn elsewhere";
   cv::Mat relief;
   cv::cvtColor(picture(cv::Rect({picture.cols - left.width, kAxisTop_px}, left.size())), relief,
                cv::COLOR_BGR2GRAY);
@@ -173,7 +173,7 @@ TEST(PreviewAxes, TicksAreRoundNumbersThatDoNotTouch) {
   EXPECT_EQ(tickStep_px(0.5), 200);
   EXPECT_EQ(tickStep_px(8.0), 10);
   EXPECT_EQ(tickStep_px(80.0), 1);
-  EXPECT_EQ(placeOfPixel({110, 60}, {100, 50, 160, 120}, 4.0), cv::Point(42, 42));
+  EXPECT_EQ(computePixelPlace({110, 60}, {100, 50, 160, 120}, 4.0), cv::Point(42, 42));
 }
 
 TEST(PreviewAxes, SmallObjectsHaveACloseUpInsideThePicture) {

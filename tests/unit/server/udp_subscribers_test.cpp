@@ -40,7 +40,7 @@ class UdpSubscribersTest : public ::testing::Test {
 TEST_F(UdpSubscribersTest, SendsNoDatagramBeforeAValidEcho) {
   EXPECT_NE(ann, 0U);
   EXPECT_EQ(takers(), 0U);
-  EXPECT_EQ(echo(ann, udp("192.0.2.1", 5000)), AddressValidation::kBelieved);
+  EXPECT_EQ(echo(ann, udp("192.0.2.1", 5000)), AddressValidation::kValidated);
   EXPECT_EQ(takers(), 1U);
   EXPECT_EQ(book.find(ann)->at, udp("192.0.2.1", 5000));
 }
@@ -53,7 +53,7 @@ TEST_F(UdpSubscribersTest, AcceptsEchoesOfTheHostOfTheConnectionOnly) {
   EXPECT_EQ(book.onEcho(std::vector<std::uint8_t>(13), udp("192.0.2.1", 5000), now),
             AddressValidation::kMalformed);
   EXPECT_EQ(takers(), 0U);
-  EXPECT_EQ(echo(ann, udp("192.0.2.1", 5000)), AddressValidation::kBelieved);
+  EXPECT_EQ(echo(ann, udp("192.0.2.1", 5000)), AddressValidation::kValidated);
   EXPECT_EQ(echo(ann, udp("198.51.100.1", 5000)), AddressValidation::kForeign);
   EXPECT_EQ(book.find(ann)->at, udp("192.0.2.1", 5000)) << "a stranger moves nothing";
 }
@@ -61,39 +61,39 @@ TEST_F(UdpSubscribersTest, AcceptsEchoesOfTheHostOfTheConnectionOnly) {
 TEST_F(UdpSubscribersTest, BothVersionsOfAnAddressAreTheSameHost) {
   const std::uint64_t bob =
       book.add(make_address("::ffff:192.0.2.3"), make_address("::ffff:192.0.2.9"));
-  EXPECT_EQ(echo(bob, udp("::ffff:192.0.2.3", 1)), AddressValidation::kBelieved);
-  EXPECT_EQ(echo(ann, udp("::ffff:192.0.2.1", 1)), AddressValidation::kBelieved);
+  EXPECT_EQ(echo(bob, udp("::ffff:192.0.2.3", 1)), AddressValidation::kValidated);
+  EXPECT_EQ(echo(ann, udp("::ffff:192.0.2.1", 1)), AddressValidation::kValidated);
   const std::uint64_t eve = book.add(make_address("2001:db8::1"), make_address("2001:db8::9"));
   EXPECT_EQ(echo(eve, udp("2001:db8::2", 1)), AddressValidation::kForeign);
-  EXPECT_EQ(echo(eve, udp("2001:db8::1", 1)), AddressValidation::kBelieved);
+  EXPECT_EQ(echo(eve, udp("2001:db8::1", 1)), AddressValidation::kValidated);
 }
 
 TEST_F(UdpSubscribersTest, TheNewestPortWinsButNotAHundredAtOnce) {
-  EXPECT_EQ(echo(ann, udp("192.0.2.1", 5000)), AddressValidation::kBelieved);
+  EXPECT_EQ(echo(ann, udp("192.0.2.1", 5000)), AddressValidation::kValidated);
   for (std::uint16_t port = 6000; port < 6100; ++port)
     EXPECT_EQ(echo(ann, udp("192.0.2.1", port)), AddressValidation::kTooSoon);
   EXPECT_EQ(book.find(ann)->at, udp("192.0.2.1", 5000));
   now += UdpSubscribers::kLeastPause;
-  EXPECT_EQ(echo(ann, udp("192.0.2.1", 7000)), AddressValidation::kBelieved);
+  EXPECT_EQ(echo(ann, udp("192.0.2.1", 7000)), AddressValidation::kValidated);
   EXPECT_EQ(book.find(ann)->at, udp("192.0.2.1", 7000));
   EXPECT_EQ(takers(), 1U);
 }
 
 TEST_F(UdpSubscribersTest, RemovesASilentViewerAfterHalfAMinute) {
-  EXPECT_EQ(echo(ann, udp("192.0.2.1", 5000)), AddressValidation::kBelieved);
+  EXPECT_EQ(echo(ann, udp("192.0.2.1", 5000)), AddressValidation::kValidated);
   now += seconds(10);
-  EXPECT_EQ(echo(ann, udp("192.0.2.1", 5000)), AddressValidation::kBelieved);
+  EXPECT_EQ(echo(ann, udp("192.0.2.1", 5000)), AddressValidation::kValidated);
   now += seconds(30) - milliseconds(1);
   book.forget(now);
   EXPECT_EQ(takers(), 1U);
   now += milliseconds(1);
   book.forget(now);
   EXPECT_EQ(takers(), 0U);
-  EXPECT_EQ(echo(ann, udp("192.0.2.1", 5000)), AddressValidation::kBelieved) << "it may come back";
+  EXPECT_EQ(echo(ann, udp("192.0.2.1", 5000)), AddressValidation::kValidated) << "it may come back";
 }
 
 TEST_F(UdpSubscribersTest, DeliverySetsWhetherAndHowOften) {
-  EXPECT_EQ(echo(ann, udp("192.0.2.1", 5000)), AddressValidation::kBelieved);
+  EXPECT_EQ(echo(ann, udp("192.0.2.1", 5000)), AddressValidation::kValidated);
   book.deliver(ann, {true, false, 1});
   EXPECT_EQ(takers(), 0U);
   book.deliver(ann, {false, true, 3});
@@ -104,7 +104,7 @@ TEST_F(UdpSubscribersTest, DeliverySetsWhetherAndHowOften) {
 }
 
 TEST_F(UdpSubscribersTest, RemovesTheTokenOfAViewerThatLeaves) {
-  EXPECT_EQ(echo(ann, udp("192.0.2.1", 5000)), AddressValidation::kBelieved);
+  EXPECT_EQ(echo(ann, udp("192.0.2.1", 5000)), AddressValidation::kValidated);
   book.find(ann)->counts->sent = 12;
   EXPECT_EQ(book.remove(ann).sent, 12U);
   EXPECT_EQ(echo(ann, udp("192.0.2.1", 5000)), AddressValidation::kUnknownToken);
@@ -112,7 +112,7 @@ TEST_F(UdpSubscribersTest, RemovesTheTokenOfAViewerThatLeaves) {
 }
 
 TEST_F(UdpSubscribersTest, AnotherStreamBeginsWithoutViewers) {
-  EXPECT_EQ(echo(ann, udp("192.0.2.1", 5000)), AddressValidation::kBelieved);
+  EXPECT_EQ(echo(ann, udp("192.0.2.1", 5000)), AddressValidation::kValidated);
   book.find(ann)->counts->sent = 12;
   EXPECT_EQ(book.restart(kStream + 1).sent, 12U);
   EXPECT_EQ(book.size(), 0U);

@@ -48,7 +48,7 @@ TEST(SkinColors, AFingerIsSkinAndSpecksAreNotInAnyLight) {
     for (int v = 300; v < 460; v += 9) {
       for (int u = 300; u < 600; u += 9) cv::circle(color, {u, v}, 1, kSkin.mul(light), cv::FILLED);
     }
-    const cv::Mat skin = SkinColors::adaptedToLight(color).in(color);
+    const cv::Mat skin = SkinColors::adaptToLight(color).in(color);
     const cv::Mat finger = skin({102, 110, 26, 180});
     EXPECT_GT(cv::countNonZero(finger), 0.9 * static_cast<double>(finger.total()));
     EXPECT_EQ(cv::countNonZero(skin({300, 0, 340, 480})), 0);
@@ -71,7 +71,7 @@ struct Drawn {
   FrameImages finish(std::mt19937& random) {
     color = grained(color, random);
     noise = measureNoise(depth);
-    skin = SkinColors::adaptedToLight(color);
+    skin = SkinColors::adaptToLight(color);
     return imagesWith(color, depth);
   }
 };

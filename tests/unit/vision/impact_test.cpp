@@ -31,7 +31,7 @@ Findings findAll(const std::vector<Sample>& samples) {
     finder.test(
         {samples.begin() + std::ptrdiff_t(first), samples.begin() + std::ptrdiff_t(last + 1)},
         at - first);
-    found.push_back(finder.around(samples[at].time_s, 3.5 * 0.04));
+    found.push_back(finder.findAround(samples[at].time_s, 3.5 * 0.04));
     for (const Impact& impact : found.back()) {
       const bool is_new = out.impacts.empty() || impact.time > out.impacts.back().time;
       if (is_new) out.impacts.push_back(impact);

@@ -49,7 +49,7 @@ struct TwoMotions {
                              cv::Mat(kTwoMotions_px, CV_32FC1, cv::Scalar(700)),
                              {},
                              {}};
-    patch = patchAround(images, mask, flow.similarity, {});
+    patch = makePatch(images, mask, flow.similarity, {});
     return computeMotionEvidence(patch, other, flow.similarity);
   }
 };
