@@ -22,11 +22,9 @@
 
 namespace hapticast::client {
 
-// Bounded queue between the network thread and the decode thread. If frames arrive faster than they
-// are decoded, the queue drops the oldest frame. It stores the reliefs of a dropped frame, because
-// later frames may declare them unchanged.
-// Thread: one at a time; DecodeThread locks it.
-
+/// Bounded queue between the network thread and the decode thread. If frames arrive faster than
+/// they are decoded, the queue drops the oldest frame. It stores the reliefs of a dropped frame,
+/// because later frames may declare them unchanged. Thread: one at a time; DecodeThread locks it.
 class FrameQueue {
  public:
   /// Largest number of queued frames. The loop can store as many, so the frames that arrive

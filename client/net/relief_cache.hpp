@@ -21,11 +21,9 @@
 
 namespace hapticast::client {
 
-// Error concealment: replaces lost slices of a relief by the object's previous relief. The previous
-// relief is moved with the object.
-// Thread: any (pure functions).
-
-/// A relief, and the motion of its object in the frame of the relief.
+/// A relief, and the motion of its object in the frame of the relief. It replaces lost slices of
+/// the object's next relief: it is moved with the object (error concealment). Thread: any (pure
+/// functions).
 struct PosedRelief {
   std::shared_ptr<const Relief> relief;
   Motion motion;

@@ -14,10 +14,8 @@
 
 namespace hapticast::server {
 
-// JPEG header parser: reads the size of a picture before a decoder allocates memory for it. Thread:
-// any.
-
-/// Size of a picture.
+/// Size of a picture. It is read from the header of the file, before a decoder allocates memory.
+/// Thread: any.
 struct PictureSize {
   std::uint32_t width_px = 0;
   std::uint32_t height_px = 0;

@@ -21,11 +21,8 @@
 
 namespace hapticast::server {
 
-// Loop seam test: decides whether objects continue where a looped clip begins again. If they do
-// not, a new epoch begins there. Thread: any.
-
 /// Returns whether both frames contain objects with the same ids, and all these objects are visible
-/// in both frames.
+/// in both frames. If not, a new epoch begins where a looped clip begins again. Thread: any.
 bool haveSameObjects(const std::vector<TrackedObject>& a, const std::vector<TrackedObject>& b);
 
 /// Returns whether `now` has the same objects as `before`, and no object changed noticeably. A

@@ -19,10 +19,8 @@
 
 namespace hapticast::server {
 
-// Result of tracking one object in one frame: surface, pose and residual motion. Thread: the one
-// that runs Vision.
-
-/// What the tracker found out about one object in one frame.
+/// Result of tracking one object in one frame: surface, pose and residual motion. Thread: the one
+/// that runs Vision.
 struct TrackedObject {
   std::uint32_t id = 0;
   int number = 0;    ///< see Segment

@@ -134,10 +134,7 @@ class Proxy {
   bool done_ = false;
 };
 
-// Helpers that the free motion and the contact motion of the proxy share. Only
-// client/haptics/contact uses them.
-// Thread: loop, real-time (rules: client/haptics/README.md, section 1).
-
+// Used in client/haptics/contact only. Thread: loop, real-time.
 constexpr double kLookAhead_px = 0.5;  // length of a small step; it skips no detail of 1 px
 // Distance of a proxy at a wall from the mask's edge, on the outside.
 constexpr double kOutside_mm = 1e-3;

@@ -21,11 +21,8 @@
 
 namespace hapticast::client {
 
-// The reliefs of one frame, for the views. They exist only while the loop may still play the frame.
-// Thread: any.
-
-/// Weak references to the reliefs of one frame. A reference expires when the loop needs the frame
-/// no more.
+/// Weak references to the reliefs of one frame, for the views. A reference expires when the loop
+/// needs the frame no more. Thread: any.
 struct PlayableReliefs {
   MediaTime media_time;
   std::vector<std::weak_ptr<const HeightField>> reliefs;  ///< one for each object

@@ -11,11 +11,9 @@
 
 namespace hapticast::server {
 
-// Labelled pieces of a surface: connected components, and regions that grow from seeds. An image of
-// labels is CV_8UC1 over the surface's box; 0 means no label. Thread: any.
-
 /// Finds the connected pieces of `where` with at least `smallest_px` pixels and returns their
-/// number n. Writes the labels 1 .. n into `labels`; pixels outside these pieces have 0.
+/// number n. Writes the labels 1 .. n into `labels`; pixels outside these pieces have 0. The image
+/// of labels is CV_8UC1 over the surface's box. Thread: any.
 int largePieces(const cv::Mat& where, int smallest_px, cv::Mat& labels);
 
 /// Returns the mean depth of each label 1 .. count, mm; 0 for a label without pixels.

@@ -22,13 +22,12 @@ cv::Mat fitQuadratic(const cv::Mat& values, const cv::Mat& mask, double sigma_px
 cv::Mat fitWider(const cv::Mat& height, const cv::Mat& rounded, const cv::Mat& mask,
                  const cv::Mat& measured, double half_step, double sigma_px);
 
-// Hole filling (inpainting): push-pull pyramid and membrane interpolation. Thread: any.
-
 /// Returns `values` (CV_32FC1), in which the pixels of `wanted` outside `known` are filled smoothly
 /// from those of `known`. Returns an unchanged copy if no pixel is known or none is to be filled.
 /// `known` and `wanted` are masks (CV_8UC1, 0/255). The method is push-pull inpainting (Gortler et
 /// al. 1996), then membrane sweeps (Gauss-Seidel steps of Laplace's equation). With a `reduction`
-/// above 1 most sweeps work at 1 / reduction of the size, and the last ones at full size.
+/// above 1 most sweeps work at 1 / reduction of the size, and the last ones at full size. Thread:
+/// any.
 cv::Mat filled(const cv::Mat& values, const cv::Mat& known, const cv::Mat& wanted,
                int reduction = 1);
 

@@ -17,10 +17,8 @@
 
 namespace hapticast::server {
 
-// Region of interest (ROI) for graph cuts. It is a part of the picture, reduced so far that each
-// pixel can be a node of a graph. Thread: the one that runs Vision.
-
-/// Images of a frame, and the model of its scene: planes, depth noise and skin colours.
+/// Images of a frame, and the model of its scene: planes, depth noise and skin colours. Thread: the
+/// one that runs Vision.
 struct FrameContext {
   const FrameImages& images;
   const std::vector<Plane>& planes;
