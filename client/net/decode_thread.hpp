@@ -44,8 +44,8 @@ class FrameQueue {
   std::size_t push(AssembledFrame assembled);
   /// Removes and returns the oldest frame; nullopt if the queue is empty.
   [[nodiscard]] std::optional<Accepted> pop();
-  /// Registers that the queued frames waited for `duration` by choice, which is no delay of the
-  /// preparation.
+  /// Informs the queue that it was held back for `duration` on purpose (holdsBack()), so that this
+  /// time is not counted as preparation delay.
   void holdBack(Duration duration);
   [[nodiscard]] bool empty() const { return frames_.empty(); }
   void clear();

@@ -125,7 +125,7 @@ class FrameAssembler {
   /// Compares a version of a frame with the versions that arrived by the other transport or
   /// earlier. Returns true if they differ, and drops all frames.
   bool contradicts(const CodedFrame& frame, const Reassembly* joined);
-  /// Deletes everything except the position of the last frame that left.
+  /// Drops all incomplete frames. Keeps the id and epoch of the last frame that was passed on.
   void forget();
   /// Returns true if `id` is at most the id of the last frame that left.
   [[nodiscard]] bool behind(std::uint64_t id) const;

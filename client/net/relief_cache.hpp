@@ -21,9 +21,8 @@
 
 namespace hapticast::client {
 
-/// A relief, and the motion of its object in the frame of the relief. It replaces lost slices of
-/// the object's next relief: it is moved with the object (error concealment). Thread: any (pure
-/// functions).
+/// A relief, and the motion of its object in the frame of the relief. Moved
+/// with the object, it replaces lost slices of the next relief (error concealment). Thread: any.
 struct PosedRelief {
   std::shared_ptr<const Relief> relief;
   Motion motion;

@@ -47,7 +47,7 @@ void AvahiSession::connect() {
 }
 
 void AvahiSession::disconnect() {
-  events_.setOver();
+  events_.over();
   if (client_ != nullptr) avahi_client_free(client_);
   client_ = nullptr;
 }
@@ -57,7 +57,7 @@ void AvahiSession::changed(AvahiClient* client, int state, void* self) {
   switch (state) {
     case AVAHI_CLIENT_S_RUNNING:
       session.logged_absent_ = false;
-      session.events_.setOver();
+      session.events_.over();
       session.events_.runs(client);
       break;
     case AVAHI_CLIENT_CONNECTING:
@@ -70,12 +70,12 @@ void AvahiSession::changed(AvahiClient* client, int state, void* self) {
       break;
     }
     default:  // the machine's name is changing, which removes published services
-      session.events_.setOver();
+      session.events_.over();
   }
 }
 
 void AvahiSession::lost(const std::string& why) {
-  events_.setOver();
+  events_.over();
   if (!std::exchange(logged_absent_, true)) events_.describeAbsence(why);
 }
 

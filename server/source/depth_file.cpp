@@ -163,7 +163,7 @@ ImageResult decodeNpy(Bytes bytes) {
   if (!header) return {{}, "is not an NPY matrix of two dimensions in the order of C"};
   const auto width_px = static_cast<int>(header->size.width_px);
   const auto height_px = static_cast<int>(header->size.height_px);
-  if (!sizeReadable(width_px, height_px)) return {{}, tooLarge(width_px, height_px)};
+  if (!sizeReadable(width_px, height_px)) return {{}, describeTooLarge(width_px, height_px)};
   const int type = header->type == "|u1"   ? CV_8UC1
                    : header->type == "<u2" ? CV_16UC1
                    : header->type == "<f4" ? CV_32FC1

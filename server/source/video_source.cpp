@@ -21,7 +21,7 @@ void requireVideoSize(const VideoTrack& track, const std::string& file) {
   if (sizeReadable(track.width_px, track.height_px)) return;
   const bool known = track.width_px > 0;  // else the decoder refused them
   throw SourceError(file + ": " +
-                    (known ? tooLarge(track.width_px, track.height_px)
+                    (known ? describeTooLarge(track.width_px, track.height_px)
                            : "has pictures that cannot be decoded or are larger than " +
                                  sizeText(kMostSide_px, 4320)) +
                     "; scale it down");

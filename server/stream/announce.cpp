@@ -58,7 +58,7 @@ struct Announcer::Service {
         name(wanted),
         listen_endpoint(where),
         version(toText(kServiceVersionKey, std::to_string(kProtocolVersion))),
-        title(toText(kTxtTitleKey, sanitizeUtf8(what, kMaxServicePlays_bytes))),
+        stream_name(toText(kTxtTitleKey, sanitizeUtf8(what, kMaxServicePlays_bytes))),
         tls(fingerprint.empty() ? "" : toText(kTxtTlsKey, fingerprint)) {}
 
   void make(AvahiClient* client) {
@@ -80,7 +80,7 @@ struct Announcer::Service {
       error = avahi_entry_group_add_service(
           group, findNetwork(listen_endpoint.address()), toAvahiProtocol(listen_endpoint.address()),
           static_cast<AvahiPublishFlags>(0), name.c_str(), kServiceType, nullptr, nullptr,
-          listen_endpoint.port(), version.c_str(), title.c_str(),
+          listen_endpoint.port(), version.c_str(), stream_name.c_str(),
           tls.empty() ? nullptr : tls.c_str(), nullptr);
       if (error == AVAHI_ERR_COLLISION) rename();
     } while (error == AVAHI_ERR_COLLISION);
@@ -121,7 +121,7 @@ struct Announcer::Service {
   std::string name;  // as it is announced
   const asio::ip::tcp::endpoint listen_endpoint;
   const std::string version;
-  const std::string title;
+  const std::string stream_name;
   const std::string tls;
   LogRateLimiter limit;  // a host may claim each name again and again
   AvahiEntryGroup* group = nullptr;
@@ -136,9 +136,9 @@ struct Announcer::Service {
 };
 
 Announcer::Announcer(std::string name, const asio::ip::tcp::endpoint& listen_endpoint,
-                     const std::string& title, const std::string& tls_fingerprint)
-    : service_(
-          std::make_unique<Service>(std::move(name), listen_endpoint, title, tls_fingerprint)) {}
+                     const std::string& stream_name, const std::string& tls_fingerprint)
+    : service_(std::make_unique<Service>(std::move(name), listen_endpoint, stream_name,
+                                         tls_fingerprint)) {}
 
 Announcer::~Announcer() = default;
 

@@ -18,12 +18,12 @@ void requireReachable(const asio::ip::address& address);
 class Announcer {
  public:
   /// Begins to announce `name` (see isServiceName()) with the address `listen_endpoint`, at which
-  /// viewers connect, the stream's name `title`, and the fingerprint of the TLS certificate (hex;
-  /// empty: no TLS). It never waits for avahi-daemon. It logs the announced name. This is another
-  /// name if a server on the LAN uses `name` already. It also logs when avahi-daemon starts and
-  /// stops.
+  /// viewers connect, the stream's name `stream_name`, and the fingerprint of the TLS certificate
+  /// (hex; empty: no TLS). It never waits for avahi-daemon. It logs the announced name. This is
+  /// another name if a server on the LAN uses `name` already. It also logs when avahi-daemon starts
+  /// and stops.
   Announcer(std::string name, const asio::ip::tcp::endpoint& listen_endpoint,
-            const std::string& title, const std::string& tls_fingerprint);
+            const std::string& stream_name, const std::string& tls_fingerprint);
   /// Ends the announcement.
   ~Announcer();
   Announcer(const Announcer&) = delete;

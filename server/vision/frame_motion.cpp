@@ -148,7 +148,7 @@ void FrameMotion::findImpacts(HapticObject& object, const HapticFrame& frame,
                               const MotionWindow& around) {
   ImpactFinder& finder = impacts_[object.id];
   finder.test(around.samples, *around.at);
-  object.impacts = finder.around(toSeconds(frame.media_time), reach_s());
+  object.impacts = finder.findAround(toSeconds(frame.media_time), reach_s());
 }
 
 void FrameMotion::setFromClip(HapticObject& object, MediaTime media_time, const Vec3& measured_mm,
@@ -186,7 +186,7 @@ void FrameMotion::addResidual(HapticObject& object, const HapticFrame& frame,
   // A window across an impact starts before the impact and yields motion that no object has.
   const double window_s = (lookahead_ + 1) / info_.fps;
   const bool smooth = object.impacts.empty() &&
-                      impacts_[object.id].around(toSeconds(frame.media_time), window_s).empty();
+                      impacts_[object.id].findAround(toSeconds(frame.media_time), window_s).empty();
   const auto report = reports_.find(object.id);
   if (!smooth || report == reports_.end()) return;
   if (!history_.hasCells(object.id, frame.id, lookahead_)) return;

@@ -216,7 +216,7 @@ CellFlow Track::cells(const FramePair& frames, const Surface& before) {
     const ScopedStageTimer lap(settings_->clock, report_, Stage::kGrid);
     out = residualFlow(frames.last.gray, frames.now.gray, before, now_.surface,
                        [&](const cv::Point2f& at_px, double depth_mm) {
-                         return motion_.explained(at_px, depth_mm);
+                         return motion_.explainFlow(at_px, depth_mm);
                        });
   }
   out.interval_s = frames.interval_s;

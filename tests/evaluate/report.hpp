@@ -68,7 +68,7 @@ class Report {
   void require(const std::string& what, bool held);
   /// Says that the clip of this scene is not on this machine: its baseline is not asked for.
   void leaveOut(const std::string& scene) { absent_.insert(scene); }
-  /// Run times are of a tick of the client, not of a frame: told in us.
+  /// Run times are of a tick of the client, not of a frame, in us.
   void timesAreOfTicks() { of_ticks_ = true; }
   void sayFirst(const std::string& text);
   /// A picture that the topic made itself in the report's folder, instead of the one of errors

@@ -23,9 +23,9 @@ struct UnitRule {
 constexpr UnitRule kRules[] = {
     {"%", 0.02},                            // of a force of 0.5 N: 0.1 mN
     {"points", 0.02},                       // the same, of percent
-    {"N", 1e-3},                            // fingers feel some 10 mN
+    {"N", 1e-3},                            // the threshold of fingers is some 10 mN
     {"N rms", 1e-3},                        // the same
-    {"mN", 0.1},                            // a hundredth of what is felt
+    {"mN", 0.1},                            // a hundredth of that threshold
     {"mN per tick", 0.01},                  // the same after 10 ticks
     {"mm", 1e-3},                           // 1/55 of an encoder count
     {"mm rms inside", 0.01},                // a fifth of an encoder count

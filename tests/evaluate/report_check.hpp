@@ -28,7 +28,7 @@ class CheckFailed : public std::runtime_error {
 /// small absolute floor of its unit. Below the baseline for units of which more is better.
 [[nodiscard]] double findLimit(const Row& baseline);
 
-/// Returns whether `got` lies beyond the limit of `baseline`; what is no number does.
+/// Returns whether `got` lies beyond the limit of `baseline`; a value that is no number does.
 [[nodiscard]] bool isWorse(double got, const Row& baseline);
 
 /// Returns the row that stands for what a goal got, in TOPIC.csv.

@@ -280,7 +280,7 @@ TEST_F(FalconClient, AKilledHelperIsReplacedByOneThatCommandsZero) {
   expectZeroAtLast();
 }
 
-/// How often a hold was broken, because nobody was heard for so long.
+/// How often a hold was broken, because no command arrived for so long.
 std::ptrdiff_t stalls(const std::vector<ReceivedRequest>& received) {
   std::ptrdiff_t count = 0;
   for (std::size_t i = 1; i < received.size(); ++i)

@@ -61,7 +61,7 @@ class FalconTest : public ::testing::Test {
     }
     return "";
   }
-  /// What the motors have been told, newest last.
+  /// Commands that the motors received, newest last.
   std::vector<ReceivedRequest> received() {
     return port_->with([](FalconModel& model, BusFaults&) { return model.received(); });
   }

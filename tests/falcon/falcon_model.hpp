@@ -23,7 +23,7 @@ struct FalconFaults {
   Duration start_delay{0};     ///< from the last byte of the firmware to its first answer
   int hellos_ignored = 0;      ///< the boot loader oversleeps so many
   int echoes_wrong = 0;        ///< so many chunks of the firmware come back with a flipped bit
-  bool mute = false;           ///< it hears, and says nothing
+  bool mute = false;           ///< it receives and does not answer
   int one_in_lost = 0;         ///< of so many replies one is lost; 0: none
   int one_in_cut = 0;          ///< ... loses its end
   int one_in_flipped = 0;      ///< ... has a flipped bit

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What goes wrong while a force acts, and what the motors hear last.
+// Faults while a force acts, and the last command to the motors.
 #include "tests/falcon/falcon_fixture.hpp"
 
 namespace hapticast::testing {

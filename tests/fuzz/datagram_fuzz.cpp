@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Datagrams: no bytes crash who reads them, and what is accepted can be felt and sent on. The input
-// is bodies of one frame, each behind two bytes that say how long it is; what is mutated is signed
-// here, so that it gets beyond the signature. No mutation opens a seal, and what is sealed here is
-// opened unchanged.
+// Datagrams: no bytes crash who reads them, and accepted ones can be rendered and sent on. The
+// input is bodies of one frame, each behind two bytes that say how long it is; what is mutated is
+// signed here, so that it gets beyond the signature. No mutation opens a seal, and what is sealed
+// here is opened unchanged.
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>

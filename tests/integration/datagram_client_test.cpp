@@ -172,7 +172,7 @@ TEST_F(DatagramClientTest, AGroupOnTheLoopbackIsJoined) {
 /// Somebody on the group's network who signs with a key of his own.
 class Forger {
  public:
-  /// `welcome`: anybody's, which tells the group's token.
+  /// `welcome`: of any viewer; it has the group's token.
   Forger(asio::io_context& io, const Welcome& welcome)
       : socket_(io, {asio::ip::address_v4::loopback(), 0}),
         group_(asio::ip::make_address(welcome.group->address), welcome.group->port),

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Clients as a user runs them, each at a server that lies. The client renders no force beyond the
+// Clients as a user runs them, each at a malicious server. The client renders no force beyond the
 // limits of the safety chain, and it logs the cause.
 #pragma once
 
@@ -22,9 +22,9 @@ struct ExpectedMessage {
 
 class ProgramsMaliciousTest : public ProgramsTest {
  protected:
-  /// Starts a server that tells a lie. Returns the address for its client.
+  /// Starts a malicious server. Returns the address for its client.
   using Serve = std::function<std::string(const FalseStream&)>;
-  /// Each lie to a client of its own, all at once.
+  /// Runs each false stream with a client of its own, all at once.
   void runFalseStreams(std::span<const ExpectedMessage> expected, const Serve& serve) const;
   static void expectFloodReported(const std::string& summary, const std::string& output);
   static const FalseStream& named(const std::string& name) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Fourteen attacks on the real server while a hundred honest viewers watch: each is bounded, nobody
-// else is touched, the log stays readable, and memory (the system's, too) and file handles come
-// back.
+// Fourteen attacks on the real server while a hundred honest viewers receive: each is bounded, no
+// viewer else is touched, the log stays readable, and memory (the system's, too) and file handles
+// come back.
 #include <atomic>
 #include <fstream>
 #include <map>

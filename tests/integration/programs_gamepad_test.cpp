@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // A gamepad as a person uses it, on SDL's own made-up pad: a real server streams a ball, the sticks
-// lead the tip to it, its motors tell of the touch. And what the programs say of a pad or a sound
-// device that is not there, and what of a touch is heard.
+// lead the tip to it, its motors render the touch. The programs report a missing pad or sound
+// device, and a touch is audible.
 #include <algorithm>
 #include <array>
 #include <functional>
@@ -165,7 +165,7 @@ class ProgramsSoundTest : public ProgramsTest {
                                       [](const LogRow& row) { return row.force_N.norm() > 0.5; });
     return pushed > 500;
   }
-  /// What was heard, a number for each of SDL's buffers of 512: its loudest sample.
+  /// The recorded sound, a number for each of SDL's buffers of 512: its loudest sample.
   [[nodiscard]] std::vector<float> heard() const {
     std::ifstream in(path("heard.raw"), std::ios::binary);
     std::vector<float> loudness;

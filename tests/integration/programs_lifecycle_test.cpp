@@ -96,7 +96,7 @@ class ProgramsLifeTest : public ProgramsTest {
     while (quiet != rows.begin() && std::prev(quiet)->force_N == Vec3::Zero()) --quiet;
     return std::count_if(rows.begin(), quiet, [&](const LogRow& row) { return row.t_s > t_s; });
   }
-  /// Ends a client that feels a force; the force has to end first.
+  /// Ends a client that renders a force; the force has to end first.
   void interruptInForce(Process& client) const {
     ASSERT_TRUE(feelsForceAfter(0.0));
     interrupt(client);

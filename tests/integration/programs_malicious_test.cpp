@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The client as a user runs it, and servers that lie to it over TCP, by datagrams and to a group:
-// nothing is felt that the log could not stand, and the user is told.
+// The client as a user runs it, and malicious servers over TCP, by datagrams and to a group:
+// the logged force keeps the limits, and the client reports the cause.
 #include <thread>
 
 #include "tests/integration/malicious_fixture.hpp"
@@ -11,7 +11,7 @@
 namespace hapticast::testing {
 namespace {
 
-/// Tells one lie to whoever comes, one viewer at a time.
+/// Sends one false stream to each viewer, one viewer at a time.
 class MaliciousListener {
  public:
   explicit MaliciousListener(const FalseStream& false_stream)

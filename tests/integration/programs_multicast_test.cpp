@@ -130,7 +130,7 @@ class ProgramsMulticastTest : public ProgramsTest, public ::testing::WithParamIn
              return row.penetration_mm > 0.0 && row.force_N != Vec3::Zero();
            }) >= 1000;
   }
-  /// A viewer that comes while others watch: what TCP brings it first.
+  /// A viewer that connects while others view: its first messages over TCP.
   CodedFrame firstFrameOfALateComer() const {
     const bool v6 = GetParam().v6;
     const auto peer = TwoHosts::madeOn(hosts_.viewer(), [&] {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The false streams of the tests pass from an origin that lies through nats-server and a real edge
-// to real clients, with the same result as from a server that lies.
+// The false streams of the tests pass from a malicious origin through nats-server and a real edge
+// to real clients, with the same result as from a malicious server.
 #include <thread>
 
 #include "common/build_options.hpp"
@@ -15,7 +15,8 @@
 namespace hapticast::testing {
 namespace {
 
-/// Tells one lie to all edges of a channel. Its signatures and heads are those of an honest origin.
+/// Sends one false stream to all edges of a channel. Its signatures and heads are those of an
+/// honest origin.
 class MaliciousOrigin {
  public:
   MaliciousOrigin(const FalseStream& false_stream, const server::NatsAddress& address)
@@ -42,14 +43,14 @@ class MaliciousOrigin {
   void onPing(std::span<const std::uint8_t> bytes, const std::string& reply) {
     const std::lock_guard lock(mutex_);
     const auto ping = decodeRelayPing(bytes);
-    // The stream begins with the first viewer, as that of a server that lies.
+    // The stream begins with the first viewer, as that of a malicious server.
     if (!begun_ && ping.ok() && ping.value().wants_datagrams) {
       begun_ = true;
       begin_ = clock_.now();
     }
     const auto answer = ping.ok() ? server_.answer({ping.value().t0}, now_s()) : std::nullopt;
     if (!answer) return;
-    const auto said = decode(*answer);  // a pong that cannot be sent lies too much
+    const auto said = decode(*answer);  // a pong that cannot be encoded is not sent
     if (!said.ok()) return;
     const Pong& pong = std::get<Pong>(said.value());
     publish(reply, RelayPong{pong.t0, pong.t1, pong.t2});
@@ -76,7 +77,8 @@ class MaliciousOrigin {
   void sendFrame(const Bytes& message) {
     RelayFrame frame;
     frame.id = number_ + 1;
-    // A lie by datagrams alone has nothing for TCP: the edge sends the viewers of TCP a repetition.
+    // A false stream by datagrams alone has nothing for TCP: the edge sends the viewers of TCP a
+    // repetition.
     static const Bytes kNothing = encode(Preparing{1.0});
     frame.delta = std::make_shared<const Bytes>(message.empty() ? kNothing : message);
     auto bodies = server_.takeDatagrams();

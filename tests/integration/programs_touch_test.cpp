@@ -97,8 +97,8 @@ class ProgramsTouchTest : public ProgramsTest {
     EXPECT_EQ(rows.front().t_s, 0.0) << "the first tick";
     EXPECT_EQ(rows.back().force_N, Vec3::Zero()) << "left with a force";
 
-    // How much of it was interpolated is timing, so it is told, not judged: a busy machine skips
-    // frames and brings others late.
+    // How much of it was interpolated is timing, so it is printed, not checked: a busy machine
+    // skips frames and brings others late.
     std::cout << name << ": " << contact << " contact ticks, "
               << 100.0 * number("contact_lookup.interpolated") / contact << " % interpolated, "
               << number("max_force_N") << " N at most, " << number("late_ticks")

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The window as a person uses it, on SDL's display for machines without one: a real server streams
-// a ball, pointer and keys come as SDL's events, the force is felt through the mouse.
+// a ball, pointer and keys come as SDL's events, the force acts on the mouse.
 #include "client/view/window/window.hpp"
 
 #include <cstdlib>
@@ -67,7 +67,7 @@ void wheel(float notches) {
   SDL_PushEvent(&event);
 }
 
-/// A story told in steps: each waits for something, then does something.
+/// A story in steps: each waits for something, then does something.
 class Story {
  public:
   struct Step {
@@ -109,7 +109,7 @@ class ProgramsWindowTest : public ProgramsTest {
     setenv("SDL_VIDEODRIVER", "dummy", 1);
     setenv("SDL_RENDER_DRIVER", "software", 1);
   }
-  /// The story, told to a client of this server; its summary.
+  /// Plays the story with a client of this server. Returns its summary.
   nlohmann::json playStory(Story& story, const std::string& address) {
     client::Settings settings;
     const auto colon = address.rfind(':');

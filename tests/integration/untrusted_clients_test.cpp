@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What strangers on the port and viewers that do not read cost the server, and whom they touch:
-// nobody.
+// The cost of unauthorised clients and of viewers that do not read. They do not affect other
+// viewers.
 #include <sys/resource.h>
 
 #include <array>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// All the lies (lies_messages.cpp, lies_slices.cpp, lies_datagrams.cpp, lies_scene.cpp).
+// The list of all false streams (adversarial_{messages,slices,datagrams,scene}.cpp).
 #include <iterator>
 #include <utility>
 

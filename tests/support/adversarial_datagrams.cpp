@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Lies in what datagrams say before their payload, and in which payload stands behind it: every one
-// of them is signed, as a server that lies has the key.
+// False streams with wrong datagram headers, or with the payload of another datagram. Every one
+// of them is signed, because a malicious server has the key.
 #include <stdexcept>
 #include <utility>
 

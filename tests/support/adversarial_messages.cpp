@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Lies in what carries the scene: numbers, messages, ids, times, clocks.
+// False streams with wrong numbers, messages, ids, times and clocks.
 #include <array>
 #include <cmath>
 
@@ -76,7 +76,7 @@ namespace {
 
 // --- messages that are not built as they should be
 
-/// From the 30th frame on, so that something is felt before.
+/// From the 30th frame on, after a first contact.
 auto later(void (*change)(OutgoingFrame&)) {
   return [change](OutgoingFrame& t) {
     if (t.n >= 30) change(t);

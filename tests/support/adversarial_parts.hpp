@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What lies are made of: shapes, waves, grids.
+// Parts of false streams: shapes, waves, grids.
 #pragma once
 
 #include <algorithm>
@@ -58,14 +58,14 @@ std::shared_ptr<Relief> shape(Height height_mm) {
   return relief;
 }
 
-/// The whole plateau at this height, its position with it and, if told, its speed.
+/// The whole plateau at this height, its position with it and, if given, its speed.
 inline void moveTo(OutgoingFrame& outgoing, double height_mm, double velocity_mm_s = 0.0) {
   outgoing.setRelief(plate(height_mm));
   outgoing.motion().position_mm.z() = height_mm;
   outgoing.motion().velocity_mm_s.z() = velocity_mm_s;
 }
 
-/// Up and down as it says it does: consistent, and meant to shake.
+/// Up and down with consistent velocities. It may shake the hand.
 inline auto heave(double hz, double amplitude_mm) {
   return [=](OutgoingFrame& t) {
     const double w = 2.0 * std::numbers::pi * hz;
@@ -86,7 +86,7 @@ inline std::shared_ptr<MotionGrid> gridOf(const PixelRect& rect,
   return grid;
 }
 
-// The lies by what they lie about, in the order of falseStreams().
+// The false streams by subject, in the order of falseStreams().
 FalseStreams floats();
 FalseStreams structure();
 FalseStreams slices();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A lying server and the hands that feel it, in virtual time.
+// A malicious server and scripted hands at its stream, in virtual time.
 #pragma once
 
 #include "tests/support/malicious_server.hpp"
@@ -45,7 +45,7 @@ inline HandScript handOf(testing::AdversarialRun hand) {
   return {HandKind::kPress, {}};
 }
 
-/// What a liar did to a viewer.
+/// Result of a false stream at a viewer.
 struct AdversarialRun {
   ForceTrace trace;
   TickReport last;
@@ -78,7 +78,7 @@ struct AdversarialRun {
  private:
   static constexpr std::ptrdiff_t kFew = 20;  // a stream that ends makes some
 };
-/// For so long a light hand feels it. `nailed`: the tip cannot move.
+/// Runs a false stream for `seconds` at a light hand. `nailed`: the tip cannot move.
 inline AdversarialRun runFalseStream(const testing::FalseStream& false_stream, double seconds,
                                      const Hand& hand = Hand::light(), bool nailed = false,
                                      std::optional<double> datagram_loss = std::nullopt) {

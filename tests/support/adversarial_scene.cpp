@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Lies in the scene: geometry, motion, material.
+// False streams with a wrong scene: geometry, motion, material.
 #include <array>
 #include <cmath>
 

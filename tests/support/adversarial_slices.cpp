@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Lies in the slices of a relief: first bytes that contradict each other, and codes that mean
-// something else than heights of this object.
+// False streams with wrong slices of a relief: first bytes that contradict each other, and codes
+// that mean something else than heights of this object.
 #include <stdexcept>
 
 #include "tests/support/adversarial_parts.hpp"
@@ -80,7 +80,7 @@ FalseStreams slices() {
        })},
       {"slices_swapped_places", kHold, kHarmless, sliced([](auto& relief, auto& random) {
          const std::size_t other = 1 + random() % (relief.slices.size() - 1);
-         // Where they lie stays; what they say goes with the other.
+         // Their places stay; their contents are those of the other.
          for (std::size_t i = 7; i < std::min(relief.slices[0].size(), relief.slices[other].size());
               ++i)
            std::swap(relief.slices[0][i], relief.slices[other][i]);

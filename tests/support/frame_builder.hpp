@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Frames for tests of the real-time room: reliefs from functions, sent through a FramePool as a
+// Frames for tests of the real-time renderer: reliefs from functions, sent through a FramePool as a
 // receiver would.
 #pragma once
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The battery that every wall has to stand: approach at 0.2 m/s, an impact, hold 1 N, press
-// slowly to 2.5 N, hold, release. What a hand, or none, feels at rest after it.
+// The sweep of tests for every wall: approach at 0.2 m/s, an impact, hold 1 N, press
+// slowly to 2.5 N, hold, release. Then measure at rest, with and without a hand.
 #pragma once
 
 #include <algorithm>
@@ -21,7 +21,7 @@ inline constexpr std::array<NamedHand, 5> kHands = {{{"light", Hand::light()},
                                                      {"firm-grip", Hand::firmGrip()},
                                                      {"none", Hand::none()}}};
 
-/// The battery's device: Omni class with a clamp of 8 N (a stronger device's, so that it does not
+/// The sweep's device: Omni class with a clamp of 8 N (a stronger device's, so that it does not
 /// hide swings) and motors that stay cold.
 inline PlantProfile sweepProfile(double stiffness_N_mm, int delay_ticks, double friction_N = 0.0) {
   PlantProfile profile = omni(stiffness_N_mm, delay_ticks, friction_N);

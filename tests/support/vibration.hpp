@@ -38,7 +38,7 @@ class Above50Hz {
   bool first_ = true;
 };
 
-/// Those of the battery, a bare hand of 50 g held stiffly and loosely: seven with none.
+/// Those of the sweep, a bare hand of 50 g held stiffly and loosely: seven with none.
 inline const std::vector<NamedHand>& quietHands() {
   static const std::vector<NamedHand> all = {kHands[0],
                                              kHands[1],

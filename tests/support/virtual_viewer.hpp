@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// A viewer in virtual time: what comes as bytes goes through the client's own decoder, receiver,
-// preparer and room to a virtual device in a hand, and what the hand feels is reckoned here, from
-// forces sent and the way truly made, by none of the client's counters.
+// A viewer in virtual time. Bytes go through the client's own decoder, receiver,
+// decode thread and renderer to a virtual device in a hand. The force at the hand is computed from
+// the sent forces and the true motion, without the client's counters.
 #pragma once
 
 #include <algorithm>
@@ -26,7 +26,7 @@
 
 namespace hapticast::client {
 
-/// What was felt, tick by tick.
+/// The rendered force, tick by tick.
 struct ForceTrace {
   bool finite = true;
   double max_force_N = 0.0;
@@ -134,7 +134,7 @@ class VirtualViewer {
     user_.store(wishes_);
   }
 
-  /// A millisecond passes, then the room ticks.
+  /// A millisecond passes, then the renderer ticks.
   const TickReport& tick() {
     clock_.advance(kTickPeriod);
     receiver_.release(clock_.now());
@@ -167,7 +167,7 @@ class VirtualViewer {
   void nail(const Vec3& nominal_mm) { nail_mm_ = mapping().toDevice(nominal_mm); }
 
   /// Frames that come over TCP are handed on as datagrams, in any order. This share of them is
-  /// lost, and of those that come as such. (Signatures change nothing of that: the server that lies
+  /// lost, and of those that come as such. (Signatures change nothing of that: the malicious server
   /// has the key.)
   void byDatagrams(double loss) { datagram_loss_ = loss; }
 

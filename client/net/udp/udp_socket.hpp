@@ -38,10 +38,10 @@ struct DatagramCounts {
   DatagramCounts operator+(const DatagramCounts& other) const;
 };
 
-/// Verifies the datagrams that arrive at one socket. Authentication of datagrams. Cheap checks are
-/// first (token, stream, duplicate, key), then the signature, and last the seal. A token bucket
-/// limits the number of verifications per second, so that a flood uses a bounded computing time.
-/// Times are arguments. The code opens no sockets. Thread: network.
+/// Verifies the datagrams that arrive at one socket. Cheap checks are first (token, stream,
+/// duplicate, key), then the signature, and last the seal. A token bucket limits the number of
+/// verifications per second, so that a flood uses a bounded computing time. Times are arguments.
+/// The code opens no sockets. Thread: network.
 class DatagramVerifier {
  public:
   /// Rate and size of the token bucket. The values are a choice: 240 frames/s of eight datagrams.

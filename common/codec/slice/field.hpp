@@ -21,7 +21,7 @@ inline constexpr int kMargin_px = 8;  ///< width of the margin of zeros around a
 /// Largest magnitude of a height: 1024 mm, in units.
 inline constexpr std::int32_t kHighest = 1 << 22;
 
-/// Quantiser steps in units, for the pixels and for the coarser points.
+/// Quantiser steps in units of 1/4096 mm: of pixels, and of each level of the lattice.
 struct Steps {
   int px = 0;
   std::array<int, 3> level{};  ///< steps of the three levels, whose points are 4, 2 and 1 px apart

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Reduced sizes: in large pictures, steps with a smooth result work on every second or third pixel,
-// so that their time has a limit. Thread: any.
+// Reduced sizes: in large pictures, algorithms with a smooth result sample every second or third
+// pixel, which bounds their run time. Thread: any.
 #pragma once
 
 #include <opencv2/core.hpp>

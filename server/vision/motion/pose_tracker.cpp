@@ -219,7 +219,7 @@ void PoseTracker::advanceInDepth(const Observation& observation, bool trusted) {
 }
 
 ObjectPose PoseTracker::advance(const Observation& observation) {
-  pose_.depth_seen = pose_.observation = pose_.confident = true;
+  pose_.depth_seen = pose_.seen = pose_.confident = true;
   aligned_ = false;
   // The references stay too, so that a slow drift at rest is corrected afterwards.
   if (settings_.mode == MotionMode::kNone || observation.at_rest) {
@@ -230,7 +230,7 @@ ObjectPose PoseTracker::advance(const Observation& observation) {
   const double growth = now.area_px / std::max(1.0, last_.area_px);
   const bool trusted = now.entire && last_.entire && growth > 0.8 && growth < 1.25 &&
                        observation.visible_fraction > kWhole;
-  pose_.observation = observation.visible_fraction >= kVisibleEnough;
+  pose_.seen = observation.visible_fraction >= kVisibleEnough;
   if (step_.reliable) {
     advanceRigidly(observation, trusted);
     fresh_ = observation.surface;

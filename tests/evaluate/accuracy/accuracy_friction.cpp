@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Friction as it is felt: the ratio of the force along the surface to that across it, at breakaway
+// Rendered friction: the ratio of the force along the surface to that across it, at breakaway
 // and in slip, against the author's coefficients.
 #include <algorithm>
 #include <cmath>
@@ -90,8 +90,8 @@ struct Rubbed {
   double breakaway = 0.0, slip = 0.0;  ///< off by, %
 };
 
-// `true_normal`: against the true surface, else against the one that is felt (a mask's edge of
-// whole pixels is felt in directions that are a degree or two off).
+// `true_normal`: against the true surface, else against the rendered one (a mask's edge of
+// whole pixels has directions that are a degree or two off).
 Rubbed rubbed(const Rub& applyFriction, const std::vector<Tick>& ticks, bool true_normal) {
   double breakaway = 0;
   double slip_square = 0;

@@ -18,7 +18,7 @@ struct Outcome {
 };
 using Case = std::function<Outcome()>;
 
-/// What a force is told in: displacement x this.
+/// Stiffness that turns a displacement into a force.
 inline constexpr double kStiffness_N_mm = 0.5;
 
 /// One scene as our server and as the thesis's makes it.

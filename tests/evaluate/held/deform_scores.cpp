@@ -12,12 +12,12 @@ namespace hapticast::evaluate::held {
 namespace {
 
 constexpr int kEvery_px = 3;           // pixels that are compared, each way
-constexpr double kDeforms_mm_s = 3.0;  // nominal, rms: of less there is nothing to tell
+constexpr double kDeforms_mm_s = 3.0;  // nominal, rms: smaller motion is not measured
 constexpr double kTravels_mm_s = 3.0;  // nominal, rms
 constexpr std::size_t kBeginning = 4;  // frames: nothing has been seen before them
 constexpr std::size_t kFewestPlaces = 30;
 
-// Told and true motion of the pixels of one frame, 3 rows each; columns of `rigid` are what the six
+// Sent and true motion of the pixels of one frame, 3 rows each; columns of `rigid` are what the six
 // ways of a rigid body to move would be there.
 struct Field {
   Eigen::VectorXd truth, grid, sent;
@@ -54,11 +54,11 @@ class Judge {
   }
 
   [[nodiscard]] Field fieldOf(std::size_t frame) const;
-  // Told minus true velocity of the place that is followed, and the true one.
+  // Sent minus true velocity of the place that is followed, and the true one.
   [[nodiscard]] std::pair<Vec3, Vec3> middleOf(std::size_t frame) const;
 
  private:
-  // A velocity in space as it is told, nominal.
+  // The sent velocity in space, nominal.
   [[nodiscard]] Vec3 nominal(const Vec3& at, const Vec3& v) const {
     const Vec2 mm = workspace_.mmPerPixel();
     const double per_mm = recording_.camera.fx_px / (at.z() * at.z());

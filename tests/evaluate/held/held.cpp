@@ -163,7 +163,7 @@ void setGoals(const std::vector<Result>& results, const std::string& apart, Repo
     all.worst_iou = std::min(all.worst_iou, r.one_click.worst_iou);
     foreign += r.one_click.foreign / double(results.size());
     least_relief = std::min(least_relief, r.one_click.relief_share);
-    // What bends has many velocities: the grid's row tells of them.
+    // A bending object has many velocities: the grid's row has them.
     if (r.one_click.grid_share < 0) velocity = std::max(velocity, r.one_click.velocity_error);
     noise = std::max(noise, r.one_click.noise_N);
     if (r.one_click.grid_share >= 0)

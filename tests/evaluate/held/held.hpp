@@ -15,7 +15,7 @@ void measureHeld(const Options& options, Report& report);
 /// masks: relief used, rest, layers that change their names. `--only surface[/NAME]`.
 void measureHeldSurfaces(const Options& options, Report& report);
 
-/// What the grid tells of things that squeeze and bend, that it tells nothing of rigid ones, and
+/// The grid of things that squeeze and bend, the grid of rigid ones (it should be empty), and
 /// the velocity of both, with the true masks. `--only deform[/NAME]`.
 void measureDeforming(const Options& options, Report& report);
 

@@ -64,7 +64,7 @@ struct Scores {
   std::size_t blank = 0;    ///< frames without the object where a third of it has been seen a while
   double noise_N = -1.0;    ///< on a finger that does not move; < 0: something does
   double renamed = 0.0;     ///< share of its pixels that change their layer, mean over frames
-  double grid_share = -1.0;  ///< of the motion that bending adds, what the grid tells; < 0: none
+  double grid_share = -1.0;  ///< of the motion that bending adds, the grid's share; < 0: none
   double median_ms = 0.0, slow_ms = 0.0;  ///< the latter: 95 %
 };
 Scores scoresOf(const Recording& recording, const Run& run);

@@ -26,7 +26,7 @@ enum Id : std::uint8_t {
   kOther = 6
 };
 
-/// Where a hand is at a moment, and what its pose is told against.
+/// Where a hand is at a moment, and the object of its pose's frame.
 struct Station {
   double time_s = 0.0;
   enum class On : std::uint8_t { kScene, kObject, kProp } on = On::kScene;

@@ -28,7 +28,7 @@ cv::Mat noiseOf(cv::RNG& random, const cv::Size& size, double sigma_px) {
   return noise * (2.0 * sigma_px * std::sqrt(CV_PI));  // back to rms 1
 }
 
-// Noise so wide that a few numbers tell it.
+// Noise so wide that a few numbers define it.
 cv::Mat wideNoise(cv::RNG& random, const cv::Size& size, int cells) {
   cv::Mat noise(cells * 3 / 4, cells, CV_32FC1);
   random.fill(noise, cv::RNG::NORMAL, 0.0, 1.0);

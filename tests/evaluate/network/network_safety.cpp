@@ -13,7 +13,7 @@ namespace {
 using client::HandKind;
 using client::VirtualViewer;
 
-// What is not fresh may not be felt beyond this.
+// Stale data must not cause a force beyond this.
 constexpr Duration kSilentAfter = std::chrono::milliseconds(500);
 constexpr double kSeconds = 9.0;
 

@@ -77,7 +77,7 @@ Conversation runSession(const SentStream& stream, const Network& network, double
   return {copies_sum / (seconds * 1e3), wire.waited_ms()};
 }
 
-/// What a hand feels whose way is told in play time.
+/// The force at a hand whose path is a function of play time.
 NetworkTrace renderThroughNetwork(const SentStream& stream, const Network& network,
                                   const Hand& hand, double seconds);
 

@@ -28,7 +28,7 @@ struct ExtremeCase {
 
 /// A wall, a virtual device, a light hand: what happens to the wall, the tip, the clock.
 std::vector<ExtremeCase> planeCases();
-/// The whole room, frames in and force out: what a stream does.
+/// Cases of a stream, through the whole renderer: frames in and force out.
 std::vector<ExtremeCase> rendererCases();
 
 }  // namespace hapticast::evaluate

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The chain as it is: what is left of the battery's impact for every stiffness it allows, and what
-// soft walls keep of theirs.
+// The safety chain: the rest of the sweep's impact for every allowed stiffness, and the rest with
+// soft walls.
 #include <algorithm>
 #include <cmath>
 
@@ -19,7 +19,8 @@ struct ChainCell {
   double damping_Ns_m = 0.0;
   SweepResult result{};
   double excess_N = 0.0;
-  std::uint64_t alarms = 0, insured = 0;  ///< ticks of latency watch and passivity controller
+  std::uint64_t alarms = 0,
+                insured = 0;  ///< ticks of oscillation detector and passivity controller
 };
 
 void runAll(std::vector<ChainCell>& cells, bool quick) {
@@ -128,7 +129,7 @@ void softWalls(const StabilityReport& to) {
            late_mJ));
 }
 
-/// Told one delay, really another; and an author's damping at its bound.
+/// Assumed one delay, really another; and an author's damping at its bound.
 void wrongDelays(const StabilityReport& to) {
   std::vector<ChainCell> cells;
   for (const int assumed : {0, 1, 2}) {

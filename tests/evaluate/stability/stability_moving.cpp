@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The wall under hands that move: the error of the force and what of it lies above 50 Hz, the first
-// touch, and devices that answer later than told.
+// touch, and devices that answer later than assumed.
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -19,7 +19,7 @@ struct Moving {
   int way, delay;
   double stiffness_N_mm, friction_N;
   double error_N = 0.0, above_50Hz_N = 0.0;
-  int alarms = 0;  // of the latency watch
+  int alarms = 0;  // of the oscillation detector
 };
 constexpr int kWays = 5;
 
@@ -97,7 +97,7 @@ void inMotion(const StabilityReport& to) {
 }
 
 /// How far the tip goes to and fro in the last three seconds of a push into the wall, and when the
-/// latency watch first raised its alarm (< 0: never).
+/// oscillation detector first raised its alarm (< 0: never).
 struct Swing {
   double way_mm = 0.0;
   int alarm_tick = -1;
@@ -127,8 +127,8 @@ Swing swingOf(const PlantProfile& assumed, const PlantProfile& real, const Hand&
   return swing;
 }
 
-/// Devices that answer two ticks later than told, pushed at random: those that swing without the
-/// watch have to be found by it.
+/// Devices that answer two ticks later than assumed, pushed at random: those that swing without the
+/// detector have to be found by it.
 void slowDevices(const StabilityReport& to) {
   struct Cell {
     Swing alone, detects;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Extreme cases through the whole room: real frames in, force out, under a virtual clock.
+// Extreme cases through the whole renderer: real frames in, force out, under a virtual clock.
 #include <cmath>
 #include <limits>
 #include <memory>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the extreme cases of the room play in: a room, a stream and a hand under a virtual clock.
+// The scene of the renderer's extreme cases: a renderer, a stream and a hand under a virtual clock.
 #pragma once
 
 #include <algorithm>
@@ -43,7 +43,7 @@ class RendererReliefs {
   std::map<std::tuple<int, double, bool>, std::shared_ptr<const HeightField>> reliefs_;
 };
 
-/// A room, a stream, a light hand; time t_s counts from the beginning, the event is at 0.
+/// A renderer, a stream, a light hand; time t_s counts from the beginning, the event is at 0.
 class RendererScene {
  public:
   static constexpr double kEvent_s = 2.5;

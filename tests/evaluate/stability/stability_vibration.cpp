@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Force above 50 Hz in a steady press: on a plane with every hand, delay and stiffness, and through
-// the whole room on shapes drawn at random.
+// the whole renderer on shapes drawn at random.
 #include "tests/support/vibration.hpp"
 
 #include <cmath>

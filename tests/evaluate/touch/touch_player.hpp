@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A stream felt by a scripted hand, 1000 times a second of play time: bytes decoded, frames
+// A stream under a scripted hand, 1000 times a second of play time: bytes decoded, frames
 // prepared by the receiver, looked up and touched as the client does, without device and safety
 // chain. Thread: any, each player for itself.
 #pragma once
@@ -14,7 +14,7 @@
 
 namespace hapticast::evaluate {
 
-/// What feels: called once a tick, in order. It may keep state.
+/// Renders a tick. Called once a tick, in order. It may keep state.
 using Touch = std::function<client::Contact(const client::SceneInterpolator&, const client::Scene&,
                                             const Vec3& hip_mm, const Workspace&)>;
 
@@ -33,7 +33,7 @@ std::vector<Variant> allVariants();
 const Variant& defaultVariant();
 const Variant& thesisVariant();
 
-/// Where the hand is at a time, and the exact displacement it should feel (zero: no contact).
+/// Where the hand is at a time, and the exact displacement expected there (zero: no contact).
 struct HandPoint {
   Vec3 hip_mm = Vec3::Zero();
   Vec3 truth_mm = Vec3::Zero();
@@ -64,7 +64,7 @@ struct PlayTimes {
                              ///< that any interpolation asks for
 };
 
-/// What a hand feels by each of the variants; frames are made once for those that read the same
+/// The force at a hand by each of the variants; frames are made once for those that read the same
 /// ones. `streams` gives the stream of a method.
 std::vector<ForceTrace> renderTraces(const std::function<const Stream&(Method)>& streams,
                                      const std::vector<Variant>& variants, const Hand& hand,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What lying streams do to a hand: every lie through the wire to the client's parts, work and steps
-// summed from forces sent and ways made.
+// False streams at a hand: each one goes through the wire to the client's parts. Work and steps are
+// computed from the sent forces and the true motion.
 #include <algorithm>
 #include <set>
 

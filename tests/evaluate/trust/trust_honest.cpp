@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the chain does to streams that do not lie: the scenes of the server, bodies in fast motion
+// The chain under honest streams: the scenes of the server, bodies in fast motion
 // and the real clips, through vision and wire, with frames lost on the way, under every scripted
 // hand.
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Reliefs against the true surface, and how still what is at rest feels.
+// Reliefs against the true surface, and the noise at rest.
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>

@@ -46,7 +46,7 @@ class GamepadTest : public ::testing::Test {
     device = open();
   }
   std::unique_ptr<HapticDevice> open() { return openDevice("gamepad", {.clock = clock}); }
-  /// Lives so long with this felt, a turn of the main thread every 10 ms.
+  /// Runs so long with this force, a turn of the main thread every 10 ms.
   DeviceState live(int ticks, double force_N = 0.0) {
     DeviceState state;
     for (int i = 0; i < ticks; ++i) {

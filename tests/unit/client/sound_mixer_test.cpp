@@ -13,7 +13,7 @@ namespace {
 
 class SoundMixerTest : public ::testing::Test {
  protected:
-  /// The loudest sample of so many buffers under this force; `news`: they are told of it.
+  /// The loudest sample of so many buffers under this force; `news`: the mixer receives it.
   double listen(int buffers, const ForceComponents& trace, bool news = true) {
     double loudest = 0.0;
     for (int i = 0; i < buffers; ++i) {

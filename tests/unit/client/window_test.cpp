@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The window itself on SDL's display for machines without one: what it draws, what it hears.
+// The window itself on SDL's display for machines without one: its pictures and its events.
 #include "client/view/window/window.hpp"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where the proxy feels the edge of a mask, against the shape the mask was drawn from.
+// The edge of a mask for the proxy, against the shape the mask was drawn from.
 #include "common/relief/distance_transform.hpp"
 
 #include <gtest/gtest.h>

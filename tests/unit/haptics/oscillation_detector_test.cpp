@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the latency watch takes for a loop that swings, and what for a hand or a surface.
+// The oscillation detector separates an unstable loop from a moving hand or surface.
 #include "client/haptics/safety/oscillation_detector.hpp"
 
 #include <gtest/gtest.h>
@@ -109,7 +109,7 @@ TEST(BounceDetector, LeavesHandsAndDampedBouncesAlone) {
   EXPECT_EQ(bounceAlarms({.flight_ticks = 8}), 0);      // brushes the edge
   EXPECT_EQ(bounceAlarms({.in_mm_s = 60.0}), 0);        // a count
   EXPECT_EQ(bounceAlarms({.surface_mm_s = 200.0}), 0);  // the surface strikes
-  EXPECT_EQ(bounceAlarms({.acts = false}), 0);          // nothing is felt
+  EXPECT_EQ(bounceAlarms({.acts = false}), 0);          // no force acts
   EXPECT_EQ(bounceAlarms({.contact_ticks = 300, .stiffness_N_mm = 0.0}), 0);
 }
 

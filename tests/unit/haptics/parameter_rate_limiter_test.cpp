@@ -44,7 +44,7 @@ TEST(ParameterRateLimiter, ANumberThatIsNoneLeavesNoTrace) {
   EXPECT_EQ(ramp.step(1.0, true), 1.0);
 }
 
-/// Stiffness that a hand feels that is pressed 2 mm into a dome, over `ticks`.
+/// Rendered stiffness at a hand that is pressed 2 mm into a dome, over `ticks`.
 double settleStiffness_N_mm(RendererFixture& stage, int ticks) {
   double force_N = 0.0;
   double device_mm = 0.0;

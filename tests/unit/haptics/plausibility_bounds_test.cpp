@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How far a stream is believed: what frames bear out, and what only one of them says.
+// The plausibility bounds: motion that successive frames support, and motion of one frame only.
 #include "client/haptics/playback/plausibility_bounds.hpp"
 
 #include <gtest/gtest.h>

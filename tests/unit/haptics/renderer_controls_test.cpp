@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the user may change while something is touched: it is felt, and never as a step.
+// The user's controls during contact: they take effect without a step.
 #include <gtest/gtest.h>
 
 #include <cmath>

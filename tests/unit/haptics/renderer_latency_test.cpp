@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A device slower than its profile says, through the whole room; the author's damping and the work
-// in the report.
+// A device slower than its profile says, through the whole renderer; the author's damping and the
+// work in the report.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -18,7 +18,7 @@ RendererSettings makeStiffRenderer() {
   return renderer;
 }
 
-/// A hand on a still plate with a device that takes `ticks` longer than the room was told.
+/// A hand on a still plate with a device that takes `ticks` longer than the renderer's profile.
 struct SlowDevice {
   explicit SlowDevice(int ticks) : attack(makeStiffRenderer()) {
     attack.name = "a slow device";

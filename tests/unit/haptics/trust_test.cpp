@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Trust in a stream: lost, told, forgiven.
+// Trust in a stream: its loss, its report and its return.
 #include "client/haptics/safety/trust.hpp"
 
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// What the viewer feels when one frame changes the mask, the id or the layer of the object that the
-// hand presses on, as a timed correction of the author does. The bytes of each frame go through the
-// receiver, the renderer and the safety chain to a virtual device, in virtual time.
+// The force at the viewer when one frame changes the mask, the id or the layer of the object that
+// the hand presses on, as a timed correction of the author does. The bytes of each frame go through
+// the receiver, the renderer and the safety chain to a virtual device, in virtual time.
 #include <gtest/gtest.h>
 
 #include <cstddef>
@@ -21,7 +21,7 @@ namespace {
 constexpr std::uint64_t kCorrectedFrame = 45;
 constexpr std::size_t kCorrected_ticks = 40 * kCorrectedFrame;  // at 25 frames a second
 constexpr double kEnd_s = 3.0;
-constexpr double kPressed_N = 0.3;  // a tip that presses feels more
+constexpr double kPressed_N = 0.3;  // a pressed tip has a larger force
 constexpr SurfaceKind kSurfaces[] = {SurfaceKind::kProxy, SurfaceKind::kNormal,
                                      SurfaceKind::kPerturbed};
 
@@ -62,7 +62,7 @@ constexpr Correction kCorrections[] = {{.name = "mask_loses_the_tip", .whole_aft
                                        {.name = "lost_without_another", .remains = false},
                                        {.name = "another_layer", .layer = 1}};
 
-/// What the viewer felt.
+/// The viewer's force trace.
 struct CorrectedRun {
   ForceTrace trace;  ///< its steps are those since the corrected frame was sent
   std::vector<double> forces_N;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Every lie through the real wire to the client's own parts, in virtual time.
+// Each false stream through the real wire to the client's own parts, in virtual time.
 #include <gtest/gtest.h>
 
 #include <algorithm>

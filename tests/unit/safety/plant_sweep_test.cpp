@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Stability: what a hand, or none, feels at rest after an impact.
+// Stability: the residual motion at rest after an impact, with and without a hand.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -36,8 +36,8 @@ TEST(PlantSweep, IsQuietUpToTheStiffestWall) {
 }
 
 TEST(PlantSweep, DetectsAWallThatIsTooStiffForItsDelay) {
-  // The test above can fail: told no delay, with two ticks of it, a free device runs away at 5
-  // N/mm.
+  // The test above can fail: without an assumed delay, with two ticks of it, a free device runs
+  // away at 5 N/mm.
   ChainFixture rig(sweepProfile(5.0, 0), sweepProfile(5.0, 2), Hand::none(),
                    {.oscillation_detector = false});
   EXPECT_GT(sweepPlant(rig, Hand::none()).counts(0.055), 10.0);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Attacks on the room by what a stream does: nothing steps a hand that stands still.
+// Streams that attack the renderer: the force at a still hand has no step.
 #include <gtest/gtest.h>
 
 #include <cmath>

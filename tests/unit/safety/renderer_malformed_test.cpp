@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Attacks on the room by broken numbers, one at a time and all at once by chance.
+// Malformed numbers in a stream, one at a time and all at once at random.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -52,7 +52,7 @@ TEST(MalformedInput, RecoversAfterMalformedValuesInEachField) {
   for (const RendererSettings& renderer : listRendererSettings()) {
     for (std::size_t field = 0; field < std::size(kMalformedFields); ++field) {
       for (const double value : {kNaN, kInfinity, -kInfinity, 1e308, -1e308, 1e12, -1e12, 5e3}) {
-        if (++number % 7 != 0) continue;  // 120 a room: over seven rooms, each once
+        if (++number % 7 != 0) continue;  // 120 per setting: over seven settings, each once
         Attack attack(renderer);
         attack.name = "field " + std::to_string(field) + " = " + std::to_string(value);
         bool malformed = false;
@@ -170,7 +170,8 @@ double chaos(const RendererSettings& renderer, unsigned seed, bool moving) {
   return attack.max_force_N;
 }
 
-/// Several lives in a room; each is checked at every tick, and somewhere in them there is a force.
+/// Several runs of a renderer; each is checked at every tick, and somewhere in them there is a
+/// force.
 void liveThrough(const RendererSettings& renderer, unsigned& seed, bool moving) {
   double max_force_N = 0.0;
   for (int i = 0; i < 3; ++i) max_force_N = std::max(max_force_N, chaos(renderer, ++seed, moving));

@@ -222,7 +222,8 @@ TEST(SafetyLinks, ThePassivityControllerActsWhereAContactGenerates) {
   EXPECT_LT(swing_mm[0], 0.5 * swing_mm[1]);
 }
 
-/// Swings of a free tip in a wall told `profile_ticks` ticks of delay that really has `real`.
+/// Swings of a free tip in a wall: the profile has `profile_ticks` ticks of delay, the device has
+/// `real`.
 struct DelayedRig {
   DelayedRig(double stiffness_N_mm, int profile_ticks, int real, const Hand& hand,
              const SafetyLinks& links = {})
@@ -280,7 +281,7 @@ TEST(SafetyLinks, TheOscillationDetectorIsSilentAtTheProfilesDelay) {
 }
 
 TEST(SafetyLinks, ThePassivityControllerIsBlindToAWrongDelay) {
-  // Why the watch is there: told 1, real 3, the meters see a contact that pays for itself.
+  // Reason for the detector: at 1 assumed and 3 real ticks the meters find no generated energy.
   DelayedRig blind(5.0, 1, 3, Hand::none(), {.oscillation_detector = false, .trust = false});
   const double metered_mJ = blind.rig.chain.work().relative_mJ;
   std::printf("told 1, real 3: metered %.1f mJ\n", metered_mJ);

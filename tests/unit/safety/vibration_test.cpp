@@ -17,7 +17,7 @@ struct Worst {
   double counts = 0.0;
 };
 
-/// Every K up to K_max, every delay; `later`: ticks the device takes longer than told.
+/// Every K up to K_max, every delay; `later`: ticks the device takes longer than assumed.
 Worst worstOf(const std::vector<NamedHand>& hands, int later, double real_kg,
               const std::vector<double>& frictions_N) {
   Worst worst;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What no source should send, and some do: all of it has to come out as frames that can be felt, or
+// Invalid input that some sources send: each becomes frames that can be touched, or
 // as one clear line.
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where a clip begins again: what has not moved is felt on and on, what has moved is a new scene.
+// Where a clip begins again: a still object goes on, a moved one is a new scene.
 #include <gtest/gtest.h>
 
 #include "server/vision/vision.hpp"

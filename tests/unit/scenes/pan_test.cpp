@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A camera that pans: what is felt of the object is its motion against the background.
+// A camera that pans: the rendered motion is that against the background.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -71,7 +71,7 @@ TEST(Pan, AnObjectAtRestOnTheBackgroundIsNotAccelerated) {
   }
 }
 
-// The camera follows the object, which rests in the picture: the background tells how it moves.
+// The camera follows the object, which rests in the picture: the background shows its motion.
 TEST(Pan, AnObjectThatTheCameraFollowsIsAccelerated) {
   for (const Direction& along : kDirections) {
     const auto frame = [&](std::uint64_t i) {

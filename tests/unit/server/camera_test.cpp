@@ -35,7 +35,7 @@ TEST(Camera, NumbersAreChecked) {
   }
 }
 
-/// A capture that gives grey pictures of the sizes it is told, the last one on and on.
+/// A capture that gives grey pictures of the given sizes; the last size repeats.
 class FakeCapture final : public cv::VideoCapture {
  public:
   FakeCapture(int type, std::vector<cv::Size> sizes) : type_(type), sizes_(std::move(sizes)) {}

@@ -184,7 +184,7 @@ TEST(ClipMotion, ABounceOrADoubtfulPoseDoesNotCountAsAcceleration) {
   EXPECT_TRUE(clip.findImpactsAround(5, 0.5, 0.1).empty());
 }
 
-// A clip that was looked through is felt with all of it as the window, also with one frame of
+// A clip that was looked through uses all of it as the window, also with one frame of
 // lookahead, and again when it loops.
 TEST(ClipMotion, AScannedClipIsDeliveredSmoothed) {
   const test::BallScene scene;

@@ -118,7 +118,7 @@ TEST(Range, TheAuthorsRangeHolds) {
   EXPECT_EQ(Vision(info, settings).mapped()->range.far_mm, 900);
   settings.map_range = DepthRange{600, 700};
   EXPECT_EQ(Vision(info, settings).mapped()->range.far_mm, 700);
-  // Of 8-bit depth --depth-range only tells what the levels are.
+  // Of 8-bit depth --depth-range only defines the levels.
   info.depth_kind = DepthKind::kHeight;
   EXPECT_EQ(Vision(info, settings).mapped()->range.far_mm, 700);
   settings.map_range.reset();

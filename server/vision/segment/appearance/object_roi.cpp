@@ -84,7 +84,7 @@ double pixelsPerMm(double depth_mm, const cv::Size& picture) {
 cv::Mat FrameContext::findHands(const cv::Rect& box, const cv::Size& size) const {
   cv::Mat out;
   if (hand.empty()) {
-    cv::resize(skin.in(scaleToUsualWidth(images.color, box)), out, size, 0, 0, cv::INTER_NEAREST);
+    cv::resize(skin.findSkin(scaleToUsualWidth(images.color, box)), out, size, 0, 0, cv::INTER_NEAREST);
     return out;
   }
   cv::resize(hand(box), out, size, 0, 0, cv::INTER_AREA);
@@ -93,7 +93,7 @@ cv::Mat FrameContext::findHands(const cv::Rect& box, const cv::Size& size) const
 
 cv::Mat FrameContext::findDarkSkin(const cv::Rect& box, const cv::Size& size) const {
   cv::Mat out;
-  cv::resize(skin.withDark(scaleToUsualWidth(images.color, box)), out, size, 0, 0,
+  cv::resize(skin.findWithDark(scaleToUsualWidth(images.color, box)), out, size, 0, 0,
              cv::INTER_NEAREST);
   return out;
 }
@@ -217,7 +217,7 @@ void markHidden(ObjectRoi& patch, const ObjectLimits& limits) {
 
 cv::Mat findHand(const cv::Mat& color, const ObjectLimits& limits) {
   if (limits.hand == nullptr) return cv::Mat::zeros(color.size(), CV_8UC1);
-  cv::Mat out = limits.hand->in(color);
+  cv::Mat out = limits.hand->findSkin(color);
   if (limits.colors.empty()) return out;
   for (int v = 0; v < out.rows; ++v) {
     const auto* from = color.ptr<cv::Vec3b>(v);

@@ -54,7 +54,7 @@ cv::Mat findSkinAt(const FrameContext& scene, const cv::Mat& component, const cv
   const cv::Rect box = findBoxAround(component, 0);
   cv::Mat patch = cv::Mat::zeros(component.size(), CV_8UC1);
   if (!box.contains(at)) return patch;
-  const cv::Mat skin = scene.skin.in(scene.images.color(box)) & component(box);
+  const cv::Mat skin = scene.skin.findSkin(scene.images.color(box)) & component(box);
   if (skin.at<unsigned char>(at - box.tl()) != 0) findPiece(skin, at - box.tl()).copyTo(patch(box));
   return patch;
 }

@@ -53,7 +53,7 @@ struct ObjectnessTerms {
 };
 
 /// Returns the terms of `mask` (CV_8UC1, 0/255, size of the image). All are 0 if it has fewer than
-/// ten pixels at the size of the view.
+/// ten pixels in the reduced region (GraphRoi).
 ObjectnessTerms computeObjectnessTerms(const FrameContext& scene, const cv::Mat& mask);
 
 /// Returns how well a mask with these terms covers one object and nothing else (objectness): about

@@ -138,7 +138,7 @@ cv::Mat findNearestCompact(const FrameImages& images, const cv::Mat& labels) {
 }
 
 std::vector<ObjectProposal> proposeObjects(const FrameContext& scene, const cv::Mat& labels) {
-  const cv::Mat skin = scene.skin.in(scene.images.color);
+  const cv::Mat skin = scene.skin.findSkin(scene.images.color);
   std::vector<ObjectProposal> out;
   for (const Component& each : listComponents(scene.images, labels)) {
     if (out.size() >= kMostProposals) break;
