@@ -101,7 +101,7 @@ void stabilityFalseStreams(const StabilityReport& to) {
                      meter_mJ, meter_of.c_str()),
                 misread == 0);
   to.report.say(
-      "### Lying streams\n\nA light hand, the Omni. A step that is not the tip's: beyond "
+      "### False streams\n\nA light hand, the Omni. A step that is not the tip's: beyond "
       "K_max times its counted way and B times its true change of speed.\n\n" +
       markdown(lines));
 }
