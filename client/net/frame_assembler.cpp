@@ -70,7 +70,7 @@ void FrameAssembler::forget() {
 bool FrameAssembler::contradicts(const CodedFrame& frame, const Reassembly* joined) {
   const auto left = compared_.find(frame.id);
   contradicted_ = (left != compared_.end() && differ(frame, left->second)) ||
-                  (joined != nullptr && joined->headed() && differ(frame, joined->frame()));
+                  (joined != nullptr && joined->hasHead() && differ(frame, joined->frame()));
   if (contradicted_) forget();
   return contradicted_;
 }
@@ -222,7 +222,7 @@ std::optional<AssembledFrame> FrameAssembler::removeReassembly(std::uint64_t id,
   const bool whole = joined.whole();
   // Without its head an object would seem to have disappeared.
   std::optional<CodedFrame> frame;
-  if (joined.headed()) frame = joined.frame();
+  if (joined.hasHead()) frame = joined.frame();
   if (whole) {
     abandon(id);
   } else {

@@ -126,7 +126,7 @@ void Receiver::release(LocalTime now) {
     }
     counts_.overrun += decode_thread_.push(std::move(*assembled));
   }
-  while (const auto late = assembler_.late()) {
+  while (const auto late = assembler_.takeLate()) {
     if (!clock_.ready()) continue;
     ++counts_.late;
     jitter_.add(late->arrived, lateness(late->media_time, late->arrived) +

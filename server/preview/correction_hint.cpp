@@ -79,7 +79,7 @@ std::optional<Suspect> findSuspectAtEdge(const cv::Mat& mask) {
 }
 
 std::optional<Suspect> skin(const FrameContext& scene, const cv::Mat& mask) {
-  return findLargestPart(scene.skin.in(scene.images.color) & mask, cv::countNonZero(mask),
+  return findLargestPart(scene.skin.findSkin(scene.images.color) & mask, cv::countNonZero(mask),
                          "it has the colours of skin there, as a hand does");
 }
 

@@ -70,7 +70,7 @@ void sendOn(CodedFrame frame) {
     require(!again.add(header, payload));
     ++header.part;
   }
-  require(again.whole() && again.headed());
+  require(again.whole() && again.hasHead());
 }
 
 }  // namespace

@@ -204,7 +204,7 @@ TEST_F(LossyLinkTest, TheProgramRefusesWrongFlagsInOneLine) {
   for (const auto& flags : wrong) {
     Process program({HAPTICAST_LINK_PROGRAM, flags[0], flags[1]});
     EXPECT_EQ(program.wait(std::chrono::seconds(60)), 2);
-    EXPECT_EQ(countOf("\n", program.output()), 1U) << program.output();
+    EXPECT_EQ(countOccurrences("\n", program.output()), 1U) << program.output();
     EXPECT_NE(program.output().find(flags[0]), std::string::npos) << program.output();
   }
 }

@@ -353,7 +353,8 @@ TEST_F(ProgramsAttacksTest, AreAllBounded) {
   const double minutes =
       std::chrono::duration<double, std::ratio<60>>(std::chrono::steady_clock::now() - begin)
           .count();
-  EXPECT_LE(static_cast<double>(countOf("\n", server->output())), 3.0 + 20.0 * std::ceil(minutes))
+  EXPECT_LE(static_cast<double>(countOccurrences("\n", server->output())),
+            3.0 + 20.0 * std::ceil(minutes))
       << server->output();
   interrupt(*server);
 }

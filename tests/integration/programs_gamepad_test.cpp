@@ -146,7 +146,8 @@ TEST_F(ProgramsGamepadTest, ContactRumblesAReleaseAndThePlugStopItAndItComesBack
 TEST_F(ProgramsGamepadTest, WithoutOneTheClientReportsSoAndEnds) {
   const auto client = startClient({"--device", "gamepad"});
   EXPECT_EQ(client->wait(kSoon), 1);
-  EXPECT_EQ(countOf("--device gamepad: none was found; is it plugged in?", client->output()), 1U)
+  EXPECT_EQ(
+      countOccurrences("--device gamepad: none was found; is it plugged in?", client->output()), 1U)
       << client->output();
 }
 
@@ -200,7 +201,7 @@ TEST_F(ProgramsSoundTest, WithoutASoundDeviceTheTouchGoesOn) {
       << client->output();
   EXPECT_TRUE(waitUntil(kSoon, [this] { return touched(); })) << client->output();
   interrupt(*client);
-  EXPECT_EQ(countOf("--sound", client->output()), 1U) << client->output();
+  EXPECT_EQ(countOccurrences("--sound", client->output()), 1U) << client->output();
   const auto rows = readLog(path("log.csv"));
   EXPECT_EQ(rows.back().force_N, Vec3(Vec3::Zero()));
   interrupt(*server);

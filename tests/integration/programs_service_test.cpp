@@ -69,7 +69,7 @@ class ReportSocket {
       for (ssize_t size = 0;
            (size = ::recv(socket_, message.data(), message.size(), MSG_DONTWAIT)) > 0;)
         all_.append(message.data(), static_cast<std::size_t>(size)).append("\n");
-      return countOf(text, all_) >= times;
+      return countOccurrences(text, all_) >= times;
     });
   }
   [[nodiscard]] const std::string& all() const { return all_; }
@@ -116,7 +116,7 @@ TEST_F(ProgramsServiceTest, SystemdReceivesStartReloadEndAndTheWatchdogsSign) {
   EXPECT_TRUE(systemd.receives("READY=1\nSTATUS=synthetic:still: listening on 127.0.0.1:"))
       << systemd.all() << server->output();
   ASSERT_TRUE(server->says("waiting for the first viewer", kStart)) << server->output();
-  const std::size_t before = countOf("WATCHDOG=1\n", systemd.all());
+  const std::size_t before = countOccurrences("WATCHDOG=1\n", systemd.all());
   EXPECT_TRUE(systemd.receives("WATCHDOG=1\n", before + 5)) << "while no viewer is there";
   server->signal(SIGHUP);
   EXPECT_TRUE(systemd.receives("RELOADING=1\nMONOTONIC_USEC=")) << systemd.all();

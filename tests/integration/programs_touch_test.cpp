@@ -192,7 +192,7 @@ TEST_F(ProgramsTouchTest, AThesisClientReportsTheStagesThatAnotherServerDoes) {
   interrupt(*client);
   const auto ours = startClient({addressOf(*server)});
   EXPECT_TRUE(ours->says("connected: ", kSoon)) << ours->output();
-  EXPECT_EQ(countOf("thesis", ours->output()), 0U) << ours->output();
+  EXPECT_EQ(countOccurrences("thesis", ours->output()), 0U) << ours->output();
   interrupt(*ours);
 }
 

@@ -261,7 +261,8 @@ TEST_F(ProgramsWindowTest, ADisplayThatEndsLetsTheForceDown) {
   ASSERT_TRUE(waitUntil(kSoon, contactForceActs)) << client->output();
   display.end();
   EXPECT_EQ(client->wait(kSoon), 1) << client->output();
-  EXPECT_EQ(countOf("the window closed: the display ended or removed it", client->output()), 1U)
+  EXPECT_EQ(
+      countOccurrences("the window closed: the display ended or removed it", client->output()), 1U)
       << client->output();
   const auto rows = readLog(log);
   ASSERT_FALSE(rows.empty());
@@ -296,7 +297,8 @@ TEST_F(ProgramsWindowTest, AWindowThatIsRemovedFromOutsideEndsTheClient) {
   ASSERT_TRUE(client->says("connected: ", kSoon)) << client->output();
   EXPECT_EQ(Process({HAPTICAST_PYTHON, "-c", kRemoveWindows, display.name()}).wait(kSoon), 0);
   EXPECT_EQ(client->wait(kSoon), 1) << client->output();
-  EXPECT_EQ(countOf("the window closed: the display ended or removed it", client->output()), 1U)
+  EXPECT_EQ(
+      countOccurrences("the window closed: the display ended or removed it", client->output()), 1U)
       << client->output();
   interrupt(*server);
 }

@@ -72,7 +72,7 @@ ProxyTouch Proxy::update(const MovingRelief& relief, const ProxyTick& tick) noex
 // --- Samples and places.
 
 bool Proxy::isSolid(const Vec3& point_mm) noexcept {
-  if (point_mm.z() > probe_.relief().highest_mm() || !probe_.masked(point_mm.head<2>()))
+  if (point_mm.z() > probe_.relief().highest_mm() || !probe_.isMasked(point_mm.head<2>()))
     return false;
   const Vec2 q_mm = point_mm.head<2>();
   const Height height = probe_.height(q_mm);
@@ -162,7 +162,7 @@ void Proxy::resolvePenetration() noexcept {
 
 void Proxy::resolveTop() noexcept {
   const Vec2 q_mm = at_mm_.head<2>();
-  if (!probe_.masked(q_mm)) {
+  if (!probe_.isMasked(q_mm)) {
     kind_ = Kind::kFree;
     return;
   }
@@ -250,7 +250,7 @@ void Proxy::castRay() noexcept {
 /// Finds the crossing between the two points, through the edge or through the relief.
 void Proxy::enter(Vec3 outside_mm, const Vec3& inside_mm) noexcept {
   moved_ = true;
-  if (probe_.masked(outside_mm.head<2>())) {
+  if (probe_.isMasked(outside_mm.head<2>())) {
     enterFromAbove(outside_mm, inside_mm);
     return;
   }

@@ -124,7 +124,7 @@ bool Proxy::detach(const Vec3& path_mm) noexcept {
 bool Proxy::fallsOff(const Height& here, const Vec2& step_mm, Height& there) noexcept {
   const Vec2 q_mm = at_mm_.head<2>() + step_mm;
   const double tangent_mm = at_mm_.z() + here.now.gradient.dot(step_mm);
-  if (probe_.masked(q_mm)) {
+  if (probe_.isMasked(q_mm)) {
     there = probe_.height(q_mm);
     const double fall_mm = tangent_mm - there.now.height_mm;
     if (!(fall_mm > kFall_mm + kFallShare * step_mm.norm())) return false;

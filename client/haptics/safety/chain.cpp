@@ -136,11 +136,11 @@ Vec3 SafetyChain::limitStep(StepState& now, const Vec3& static_N, bool measureme
   const bool slowed = out.step_excess_N > 0.0 && links_.slew;
   stream_stepped_ = slowed && by_stream;
   if (!slowed) return static_N;
-  now.force_N = steps_.limited(now.force_N, last_.force_N, hand);
+  now.force_N = steps_.limitForce(now.force_N, last_.force_N, hand);
   out.step_excess_N = steps_.excess_N(now.force_N, last_.force_N, hand);
   out.safety_actions |= bit(SafetyAction::kSlew);
   return steps_.excess_N(static_N, static_N_, hand) > 0.0
-             ? steps_.limited(static_N, static_N_, hand)
+             ? steps_.limitForce(static_N, static_N_, hand)
              : static_N;
 }
 

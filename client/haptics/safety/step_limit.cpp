@@ -103,8 +103,8 @@ double StepLimit::excess_N(const Vec3& force_N, const Vec3& last_N,
   return std::isfinite(rest_N) ? rest_N - step.allowed_N : std::numeric_limits<double>::infinity();
 }
 
-Vec3 StepLimit::limited(const Vec3& force_N, const Vec3& last_N,
-                        const MotionExplainedStep& hand) const noexcept {
+Vec3 StepLimit::limitForce(const Vec3& force_N, const Vec3& last_N,
+                           const MotionExplainedStep& hand) const noexcept {
   const Step step = computeStep(force_N, last_N, hand);
   Vec3 reached_N = last_N + step.explained_N + step.rest_N * (step.allowed_N / step.rest_N.norm());
   if (reached_N.norm() <= peak_N_) return reached_N;

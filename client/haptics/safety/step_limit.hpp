@@ -98,8 +98,8 @@ class StepLimit {
   /// Returns the force to send in place of `force_N`, if the step from `last_N` is too large.
   /// Requires excess_N() > 0. Only the part of the step that the hand does not explain is
   /// shortened. A plain slew limit would pump energy into the hand.
-  [[nodiscard]] Vec3 limited(const Vec3& force_N, const Vec3& last_N,
-                             const MotionExplainedStep& hand) const noexcept;
+  [[nodiscard]] Vec3 limitForce(const Vec3& force_N, const Vec3& last_N,
+                                const MotionExplainedStep& hand) const noexcept;
 
  private:
   struct Step {

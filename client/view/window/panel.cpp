@@ -54,7 +54,7 @@ void showForce(const TickReport& report, const ForceHistory& history, GuiRendere
            std::max(0.8F * plot_height, 0.8F * kPlot_px));
 }
 
-void showStream(const TickWatch& ticks, const UiState& ui_state, double picture_off_ms) {
+void showStream(const TickStatus& ticks, const UiState& ui_state, double picture_off_ms) {
   const ConnectionStats& stream = ui_state.stream;
   // During a pause the playout delay grows with the time and has no meaning.
   const double behind_ms = toSeconds(ticks.last().playout_delay) * 1e3;
@@ -71,7 +71,7 @@ void showStream(const TickWatch& ticks, const UiState& ui_state, double picture_
   explain("play time of the shown picture minus that of the rendered frame");
 }
 
-void showLoop(const TickWatch& ticks) {
+void showLoop(const TickStatus& ticks) {
   const TickReport& report = ticks.last();
   text(fmt::format("HIP {:.1f}, {:.1f}, {:.1f} mm", report.hip_mm.x(), report.hip_mm.y(),
                    report.hip_mm.z()));
@@ -165,7 +165,7 @@ void showSurfaceControls(UserControls& user, PanelState& state) {
 }
 
 /// Sections that are folded at first.
-void showExpertSections(const TickWatch& ticks, UiState& ui_state, PanelState& state) {
+void showExpertSections(const TickStatus& ticks, UiState& ui_state, PanelState& state) {
   if (ImGui::CollapsingHeader("Surface")) showSurfaceControls(ui_state.user, state);
   if (ImGui::CollapsingHeader("Stream")) showStream(ticks, ui_state, state.picture_off_ms);
   if (ImGui::CollapsingHeader("Loop and safety")) showLoop(ticks);
@@ -173,7 +173,7 @@ void showExpertSections(const TickWatch& ticks, UiState& ui_state, PanelState& s
 
 }  // namespace
 
-void showPanel(const WindowLayout& layout, const TickWatch& ticks, const ForceHistory& history,
+void showPanel(const WindowLayout& layout, const TickStatus& ticks, const ForceHistory& history,
                GuiRenderer& renderer, UiState& ui_state, PanelState& state) {
   const ImVec2& window = ImGui::GetIO().DisplaySize;
   const auto width = static_cast<float>(layout.panel_px);

@@ -69,7 +69,7 @@ class ViewerWindow final : public View {
   cv::Mat picture_;  // of shown_; empty before the first one
   Workspace workspace_;
   ForceHistory history_;
-  TickWatch ticks_;
+  TickStatus ticks_;
   PanelState state_;
   ScenePlace place_;
   bool placed_ = false;  // place_ is that of the stream's picture

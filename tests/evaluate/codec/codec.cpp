@@ -146,7 +146,7 @@ Stream sliced(const Stream& stream, const SliceSettings& settings) {
       std::shared_ptr<const Relief> relief;
       if (object.relief)
         relief = std::make_shared<const Relief>(testing::decodedRelief(*object.relief));
-      plain.objects.push_back(withRelief(object, relief));
+      plain.objects.push_back(replaceRelief(object, relief));
     }
     bytes.message = encodeShared(coder.code(plain, settings));
   }

@@ -206,7 +206,7 @@ TEST(FalconPilot, HomingThatIsLostTakesTheForceAwayUntilItIsHomedAgain) {
 TEST(FalconPilot, ADeviceThatWasAwayBeginsAnew) {
   PilotRig rig;
   rig.makeReady();
-  rig.pilot.lost();
+  rig.pilot.onLost();
   rig.silence(1);
   EXPECT_EQ(rig.state.status, DeviceStatus::kLost);
   EXPECT_EQ(rig.request.motors, kNoMotor);

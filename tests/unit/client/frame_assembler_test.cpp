@@ -182,10 +182,10 @@ TEST_F(FrameAssemblerParts, AFrameThatIsDueLeavesWithItsReceivedParts) {
   ASSERT_TRUE(left->frame.objects.at(0).relief);
   EXPECT_FALSE(left->frame.objects[0].relief->whole());
   // What comes later is told once, and fills up a frame that says "unchanged".
-  EXPECT_FALSE(assembler.late());
+  EXPECT_FALSE(assembler.takeLate());
   addAll(frame, 2);
-  ASSERT_TRUE(assembler.late());
-  EXPECT_FALSE(assembler.late());
+  ASSERT_TRUE(assembler.takeLate());
+  EXPECT_FALSE(assembler.takeLate());
   addAll(packed(12, false, 11));
   const auto next = assembler.next(false);
   ASSERT_TRUE(next);
@@ -215,7 +215,7 @@ TEST_F(FrameAssemblerParts, AnOlderFrameIsWaitedForUntilItIsDue) {
   EXPECT_EQ(left->place.lost, 1U);
   addAll(packed(13));
   EXPECT_FALSE(assembler.next(true)) << "never backwards";
-  EXPECT_TRUE(assembler.late());
+  EXPECT_TRUE(assembler.takeLate());
 }
 
 TEST_F(FrameAssemblerParts, FramesOverTcpTakeTheirPlaceAmongThem) {
@@ -229,7 +229,7 @@ TEST_F(FrameAssemblerParts, FramesOverTcpTakeTheirPlaceAmongThem) {
   // Its parts are taken all the same: they show that datagrams get through.
   addAll(packed(15));
   EXPECT_FALSE(assembler.next(true));
-  EXPECT_FALSE(assembler.late()) << "TCP was in time";
+  EXPECT_FALSE(assembler.takeLate()) << "TCP was in time";
 }
 
 TEST_F(FrameAssemblerParts, TheFirstFrameOfAConnectionHasAllReliefs) {
@@ -310,7 +310,7 @@ TEST_P(FrameAssemblerFlood, KeepsFewFramesAtAnyIds) {
     taken += assembler.add(header, broken ? noise : honest.payloads[1], localTime(2.0)).ok();
     while (assembler.next(i % 3 == 0)) {
     }
-    while (assembler.late()) {
+    while (assembler.takeLate()) {
     }
     most_bytes = std::max(most_bytes, mallinfo2().uordblks);
   }

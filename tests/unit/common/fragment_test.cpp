@@ -53,7 +53,7 @@ CodedFrame largeFrame(std::uint32_t seed) {
 }
 
 /// The same order of objects and slices, whichever they came in.
-CodedFrame inOrder(CodedFrame frame) {
+CodedFrame sortSlices(CodedFrame frame) {
   std::sort(frame.objects.begin(), frame.objects.end(), [](const auto& a, const auto& b) {
     return std::pair(a.id, a.layer) < std::pair(b.id, b.layer);
   });
@@ -102,7 +102,7 @@ TEST(FramePiecesTest, UnpacksAFrameFromPiecesInAnyOrder) {
     const CodedFrame out = join.frame();
     for (const CodedObject& object : out.objects)
       EXPECT_TRUE(!object.relief || object.relief->whole());
-    EXPECT_EQ(encode(inOrder(out)), encode(inOrder(frame)));
+    EXPECT_EQ(encode(sortSlices(out)), encode(sortSlices(frame)));
   }
 }
 

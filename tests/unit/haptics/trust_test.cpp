@@ -41,7 +41,7 @@ TEST(Trust, CountsActionsThatOnlyAStreamCanCause) {
     for (int tick = 0; tick < 5000; ++tick) trust.add(bit(which), which == SafetyAction::kJump);
     EXPECT_EQ(trust.lost(), counts) << kSafetyActionNames[i];
     if (counts) {
-      EXPECT_EQ(trust.mostly(), which);
+      EXPECT_EQ(trust.findMostFrequent(), which);
     }
   }
 }
@@ -97,7 +97,7 @@ TEST(Trust, SeveralInOneTickAreOne) {
   EXPECT_FALSE(trust.lost());
   for (int i = 0; i < 100; ++i) trust.add(kTankBit);
   EXPECT_TRUE(trust.lost());
-  EXPECT_EQ(trust.mostly(), SafetyAction::kTank);
+  EXPECT_EQ(trust.findMostFrequent(), SafetyAction::kTank);
   trust.renew();
   EXPECT_FALSE(trust.lost());
 }

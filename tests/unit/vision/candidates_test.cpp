@@ -48,7 +48,7 @@ TEST(SkinColors, AFingerIsSkinAndSpecksAreNotInAnyLight) {
     for (int v = 300; v < 460; v += 9) {
       for (int u = 300; u < 600; u += 9) cv::circle(color, {u, v}, 1, kSkin.mul(light), cv::FILLED);
     }
-    const cv::Mat skin = SkinColors::adaptToLight(color).in(color);
+    const cv::Mat skin = SkinColors::adaptToLight(color).findSkin(color);
     const cv::Mat finger = skin({102, 110, 26, 180});
     EXPECT_GT(cv::countNonZero(finger), 0.9 * static_cast<double>(finger.total()));
     EXPECT_EQ(cv::countNonZero(skin({300, 0, 340, 480})), 0);
@@ -102,7 +102,7 @@ TEST(MinimumCut, FollowsTheEdgeOfColourWhereTheEvidenceIsCoarse) {
   drawn.fill(box, cv::Scalar(40, 40, 200), 700.0);
   const FrameImages images = drawn.finish(random);
   const FrameContext scene{images, drawn.planes, drawn.noise, drawn.skin};
-  const GraphRoi view = GraphRoi::withValleys(scene, {{0, 0}, kDrawn}, 1e6);
+  const GraphRoi view = GraphRoi::makeWithValleys(scene, {{0, 0}, kDrawn}, 1e6);
   cv::Mat unary(kDrawn, CV_32FC1, cv::Scalar(-0.1));
   cv::circle(unary, {150, 115}, 20, cv::Scalar(5), cv::FILLED);   // surely the object, ...
   cv::rectangle(unary, {70, 50, 160, 130}, cv::Scalar(0.2), 30);  // ... and perhaps
@@ -123,7 +123,7 @@ TEST(JoinedPieces, AFingerDoesNotSplitAnObjectAndTheBackgroundDoes) {
     drawn.fill(between, finger ? kSkin : kGrey, finger ? 680.0 : 1500.0);
     const FrameImages images = drawn.finish(random);
     const FrameContext scene{images, drawn.planes, drawn.noise, drawn.skin};
-    const GraphRoi view = GraphRoi::withValleys(scene, {{0, 0}, kDrawn}, 1e6);
+    const GraphRoi view = GraphRoi::makeWithValleys(scene, {{0, 0}, kDrawn}, 1e6);
     cv::Mat mask = cv::Mat::zeros(kDrawn, CV_8UC1);
     mask(whole).setTo(255);
     mask(between).setTo(0);
@@ -149,10 +149,10 @@ TEST(SkinColors, DarkSkinIsSkinOnlyOnRequest) {
   std::mt19937 random(17);
   Drawn drawn = darkAndLightSkin();
   const FrameImages images = drawn.finish(random);
-  const cv::Mat skin = drawn.skin.in(images.color);
+  const cv::Mat skin = drawn.skin.findSkin(images.color);
   EXPECT_LT(cv::mean(skin(kInDark))[0], 0.05 * 255);
   EXPECT_GT(cv::mean(skin(kInLight))[0], 0.95 * 255);
-  const cv::Mat with_dark = drawn.skin.withDark(images.color);
+  const cv::Mat with_dark = drawn.skin.findWithDark(images.color);
   EXPECT_GT(cv::mean(with_dark(kInDark))[0], 0.95 * 255);
   EXPECT_GT(cv::mean(with_dark(kInLight))[0], 0.95 * 255);
 }
@@ -219,7 +219,7 @@ TEST(ChooseAt, AThingOfSkinsColourIsChosenWithoutTheArm) {
   for (int trial = 0; trial < 6; ++trial) {
     HeldBox held(cv::Scalar(60, 75, 140), {60, 70}, random);
     const FrameImages images = held.drawn.finish(random);
-    const cv::Mat skin = held.drawn.skin.in(images.color);
+    const cv::Mat skin = held.drawn.skin.findSkin(images.color);
     ASSERT_GT(cv::countNonZero(skin & held.truth), 0.5 * cv::countNonZero(held.truth));
     const cv::Point click(held.box.x + 10 + static_cast<int>(random() % 40),
                           held.box.y + 10 + static_cast<int>(random() % 40));

@@ -89,7 +89,7 @@ NegativeColors sampleColors(const FrameContext& scene, const cv::Point& point) {
   const cv::Rect box =
       cv::Rect(point.x - reach_px, point.y - reach_px, 2 * reach_px, 2 * reach_px) &
       cv::Rect({0, 0}, picture);
-  const GraphRoi view = GraphRoi::around(scene, box, 1e9);
+  const GraphRoi view = GraphRoi::makeAround(scene, box, 1e9);
   const cv::Mat region = findConnected(view, view.toRoi(point), kPoint_px);
   const double width_px = std::sqrt(double(cv::countNonZero(region))) / view.shrink;
   if (depth_mm > 0 && width_px < kLeastPatch_mm * pixelsPerMm(double(depth_mm), picture)) return {};

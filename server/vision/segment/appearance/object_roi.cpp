@@ -84,7 +84,8 @@ double pixelsPerMm(double depth_mm, const cv::Size& picture) {
 cv::Mat FrameContext::findHands(const cv::Rect& box, const cv::Size& size) const {
   cv::Mat out;
   if (hand.empty()) {
-    cv::resize(skin.findSkin(scaleToUsualWidth(images.color, box)), out, size, 0, 0, cv::INTER_NEAREST);
+    cv::resize(skin.findSkin(scaleToUsualWidth(images.color, box)), out, size, 0, 0,
+               cv::INTER_NEAREST);
     return out;
   }
   cv::resize(hand(box), out, size, 0, 0, cv::INTER_AREA);
@@ -98,7 +99,7 @@ cv::Mat FrameContext::findDarkSkin(const cv::Rect& box, const cv::Size& size) co
   return out;
 }
 
-GraphRoi GraphRoi::around(const FrameContext& scene, const cv::Rect& box, double most_px) {
+GraphRoi GraphRoi::makeAround(const FrameContext& scene, const cv::Rect& box, double most_px) {
   GraphRoi out;
   out.box = box;
   out.shrink = std::min(1.0, std::sqrt(most_px / std::max(1, box.area())));
@@ -114,7 +115,7 @@ GraphRoi GraphRoi::around(const FrameContext& scene, const cv::Rect& box, double
 }
 
 GraphRoi GraphRoi::makeWithValleys(const FrameContext& scene, const cv::Rect& box, double most_px) {
-  GraphRoi out = around(scene, box, most_px);
+  GraphRoi out = makeAround(scene, box, most_px);
   const double middle_mm = std::max(1.0, medianDepth(out.depth, out.depth > 0, 4));
   const double px_per_mm = out.shrink * pixelsPerMm(middle_mm, scene.images.color.size());
   out.valley = findValleys(out, scene.noise, px_per_mm);

@@ -45,12 +45,12 @@ struct GraphRoi {
   cv::Mat plane;        ///< CV_8UC1, 255 on a plane or behind a supporting plane
   cv::Mat skin;         ///< CV_8UC1, 255: FrameContext::findHands()
   /// CV_32FC1, 0..1: depth of valleys in the surface. Two bodies that touch meet in a valley.
-  /// Empty after around().
+  /// Empty after makeAround().
   cv::Mat valley;
 
   /// Returns the region `box` (px of the picture), reduced so that it has at most `most_px` pixels.
-  static GraphRoi around(const FrameContext& scene, const cv::Rect& box, double most_px);
-  /// Returns around() with the valleys, for the scores and cuts that use them.
+  static GraphRoi makeAround(const FrameContext& scene, const cv::Rect& box, double most_px);
+  /// Returns makeAround() with the valleys, for the scores and cuts that use them.
   static GraphRoi makeWithValleys(const FrameContext& scene, const cv::Rect& box, double most_px);
   [[nodiscard]] cv::Size size() const { return lab.size(); }
   /// shrinkImage() converts a mask of the whole picture to this region. placeInPicture() converts a

@@ -78,7 +78,7 @@ cv::Mat redetect(const FrameContext& scene, const KnownObject& known) {
   if (box.area() < 100) return {};
   const bool whole = known.mask.empty() && known.window.empty();
   const double most_px = whole ? kWhole_px : kCutOfRedetection.most_px;
-  const GraphRoi view = GraphRoi::around(scene, box, most_px);
+  const GraphRoi view = GraphRoi::makeAround(scene, box, most_px);
   const cv::Mat cut =
       minimumCut({computeEvidence(scene, view, known)}, view, scene.noise, kCutOfRedetection);
   const cv::Mat expected = known.mask.empty() ? cv::Mat() : view.shrinkImage(known.mask);
