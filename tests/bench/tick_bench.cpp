@@ -29,7 +29,7 @@ double ns(Ticks::duration duration) {
   return std::chrono::duration<double, std::nano>(duration).count();
 }
 
-/// What reading the clock twice takes.
+/// Duration of reading the clock twice.
 double clockCost_ns() {
   std::vector<double> costs;
   for (int i = 0; i < 10000; ++i) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What every topic of hapticast-evaluate writes: TOPIC.csv, a plot TOPIC.png, a section of
+// The output of every topic of hapticast-evaluate: TOPIC.csv, a plot TOPIC.png, a section of
 // report.md.
 #pragma once
 
@@ -30,7 +30,7 @@ struct Row {
   bool is_thesis = false;
 };
 
-/// What a measurement has to show, and what it showed. Smaller is better.
+/// Required and measured value. Smaller is better.
 struct Goal {
   std::string what;
   std::string unit;

@@ -19,7 +19,7 @@ struct UnitRule {
   bool more_is_better = false;
 };
 
-// What no user could notice. A unit that is not here has no floor.
+// Differences that no user notices. A unit that is not here has no floor.
 constexpr UnitRule kRules[] = {
     {"%", 0.02},                            // of a force of 0.5 N: 0.1 mN
     {"points", 0.02},                       // the same, of percent

@@ -37,7 +37,7 @@ class CheckFailed : public std::runtime_error {
 /// Returns whether `goal` was missed when the baseline was made: then missing it is no news.
 [[nodiscard]] bool wasMissed(const Goal& goal, const std::vector<Row>& baseline);
 
-/// What of a baseline a run can have.
+/// The part of a baseline that a run can have.
 struct Scope {
   std::string topic;                           ///< for the lines below
   bool whole = true;                           ///< false: a part was run, the rest is not missed

@@ -15,7 +15,7 @@ void evaluateFigures(const Options& options);
 void evaluateMotion(const Options& options);
 /// The force through bad networks, by each transport; clocks and playout.
 void evaluateNetwork(const Options& options);
-/// What the plan saves against everything on, and what it costs; frames a second of the whole
+/// Savings and costs of the plan against everything on; frames a second of the whole
 /// server.
 void evaluatePlan(const Options& options);
 /// Stability of the 1 kHz loop: maps, the chain link by link, extreme cases.

@@ -140,7 +140,7 @@ double relativeError(const std::vector<ReceivedRequest>& received, const std::ve
   return best;
 }
 
-/// What the motors made of it, but for the half second of ramp that follows a silence.
+/// The motors' result, without the half second of ramp that follows a silence.
 std::vector<Logged> steadyForces(const std::vector<ReceivedRequest>& received) {
   std::vector<Logged> forces;
   LocalTime silent{};

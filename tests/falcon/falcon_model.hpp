@@ -17,7 +17,7 @@
 
 namespace hapticast::testing {
 
-/// What goes wrong; changed while it runs.
+/// The faults; changed while it runs.
 struct FalconFaults {
   Duration loader_delay{0};    ///< from DTR to the boot loader
   Duration start_delay{0};     ///< from the last byte of the firmware to its first answer

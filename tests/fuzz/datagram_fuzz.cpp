@@ -54,7 +54,7 @@ void sealAndOpen(const Datagram& datagram, SigningKey& signer) {
   require(std::equal(payload.begin(), payload.end(), datagram.payload.begin()));
 }
 
-/// What has been joined is a frame like any other, once reliefs of which nothing came are left out.
+/// A joined frame is like any other, without the reliefs that did not arrive.
 void sendOn(CodedFrame frame) {
   for (CodedObject& object : frame.objects) {
     if (object.relief && object.relief->slices.empty()) object.relief = nullptr;

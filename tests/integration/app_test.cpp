@@ -10,7 +10,7 @@
 namespace hapticast::testing {
 namespace {
 
-/// What a recording view was given.
+/// The input of a recording view.
 struct Recorded {
   std::atomic<int> pictures{0};
   Workspace workspace;  // of the last picture

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the network's thread does while the preparer's is busy.
+// The network thread works while the decode thread is busy.
 #include <atomic>
 #include <thread>
 

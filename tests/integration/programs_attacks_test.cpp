@@ -20,7 +20,7 @@ using Peers = std::vector<std::unique_ptr<RawPeer>>;
 constexpr std::size_t kViewers = 100;
 constexpr int kPlaces = 160;
 
-/// What the system still keeps for the server's port: sockets that no process has any more, and
+/// Resources of the system for the server's port: sockets that no process has any more, and
 /// bytes that wait in the queues of all of them. Counted one by one in /proc/net/tcp: the system's
 /// sums belong to everybody on the machine.
 struct KeptBySystem {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What bad input gets from the programs: one clear line, the right exit code, no crash.
+// Answers of the programs to bad input: one clear line, the right exit code, no crash.
 #include <algorithm>
 #include <random>
 #include <thread>

@@ -18,7 +18,7 @@ constexpr std::size_t kClients = kFullSpeed ? 20 : 5;
 constexpr long kGrowth_kB = 16'384;
 constexpr double kPushed_N = 0.2;
 
-/// What a client has written with --summary; an empty object where it is none.
+/// The file that a client wrote with --summary; an empty object where it is none.
 nlohmann::json summaryIn(const std::string& file) {
   std::ifstream in(file);
   auto summary = nlohmann::json::parse(in, nullptr, /*allow_exceptions=*/false);

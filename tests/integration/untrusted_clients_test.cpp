@@ -72,7 +72,7 @@ TEST_F(UntrustedClientsTest, RemovesTheOldestClientIfAllAddressesDiffer) {
   EXPECT_TRUE(silent.front()->closed);
 }
 
-/// What it had sent has been read already when it is turned out: a hello that comes too late.
+/// The server has read its hello when it removes the client: the hello comes too late.
 TEST_F(UntrustedClientsTest, ARemovedClientIsNoViewer) {
   TestServer server(io, clock);
   std::vector<std::unique_ptr<MemoryChannel>> ours;
@@ -144,7 +144,7 @@ TEST_F(UntrustedClientsTest, AHalfClosedClientGetsTheReasonOfItsEnd) {
   EXPECT_TRUE(runUntil([&] { return server.broadcaster.counts().clients == 0; }));
 }
 
-/// What a viewer that has stopped reading finds when it reads on after it was closed: the system
+/// Data for a viewer that reads on after a stop, when it was closed: the system
 /// has forgotten what it did not take, so that the connection ends in a reset.
 TEST_F(UntrustedClientsTest, AStalledViewerLeavesNothingInTheKernel) {
   for (const bool half_closed : {false, true}) {

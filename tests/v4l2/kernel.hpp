@@ -10,7 +10,7 @@
 
 namespace hapticast::testing {
 
-/// What an emulated node is and does from now on.
+/// Properties and behaviour of an emulated node.
 struct NodeOrders {
   bool plugged = true;
   bool delivers = true;

@@ -68,7 +68,7 @@ std::unique_ptr<CLI::App> commandLine(Settings& settings) {
   return app;
 }
 
-/// What has happened since `before`.
+/// The events since `before`.
 std::string told(const LinkCounts& now, const LinkCounts& before) {
   const std::uint64_t packets = now.packets - before.packets;
   std::ostringstream line;

@@ -38,7 +38,7 @@ struct Envelope {
 /// Longer than any head().
 inline constexpr std::size_t kMostEnvelopeHead = 24;
 
-/// What begins with these bytes; nullopt: more of them are needed.
+/// The message that begins with these bytes; nullopt: more of them are needed.
 [[nodiscard]] std::optional<Envelope> envelope(Transport way, std::span<const std::uint8_t> bytes);
 /// A message that publishes a payload.
 [[nodiscard]] std::vector<std::uint8_t> published(Transport way,

@@ -17,7 +17,7 @@ namespace {
 
 constexpr auto kStalledTurn = std::chrono::seconds(4);  // after five the server closes who stalls
 
-/// What the system keeps for TCP, that of the readers included.
+/// Memory of the system for TCP, including that of the readers.
 double tcpBytes() {
   std::ifstream file("/proc/net/sockstat");
   std::string word;

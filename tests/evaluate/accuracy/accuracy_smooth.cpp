@@ -20,7 +20,7 @@ struct SmoothCase {
   double longest_s = 1e9;
 };
 
-// What the force shakes by that the surface does not: rms per tick.
+// Noise of the force that the surface does not have: rms per tick.
 double roughness_mN(const std::vector<Tick>& ticks) {
   double square = 0;
   std::size_t count = 0;

@@ -167,7 +167,7 @@ std::vector<SliceSettings> forceSettings(bool quick) {
           {0.02, 16}, {0.03},  {0.055, 8}, {0.055}, {0.055, 16}, {0.2}};
 }
 
-// What slices add to the error of the force, in points of its relative RMS.
+// Error that slices add to that of the force, in points of its relative RMS.
 void measureForce(const Options& options, Report& report) {
   struct Touched {
     TouchScene scene;

@@ -11,7 +11,7 @@ namespace hapticast::evaluate {
 /// topic, `--only held/NAME` takes the scenes whose name begins so.
 void measureHeld(const Options& options, Report& report);
 
-/// What surface, range, layers and hold make of the same scenes where the source gives the true
+/// Results of surface, range, layers and hold for the same scenes where the source gives the true
 /// masks: relief used, rest, layers that change their names. `--only surface[/NAME]`.
 void measureHeldSurfaces(const Options& options, Report& report);
 

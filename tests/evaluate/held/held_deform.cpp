@@ -19,7 +19,8 @@ struct DeformCase {
   const char* sensor;
 };
 
-// What bends and squeezes, by exact depth and by two sensors; then rigid things, in hands and bare.
+// Objects that bend and squeeze, by exact depth and by two sensors; then rigid things, in hands and
+// bare.
 constexpr DeformCase kCases[] = {
     {"tube_bent", DepthSense::kExact, "exact"},
     {"tube_bent", DepthSense::kFlight, "flight"},

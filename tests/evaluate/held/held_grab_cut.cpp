@@ -18,7 +18,7 @@ constexpr int kRounds = 5;
 constexpr std::size_t kEvery = 5;  // frames
 constexpr double kMeasurable = 1.0 / 3.0;
 
-// What the sensor gave, in mm; 0: nothing.
+// The sensor's depth, in mm; 0: none.
 cv::Mat depthInMillimetres(const Recording& recording, std::size_t frame) {
   const cv::Mat& depth = recording.frames[frame].depth;
   const Sensing& sensing = recording.sensing;

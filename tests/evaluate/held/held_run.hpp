@@ -24,14 +24,14 @@ struct Recording {
 };
 Recording record(const Scene& scene, const cv::Size& size, std::size_t most_frames = 1000);
 
-/// What the author says.
+/// The author's annotations.
 struct Words {
   std::vector<server::AuthorPoint> on;
   std::vector<server::AuthorPoint> off;
   std::vector<std::size_t> drawn;  ///< frames whose true mask is given
 };
 
-/// What vision made of it, frame by frame.
+/// The result of vision, frame by frame.
 struct Run {
   std::vector<cv::Mat> masks;                        ///< 0 / 255; empty: no object
   std::vector<cv::Mat> heights;                      ///< CV_32FC1, nominal mm; NaN outside

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a judge tries on a recorded scene: clicks at other frames, corrections at random times,
+// Trials on a recorded scene: clicks at other frames, corrections at random times,
 // turned pictures, and GrabCut anew in every frame. Thread: any; values.
 #pragma once
 
@@ -11,7 +11,7 @@
 
 namespace hapticast::evaluate::held {
 
-/// What clicks anywhere inside an object begin with.
+/// Results of clicks anywhere inside an object.
 struct Starts {
   std::size_t clicks = 0, good = 0, bad = 0, refused = 0;
 

@@ -15,7 +15,7 @@
 
 namespace hapticast::evaluate::held {
 
-/// What truth calls the things of a scene.
+/// The names of the things of a scene.
 enum Id : std::uint8_t {
   kRoom = 0,
   kObject = 1,

@@ -43,7 +43,7 @@ cv::Mat brightnessOf(const cv::Mat& color) {
   return gray;
 }
 
-// What the projector, to the right of the camera, does not reach: what is near hides what is left
+// Shadow of the projector, to the right of the camera: a near surface hides the one that is left
 // of it. Seen from the projector, places of a row have to come in the same order.
 void castShadows(const cv::Mat& exact, double focal_px, cv::Mat& depth) {
   for (int v = 0; v < exact.rows; ++v) {

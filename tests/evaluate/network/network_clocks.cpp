@@ -54,7 +54,7 @@ void clockErrors(const NetworkScene& scene, double seconds, Report& report) {
   }
 }
 
-// What play time waits beyond what 95 of 100 frames and the interpolation need.
+// Wait of play time beyond the need of 95 of 100 frames and of the interpolation.
 void playoutDelay(const NetworkScene& scene, double seconds, Report& report) {
   const double interval_ms = 1e3 / scene.stream.description.fps;
   double worst_ms = -1e9;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the plan saves, in time and bytes, and what it costs in force, against everything on; and
+// Savings of the plan in time and bytes, and its cost in force, against everything on; and
 // how many frames a second the whole server makes, up to the bytes.
 #include <algorithm>
 #include <chrono>

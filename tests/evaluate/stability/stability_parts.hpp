@@ -14,7 +14,7 @@
 
 namespace hapticast::evaluate {
 
-/// What the report says first: required and got, line by line.
+/// First table of the report: required and measured values, line by line.
 class Claims {
  public:
   void add(const std::string& claim, const std::string& required, const std::string& got,

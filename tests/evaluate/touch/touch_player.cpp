@@ -123,7 +123,7 @@ Touch perturbed(double texture_K_mm) {
   });
 }
 
-// What the proxy reads, for the tangent plane.
+// Input of the proxy for the tangent plane.
 client::SurfacePoint splineAt(const client::InterpolatedObject& object, const Vec2& nominal_mm,
                               const Workspace& workspace) {
   client::SurfacePoint point;

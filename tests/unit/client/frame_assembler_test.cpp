@@ -23,7 +23,7 @@ CodedFrame frameOf(std::uint64_t id, std::uint32_t epoch = 0) {
   return frame;
 }
 
-/// What TCP brings; nullopt where it is not taken. It leaves at once.
+/// The frame of TCP; nullopt if it is not accepted. It leaves at once.
 std::optional<AssembledFrame> whole(FrameAssembler& assembler, CodedFrame frame) {
   if (!assembler.add(std::move(frame), localTime(1.0))) return std::nullopt;
   return assembler.next(false);

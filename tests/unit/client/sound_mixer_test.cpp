@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a force sounds like, sample by sample.
+// The sound of a force, sample by sample.
 #include "client/view/sound_mixer.hpp"
 
 #include <gtest/gtest.h>

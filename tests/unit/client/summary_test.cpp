@@ -18,7 +18,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// What a strict reader (RFC 8259) finds in the summary; a key that stands twice fails the test.
+/// The summary, read by a strict reader (RFC 8259); a key that stands twice fails the test.
 Json written(const RunResult& result) {
   const TempFolder folder;
   const std::string file = (folder / "summary.json").string();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What comes over the wire and is not taken: limits, texts, damage.
+// Wire data that is rejected: limits, texts, damage.
 #include <functional>
 #include <limits>
 #include <random>
@@ -189,7 +189,7 @@ TEST(WireRefuses, UnknownFieldsInExcess) {
   std::mt19937 random(11);
   for (int round = 0; round < 400; ++round) {
     const auto count = static_cast<std::uint8_t>(random() % 40);
-    const Padded makePadded(count, random);
+    const Padded padded(count, random);
     const auto counted = submessages(padded.frame, kObjects, kMaxObjects);
     ASSERT_EQ(counted.has_value(), count <= kMaxObjects) << int{count};
     const auto message = decode(padded.message);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What --check asserts: a figure that got worse or went missing fails, another does not; baselines
+// The checks of --check: a figure that got worse or went missing fails, another does not; baselines
 // that cannot be read are refused.
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What of a force is a press, what a blow.
+// Parts of a force: press and blow.
 #include "client/haptics/force_components.hpp"
 
 #include <gtest/gtest.h>

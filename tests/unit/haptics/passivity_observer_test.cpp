@@ -209,7 +209,7 @@ TEST(EnergyTank, ShakesForAMomentOnly) {
   EXPECT_LT(sum_mJ, 500.0);
 }
 
-/// What a full (or empty) tank leaves of `force_N` at a lasting velocity.
+/// The rest of `force_N` with a full (or empty) tank at a lasting velocity.
 double factorAt(const Vec3& force_N, const Vec3& velocity_mm_s, bool empty = false) {
   EnergyTank tank{DeviceProfile{}};
   for (int i = 0; i < 100; ++i) tank.withdraw(empty ? 1.0 : 0.0, velocity_mm_s);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What of a step of the force is taken for the hand's doing, what not, and what is left of it.
+// Steps of the force: the part that the hand's motion explains, and the limit of the rest.
 #include <gtest/gtest.h>
 
 #include <limits>

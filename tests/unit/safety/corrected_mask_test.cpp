@@ -35,7 +35,7 @@ std::shared_ptr<const Relief> plateau(bool whole) {
   return relief;
 }
 
-/// What the corrected frame changes under the hand.
+/// The change of the corrected frame under the hand.
 struct Correction {
   const char* name;
   bool whole_before = true;
@@ -75,7 +75,7 @@ CorrectedRun renderTrace(const Correction& correction, SurfaceKind surface,
                          std::optional<double> nail_mm = std::nullopt) {
   testing::FalseStream stream;
   stream.name = correction.name;
-  stream.tell = [&](testing::OutgoingFrame& outgoing) { correction.apply(outgoing.frame); };
+  stream.alter = [&](testing::OutgoingFrame& outgoing) { correction.apply(outgoing.frame); };
   testing::MaliciousServer server(stream);
   RendererSettings settings;
   settings.surface = surface;

@@ -13,7 +13,7 @@ namespace {
 constexpr double kSeconds = 6.0;
 constexpr double kNailed_s = 2.0;
 constexpr double kByDatagrams_s = 3.0;
-// What the chain allows a stream to do to an Omni's force in a tick.
+// Largest step of an Omni's force per tick that the chain allows to a stream.
 constexpr double kRise_N = 0.2;
 constexpr double kFall_N = 0.5;
 // Beyond what the counts and the true speed of the tip explain; the wall is touched ahead of the

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the author says of later frames: which frame a point speaks of, what it teaches about the
+// Annotations of later frames: the frame of a point, its effect on the model of the
 // frames before and after, what drawn masks do.
 #include <gtest/gtest.h>
 

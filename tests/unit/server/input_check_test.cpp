@@ -154,7 +154,7 @@ TEST(InputCheck, InvertedDepthIsReportedOfEightBitDepthOnly) {
   EXPECT_THAT(outcome.text, HasSubstr("its depth looks inverted"));
 }
 
-/// What opening a clip with one image of each name says.
+/// Messages when a clip with one image of each name is opened.
 std::string warningsOf(const SourceFolder& clip) {
   const LogLines log;
   (void)openSource(clip.string(), 0.0);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What --source may name.
+// The forms of --source.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

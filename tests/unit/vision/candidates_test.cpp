@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a click may mean: hands by their colour, pieces behind what passes in front, and a box that
+// Candidates of a click: hands by their colour, pieces behind what passes in front, and a box that
 // an arm holds.
 #include "server/vision/segment/initialise/candidates.hpp"
 
