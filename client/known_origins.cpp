@@ -24,7 +24,7 @@ struct KnownOrigin {
 };
 
 /// Begins messages about the file of these keys.
-std::string labelOf(PinKind kind) {
+std::string nameKind(PinKind kind) {
   return kind == PinKind::kTls ? "TLS keys of servers: " : "--origin-key first: ";
 }
 
@@ -34,7 +34,7 @@ std::string readText(PinKind kind, const std::filesystem::path& file) {
   if (!std::filesystem::exists(file, error) && !error) return {};
   auto text = readSmallFile(file);
   if (text.ok()) return std::move(text).value();
-  throw std::runtime_error(labelOf(kind) + file.string() + ": " + text.error().message +
+  throw std::runtime_error(nameKind(kind) + file.string() + ": " + text.error().message +
                            "; correct or remove it");
 }
 
@@ -45,14 +45,14 @@ std::vector<KnownOrigin> parseOrigins(PinKind kind, const std::filesystem::path&
   std::istringstream in(text);
   std::string line;
   for (int number = 1; std::getline(in, line); ++number) {
-    if (trimmed(line).empty()) continue;
+    if (trim(line).empty()) continue;
     const std::size_t space = line.rfind(' ');
     const auto key = space == std::string::npos || space == 0
                          ? std::nullopt
                          : parseKey(std::string_view(line).substr(space + 1));
     if (!key) {
-      throw std::runtime_error(labelOf(kind) + file.string() + ":" + std::to_string(number) + ": " +
-                               quote(line) +
+      throw std::runtime_error(nameKind(kind) + file.string() + ":" + std::to_string(number) +
+                               ": " + quote(line) +
                                " is not HOST:PORT and a key of 64 hex digits; correct or delete "
                                "the line");
     }
@@ -75,7 +75,7 @@ Result<std::string> storeOrigin(PinKind kind, const std::filesystem::path& file,
     const auto lines = std::count(text.begin(), text.end(), '\n');
     text += server + " " + toHex(key) + "\n";
     if (const auto error = writePrivateFile(file, text)) {
-      return Error{labelOf(kind) + file.string() + ": " + error->message +
+      return Error{nameKind(kind) + file.string() + ": " + error->message +
                    "; make its folder writable, or name the key itself"};
     }
     spdlog::info("the client expects the key {} of {} from now on, and stores it in {}", toHex(key),

@@ -114,7 +114,7 @@ ConnectionEvents Session::Impl::connectionEvents() {
           [this](const std::string& why) {
             publishStats(false);
             is_waiting = !connection_log.everConnected();
-            logLine(spdlog::level::warn, connection_log.lost(why, clock.now()));
+            logLine(spdlog::level::warn, connection_log.logLoss(why, clock.now()));
           },
       .failed =
           [this](const std::string& why) {
@@ -126,7 +126,7 @@ ConnectionEvents Session::Impl::connectionEvents() {
 }
 
 void Session::Impl::onPrepared(const PreparedFrame& frame) {
-  receiver.prepared(frame);
+  receiver.addPrepared(frame);
   scan_share = 1.0;
   events.frame(frame.playable);
   publishStats(true);

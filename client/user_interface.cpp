@@ -21,15 +21,15 @@ namespace hapticast::client {
 namespace {
 
 #if HAPTICAST_IMGUI
-bool named(const char* variable) {
+bool isSet(const char* variable) {
   const char* const value = std::getenv(variable);
   return value != nullptr && *value != '\0';
 }
 
-bool hasDisplay() { return named("DISPLAY") || named("WAYLAND_DISPLAY"); }
+bool hasDisplay() { return isSet("DISPLAY") || isSet("WAYLAND_DISPLAY"); }
 
 /// With auto: where there is a display, and no flag asks for a run without a user.
-bool wantedBy(const Settings& settings) {
+bool isWanted(const Settings& settings) {
   if (settings.view != ViewChoice::kAuto) return settings.view == ViewChoice::kOn;
   const bool by_itself =
       settings.hand_given || settings.seconds > 0.0 || !settings.screenshot_file.empty();
@@ -41,9 +41,9 @@ bool wantedBy(const Settings& settings) {
 /// Opens the window of --view. Returns null where none is wanted or, with auto, none can be opened.
 std::unique_ptr<View> openWindow(const Settings& settings) {
 #if HAPTICAST_IMGUI
-  if (!wantedBy(settings)) return nullptr;
+  if (!isWanted(settings)) return nullptr;
   // Without a display, SDL draws into an invisible window.
-  if (!hasDisplay() && !named("SDL_VIDEODRIVER"))
+  if (!hasDisplay() && !isSet("SDL_VIDEODRIVER"))
     throw std::runtime_error("--view on: no display (neither DISPLAY nor WAYLAND_DISPLAY is set)");
   try {
     return std::make_unique<ViewerWindow>();

@@ -14,7 +14,7 @@ namespace hapticast {
 
 namespace {
 
-Error withReason(const std::string& what, int number) {
+Error addReason(const std::string& what, int number) {
   return Error{what + " (" + std::system_category().message(number) + ")"};
 }
 
@@ -49,10 +49,10 @@ std::filesystem::path stateFolder() {
 Result<std::string> readSmallFile(const std::filesystem::path& file) {
   std::error_code error;
   const auto status = std::filesystem::status(file, error);
-  if (error) return withReason("cannot be read", error.value());
+  if (error) return addReason("cannot be read", error.value());
   if (!std::filesystem::is_regular_file(status)) return Error{"cannot be read (it is no file)"};
   std::ifstream in(file, std::ios::binary);
-  if (!in) return withReason("cannot be read", errno);
+  if (!in) return addReason("cannot be read", errno);
   std::string text(kMaxSmallFile_bytes + 1, '\0');
   in.read(text.data(), static_cast<std::streamsize>(text.size()));
   text.resize(static_cast<std::size_t>(in.gcount()));
@@ -65,7 +65,7 @@ std::optional<Error> writePrivateFile(const std::filesystem::path& file, std::st
   if (file.has_parent_path()) std::filesystem::create_directories(file.parent_path(), error);
   std::string temporary = file.string() + ".XXXXXX";
   const int descriptor = ::mkostemp(temporary.data(), O_CLOEXEC);  // mode 0600
-  if (descriptor < 0) return withReason("cannot be written", errno);
+  if (descriptor < 0) return addReason("cannot be written", errno);
   bool done = writeAll(descriptor, text);
   int number = errno;
   ::close(descriptor);
@@ -75,7 +75,7 @@ std::optional<Error> writePrivateFile(const std::filesystem::path& file, std::st
   }
   if (done) return std::nullopt;
   ::unlink(temporary.c_str());
-  return withReason("cannot be written", number);
+  return addReason("cannot be written", number);
 }
 
 }  // namespace hapticast

@@ -34,7 +34,7 @@ bool isBinary(char c) {
   return byte < 0x20 && c != '\t' && c != '\n' && c != '\r';
 }
 
-std::string_view unquoted(std::string_view text) {
+std::string_view unquote(std::string_view text) {
   const bool in_quotes = text.size() >= 2 && text.front() == text.back() &&
                          (text.front() == '"' || text.front() == '\'');
   return in_quotes ? text.substr(1, text.size() - 2) : text;
@@ -90,7 +90,7 @@ bool isShown(std::uint32_t code) {
 
 }  // namespace
 
-std::string_view trimmed(std::string_view text) {
+std::string_view trim(std::string_view text) {
   const auto first = text.find_first_not_of(" \t\r");
   if (first == std::string_view::npos) return {};
   return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
@@ -179,16 +179,16 @@ Result<std::vector<KeyValue>> readKeyValues(std::istream& in, const std::string&
   for (int line = 1; !rest.empty(); ++line) {
     const std::string_view whole = rest.substr(0, rest.find('\n'));
     rest.remove_prefix(std::min(whole.size() + 1, rest.size()));
-    const std::string_view content = trimmed(whole.substr(0, whole.find('#')));
+    const std::string_view content = trim(whole.substr(0, whole.find('#')));
     if (content.empty()) continue;
     const std::size_t equals = std::min(content.find('='), content.size());
-    const std::string_view key = trimmed(content.substr(0, equals));
+    const std::string_view key = trim(content.substr(0, equals));
     if (equals == content.size() || !isKey(key)) {
       return Error{name + ":" + std::to_string(line) + ": " + quote(content) +
                    " is not a `key = value` line"};
     }
     pairs.push_back(
-        {line, std::string(key), std::string(unquoted(trimmed(content.substr(equals + 1))))});
+        {line, std::string(key), std::string(unquote(trim(content.substr(equals + 1))))});
   }
   return pairs;
 }

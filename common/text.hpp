@@ -20,7 +20,7 @@ inline constexpr std::size_t kMaxKeyValueText_bytes = 65'536;
 inline constexpr std::size_t kMaxKey_bytes = 64;
 
 /// Returns `text` without white space (blank, tab, carriage return) at its begin and end.
-[[nodiscard]] std::string_view trimmed(std::string_view text);
+[[nodiscard]] std::string_view trim(std::string_view text);
 /// Returns `text` in quotes for an error message. Only the first 40 bytes of a longer text appear.
 [[nodiscard]] std::string quote(std::string_view text);
 /// Returns whether the name of the file `file` ends with `ending` (such as ".png", in small
@@ -57,13 +57,11 @@ struct KeyValue {
 /// error. An error begins with `name`: "NAME:LINE: ...".
 Result<std::vector<KeyValue>> readKeyValues(std::istream& in, const std::string& name);
 
-// Suggestions for misspelt words, by the Damerau-Levenshtein distance (optimal string alignment).
-// Thread: any.
-
 /// Returns "; did you mean X?" with the word of `words` that is nearest to `typed`. Returns an
 /// empty text if no word is near enough. The distance is the number of edits. An edit replaces,
 /// omits or adds a letter, or swaps two adjacent letters. A word is near enough if its distance is
-/// at most a third of its letters. A distance of 1 is near enough for a short word too.
+/// at most a third of its letters. A distance of 1 is near enough for a short word too. This
+/// distance is the one of Damerau and Levenshtein (optimal string alignment). Thread: any.
 [[nodiscard]] std::string spellingHint(std::string_view typed,
                                        const std::vector<std::string>& words);
 

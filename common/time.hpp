@@ -88,10 +88,8 @@ class LocalMediaClock final : public MediaClock {
   LocalTime zero_;
 };
 
-// Period of the haptic loop. Its rate is 1 kHz, which is usual for the haptic rendering of stiff
-// surfaces.
-// Thread: any.
-
+/// Period of the haptic loop. Its rate is 1 kHz, which is usual for the haptic rendering of stiff
+/// surfaces.
 inline constexpr Duration kTickPeriod{1'000'000};
 inline constexpr double kTick_s = 1e-3;  ///< kTickPeriod in seconds
 static_assert(fromSeconds(kTick_s) == kTickPeriod);

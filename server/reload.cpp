@@ -35,7 +35,7 @@ std::vector<std::string> objectNames(const VisionSettings& vision) {
 }
 
 /// Returns what a scene states besides materials and flags.
-Scene withoutFlags(Scene scene) {
+Scene removeFlags(Scene scene) {
   scene.flags.clear();
   for (SceneObject& object : scene.objects) object.flags.clear();
   return scene;
@@ -71,7 +71,7 @@ SettingsChange compareSettings(const Settings& running, const Settings& read) {
     change.now.emplace_back("materials of the scene's objects");
   const bool scene = !read.vision.scene_file.empty() &&
                      findFlag(running.flags, "scene") == findFlag(read.flags, "scene");
-  if (scene && withoutFlags(running.scene) != withoutFlags(read.scene))
+  if (scene && removeFlags(running.scene) != removeFlags(read.scene))
     change.later.emplace_back("--scene (its objects, points or masks)");
   return change;
 }

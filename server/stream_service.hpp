@@ -39,8 +39,9 @@ class StreamService {
   /// `complete` must be callable until end() or the destruction; thread: the network's.
   void watch(std::function<void(Metrics&)> complete) { complete_metrics_ = std::move(complete); }
   /// Starts the network thread, and the port for operators. `on_signal` is called at SIGINT and
-  /// SIGTERM, and `on_reload` at each SIGHUP; thread: the network's. SIGHUP of a terminal calls
-  /// `on_signal` instead (sighupReloads()). At SIGUSR1 the log receives one line of status.
+  /// SIGTERM. `on_reload` is called at SIGHUP, unless standard input is a terminal; then SIGHUP
+  /// means that the terminal closed, and `on_signal` is called. Thread: the network's. At SIGUSR1
+  /// the log receives one line of status.
   void start(std::function<void()> on_signal, std::function<void()> on_reload);
   /// Begins to accept viewers, and reports to the service manager that the server is ready. A
   /// second call does nothing. `name`: the stream's name, for the announcement.

@@ -153,7 +153,7 @@ void storeGain(const std::string& file, double gain) {
   for (std::string line; std::getline(in, line);) {
     const std::size_t equals = line.find('=');
     const bool its = equals != std::string::npos &&
-                     trimmed(std::string_view(line).substr(0, equals)) == "falcon-gain";
+                     trim(std::string_view(line).substr(0, equals)) == "falcon-gain";
     if (its && !replaced) line = fmt::format("falcon-gain = {:.0f}", gain);
     replaced = replaced || its;
     lines.push_back(line);

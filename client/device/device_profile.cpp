@@ -110,12 +110,12 @@ Vec3 workspace(std::string_view text, const Place& place) {
     }
     const std::string_view word = i < 2 ? text.substr(0, end) : text;
     size_mm[i] = number(word, kLeastWorkspace_mm, kMostWorkspace_mm, place);
-    text = i < 2 ? trimmed(text.substr(end)) : std::string_view{};
+    text = i < 2 ? trim(text.substr(end)) : std::string_view{};
   }
   return size_mm;
 }
 
-std::string allowedKeys() {
+std::string listAllowedKeys() {
   std::string keys = "name, delay_ticks, enable_button, workspace_mm";
   for (const NumberKey& key : kNumberKeys) keys += std::string(", ") + key.name;
   return keys;
@@ -138,7 +138,7 @@ void assign(PlantProfile& profile, std::string_view value, const Place& place) {
       profile.*key.field = number(value, key.least, key.most, place);
       return;
     }
-    place.fail("unknown key, allowed are " + allowedKeys());
+    place.fail("unknown key, allowed are " + listAllowedKeys());
   }
 }
 

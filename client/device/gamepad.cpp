@@ -128,7 +128,7 @@ class Gamepad final : public HapticDevice {
         driveMotors();
       }
     }
-    held_.store(held());
+    held_.store(readHeld());
     rumble();
   }
 
@@ -158,7 +158,7 @@ class Gamepad final : public HapticDevice {
       message_.emplace_back("gamepad: this device cannot rumble and renders no force");
   }
 
-  [[nodiscard]] Held held() const {
+  [[nodiscard]] Held readHeld() const {
     Held held{.there = pad_ != nullptr, .time = clock_.now()};
     if (!pad_) return held;
     held.velocity_mm_s =

@@ -44,7 +44,7 @@ std::span<const DeviceKind> deviceKinds() noexcept {
 namespace {
 
 /// Returns `request` for the kind `name`.
-DeviceRequest withKind(DeviceRequest request, const std::string& name) {
+DeviceRequest setKind(DeviceRequest request, const std::string& name) {
   request.kind = name;
   return request;
 }
@@ -65,7 +65,7 @@ std::string listOne(const DeviceKind& kind, const DeviceRequest& request) {
   if (kind.list == nullptr) return "";
   try {
     std::string text;
-    for (const std::string& line : kind.list(withKind(request, kind.name))) text += "; " + line;
+    for (const std::string& line : kind.list(setKind(request, kind.name))) text += "; " + line;
     return text.empty() ? "; none was found: is it plugged in?" : text;
   } catch (const std::runtime_error& error) {
     return std::string("; ") + error.what();
@@ -94,18 +94,18 @@ std::unique_ptr<HapticDevice> openDevice(const std::string& name, const DeviceRe
     const bool best = request.pointer == nullptr ? &kind == &deviceKinds().front()
                                                  : std::string_view(kind.name) == "mouse";
     if (name == kind.name || (name == "auto" && best))
-      return kind.open(withKind(request, kind.name));
+      return kind.open(setKind(request, kind.name));
   }
   const auto names = deviceNames();
   if (std::find(names.begin(), names.end(), name) != names.end())
-    return openHelperDevice(withKind(request, name));
+    return openHelperDevice(setKind(request, name));
   throw std::runtime_error("--device " + name + ": is not one of auto|" + join(names, "|"));
 }
 
 std::unique_ptr<HapticDevice> findDevice(const DeviceRequest& request) {
   for (const DeviceKind& kind : deviceKinds()) {
     if (kind.list == nullptr || !kind.by_itself) continue;
-    const DeviceRequest its = withKind(request, kind.name);
+    const DeviceRequest its = setKind(request, kind.name);
     bool found = false;
     try {
       found = !kind.list(its).empty();

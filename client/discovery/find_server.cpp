@@ -27,8 +27,9 @@ asio::awaitable<Dialled> searchAndDial(std::shared_ptr<Discovery> discovery, std
   asio::steady_timer timer(io);
   std::string why;
   for (auto searched = Duration::zero(); searched < Duration(kSearch); searched += kStep) {
-    const std::string absent = discovery->absent();
-    if (!absent.empty() && searched >= Duration(kNoDaemon)) co_return DialError{absent};
+    const std::string describeAbsence = discovery->describeAbsence();
+    if (!describeAbsence.empty() && searched >= Duration(kNoDaemon))
+      co_return DialError{describeAbsence};
     const auto found = only(discovery->servers(), name, why);
     if (found) {
       const Dial dial = dial_found(*found);
@@ -58,7 +59,7 @@ std::optional<std::string> ServerHint::update(LocalTime now) {
   if (now < next_update_) return std::nullopt;
   next_update_ = now + kUpdateInterval;
   if (!discovery_) discovery_ = std::make_unique<Discovery>();
-  std::string text = discovery_->absent();
+  std::string text = discovery_->describeAbsence();
   if (text.empty()) {
     text = toText(discovery_->servers());
     if (!text.empty())
@@ -79,8 +80,9 @@ bool listServers() {
     std::puts(text.c_str());
     return true;
   }
-  const std::string absent = discovery.absent();
-  spdlog::error("{}", absent.empty() ? "no server is announced on the LAN" : kNoSearch + absent);
+  const std::string describeAbsence = discovery.describeAbsence();
+  spdlog::error("{}", describeAbsence.empty() ? "no server is announced on the LAN"
+                                              : kNoSearch + describeAbsence);
   return false;
 }
 

@@ -66,7 +66,7 @@ struct Discovery::Browser {
     };
     {
       const std::lock_guard lock(mutex);
-      absent.clear();
+      describeAbsence.clear();
     }
     avahi = client;
     services = avahi_service_browser_new(client, AVAHI_IF_UNSPEC, AVAHI_PROTO_UNSPEC, kServiceType,
@@ -129,7 +129,7 @@ struct Discovery::Browser {
 
   void onRemoved(const std::string& why) {
     const std::lock_guard lock(mutex);
-    absent = why;
+    describeAbsence = why;
   }
 
   AvahiClient* avahi = nullptr;
@@ -137,10 +137,10 @@ struct Discovery::Browser {
   std::map<Key, AvahiServiceResolver*> resolvers;
   mutable std::mutex mutex;
   std::map<AvahiServiceResolver*, FoundServer> found;  // mutex
-  std::string absent;                                  // mutex
+  std::string describeAbsence;                         // mutex
   AvahiSession session{{.runs = [this](AvahiClient* client) { start(client); },
                         .over = [this] { forget(); },
-                        .absent = [this](const std::string& why) { onRemoved(why); }}};
+                        .describeAbsence = [this](const std::string& why) { onRemoved(why); }}};
 };
 
 Discovery::Discovery() : browser_(std::make_unique<Browser>()) {}
@@ -153,12 +153,12 @@ std::vector<FoundServer> Discovery::servers() const {
     all.reserve(browser_->found.size());
     for (const auto& each : browser_->found) all.push_back(each.second);
   }
-  return eachOnce(std::move(all));
+  return removeDuplicates(std::move(all));
 }
 
-std::string Discovery::absent() const {
+std::string Discovery::describeAbsence() const {
   const std::lock_guard lock(browser_->mutex);
-  return browser_->absent;
+  return browser_->describeAbsence;
 }
 
 }  // namespace hapticast::client
@@ -173,7 +173,7 @@ struct Discovery::Browser {};
 Discovery::Discovery() = default;
 Discovery::~Discovery() = default;
 std::vector<FoundServer> Discovery::servers() const { return {}; }
-std::string Discovery::absent() const { return "this build has no Avahi"; }
+std::string Discovery::describeAbsence() const { return "this build has no Avahi"; }
 
 }  // namespace hapticast::client
 #endif  // HAPTICAST_AVAHI

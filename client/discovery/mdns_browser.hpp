@@ -19,11 +19,11 @@ class Discovery {
   Discovery(const Discovery&) = delete;
   Discovery& operator=(const Discovery&) = delete;
 
-  /// Returns the servers that are announced at present, each once (eachOnce()).
+  /// Returns the servers that are announced at present, each once (removeDuplicates()).
   [[nodiscard]] std::vector<FoundServer> servers() const;
   /// Returns the reason why no search is possible at present, in a few words. The text is empty
   /// while the search runs.
-  [[nodiscard]] std::string absent() const;
+  [[nodiscard]] std::string describeAbsence() const;
 
  private:
   struct Browser;

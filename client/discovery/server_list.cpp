@@ -24,7 +24,7 @@ std::string formatVersion(const FoundServer& server) {
          std::to_string(kProtocolVersion) + ")";
 }
 
-std::string inOneLine(const FoundServer& server) {
+std::string formatInOneLine(const FoundServer& server) {
   constexpr std::size_t kMaxHost_bytes = 64;  // chosen; a name of DNS may have 255
   const std::string plays = sanitizeUtf8(server.plays, kMaxServicePlays_bytes);
   std::string line = "  " + sanitizeUtf8(server.name, kMaxServiceName_bytes) + "  at ";
@@ -37,7 +37,7 @@ std::string inOneLine(const FoundServer& server) {
 
 }  // namespace
 
-std::vector<FoundServer> eachOnce(std::vector<FoundServer> found) {
+std::vector<FoundServer> removeDuplicates(std::vector<FoundServer> found) {
   const auto order = [](const FoundServer& server) {
     return std::tuple_cat(
         identity(server),
@@ -73,7 +73,7 @@ std::string toText(const std::vector<FoundServer>& servers) {
       lines.emplace_back("  and more, which are not shown");
       break;
     }
-    lines.push_back(inOneLine(server));
+    lines.push_back(formatInOneLine(server));
   }
   return join(lines, "\n");
 }

@@ -25,7 +25,7 @@ struct FoundServer {
 
 /// Returns each server of `found` once, with one of its addresses. An IPv4 address is preferred to
 /// an IPv6 address. Among addresses of the same kind, the first interface by name is preferred.
-[[nodiscard]] std::vector<FoundServer> eachOnce(std::vector<FoundServer> found);
+[[nodiscard]] std::vector<FoundServer> removeDuplicates(std::vector<FoundServer> found);
 
 /// Returns the server that is announced as `name`, if there is exactly one. Otherwise returns
 /// nullopt and writes the reason to `why`: no server, or the addresses of the servers that announce

@@ -61,7 +61,7 @@ Vec3 gridAcceleration(const PlayObject& frame, const Vec2& image_px) noexcept {
          b * ((1.0 - a) * cell(i, down) + a * cell(right, down));
 }
 
-Vec3 shortened(const Vec3& vector, double limit) noexcept {
+Vec3 shortenTo(const Vec3& vector, double limit) noexcept {
   const double length = vector.norm();
   return length > limit ? Vec3(vector * (limit / length)) : vector;
 }
@@ -99,8 +99,8 @@ AtContact computeAcceleration(const InterpolatedObject& object, const Vec3& cont
   const PlausibilityBounds& plausibility = object.plausibility;
   const double turn = object.angular_velocity_rad_s;
   return {object.acceleration_mm_s2 + grid + turned(turn, turn_rate),
-          shortened(object.acceleration_mm_s2, plausibility.acceleration_mm_s2) +
-              shortened(grid, plausibility.grid_mm_s2) +
+          shortenTo(object.acceleration_mm_s2, plausibility.acceleration_mm_s2) +
+              shortenTo(grid, plausibility.grid_mm_s2) +
               turned(std::clamp(turn, -plausibility.turn_rad_s, plausibility.turn_rad_s),
                      std::clamp(turn_rate, -plausibility.turn_rate_rad_s2,
                                 plausibility.turn_rate_rad_s2))};
@@ -110,7 +110,7 @@ double secondsSince(const Impact& impact, MediaTime play_time) noexcept {
   return secondsBetween(impact.time, play_time);
 }
 
-bool underWay(const Impact& impact, MediaTime play_time) noexcept {
+bool isUnderWay(const Impact& impact, MediaTime play_time) noexcept {
   const double since_s = secondsSince(impact, play_time);
   return since_s >= 0.0 && since_s < kPulse_s;
 }
@@ -121,7 +121,7 @@ const Impact* impactUnderWay(const PlayObject& object, MediaTime play_time,
                              const Impact* known) noexcept {
   for (std::size_t i = 0; i < std::min(object.impact_count, kMaxImpacts); ++i) {
     const Impact& impact = object.impacts[i];
-    if (!underWay(impact, play_time)) continue;
+    if (!isUnderWay(impact, play_time)) continue;
     if (known != nullptr && std::abs(secondsBetween(known->time, impact.time)) < kPulse_s) continue;
     return &impact;
   }
@@ -130,7 +130,7 @@ const Impact* impactUnderWay(const PlayObject& object, MediaTime play_time,
 
 /// Soft-knee compressor: identity up to a knee, so that the impulse of a weak impact is exact;
 /// above the knee the result approaches the limit smoothly.
-double compressed(double height_N, double limit_N) noexcept {
+double compressForce(double height_N, double limit_N) noexcept {
   if (!(limit_N > 0.0)) return 0.0;
   const double knee_N = kKnee * limit_N;
   if (height_N <= knee_N) return height_N;
@@ -166,12 +166,12 @@ Vec3 DynamicForce::pulse_N(const InterpolatedObject& object, MediaTime play_time
                            double kg_m_per_mm) noexcept {
   // A half-sine of height A and length T has the area 2 A T / pi = m |dv|.
   const auto height_N = [&](const Vec3& change_mm_s) noexcept {
-    return compressed(kg_m_per_mm * change_mm_s.norm() * std::numbers::pi / (2.0 * kPulse_s),
-                      profile_.pulse_limit_N);
+    return compressForce(kg_m_per_mm * change_mm_s.norm() * std::numbers::pi / (2.0 * kPulse_s),
+                         profile_.pulse_limit_N);
   };
   const PlayObject& before = *object.before;
   const Impact* const known = has_pulse_ && pulse_object_ == before.id ? &pulse_ : nullptr;
-  if (known == nullptr || !underWay(*known, play_time)) {
+  if (known == nullptr || !isUnderWay(*known, play_time)) {
     const Impact* impact = impactUnderWay(before, play_time, known);
     if (impact == nullptr && object.after != nullptr)
       impact = impactUnderWay(*object.after, play_time, known);
@@ -179,7 +179,7 @@ Vec3 DynamicForce::pulse_N(const InterpolatedObject& object, MediaTime play_time
     has_pulse_ = true;
     pulse_ = *impact;
     pulse_.delta_velocity_mm_s =
-        shortened(pulse_.delta_velocity_mm_s, object.plausibility.impact_mm_s);
+        shortenTo(pulse_.delta_velocity_mm_s, object.plausibility.impact_mm_s);
     const double cut_N =
         height_N(impact->delta_velocity_mm_s) - height_N(pulse_.delta_velocity_mm_s);
     implausible_pulse_ = !(cut_N <= kFelt_N);
@@ -204,17 +204,17 @@ Vec3 DynamicForce::evaluate(const InterpolatedObject* object, double penetration
   const AtContact acceleration = computeAcceleration(
       *object, contact_mm != nullptr ? *contact_mm : object->position_mm, stream.workspace);
   const auto pushes_N = [&](const Vec3& acceleration_mm_s2) noexcept {
-    return shortened(mass_kg * to_metres * acceleration_mm_s2, kObjectShare * profile_.peak_N);
+    return shortenTo(mass_kg * to_metres * acceleration_mm_s2, kObjectShare * profile_.peak_N);
   };
   const Vec3 streamed_N = pushes_N(acceleration.streamed);
   const Vec3 plausible_N = pushes_N(acceleration.plausible);
-  const Vec3 object_N = plausible_N + shortened(streamed_N - plausible_N, kSlack_N);
+  const Vec3 object_N = plausible_N + shortenTo(streamed_N - plausible_N, kSlack_N);
   const Vec3 inertia_N = -cursorMass_kg() * cursor_acceleration_m_s2;
   const Vec3 pulsed_N = pulse_N(*object, play_time, mass_kg * to_metres);
   const Vec3 force_N = object_N + inertia_N + pulsed_N;
   implausible_ =
       (streamed_N - object_N).norm() > kFelt_N ||
-      (implausible_pulse_ && pulse_object_ == object->before->id && underWay(pulse_, play_time));
+      (implausible_pulse_ && pulse_object_ == object->before->id && isUnderWay(pulse_, play_time));
   if (!force_N.allFinite()) return Vec3::Zero();
   const double length_N = force_N.norm();
   const double share = std::min(1.0, penetration_mm / kFullWeight_mm) *

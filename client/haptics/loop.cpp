@@ -16,8 +16,8 @@ constexpr int kStopTicks = 2000;
 void LoopStats::add(const TickReport& report, double step_N) noexcept {
   ++ticks;
   ++lookup[static_cast<std::size_t>(report.lookup)];
-  for (std::size_t i = 0; i < interferences.size(); ++i) {
-    interferences[i] += (report.interferences >> i) & 1U;
+  for (std::size_t i = 0; i < safety_actions.size(); ++i) {
+    safety_actions[i] += (report.safety_actions >> i) & 1U;
   }
   ++faults[static_cast<std::size_t>(report.fault)];
   if (report.contact) {

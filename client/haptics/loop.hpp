@@ -24,7 +24,7 @@ struct LoopStats {
   std::array<std::uint64_t, kLookupKinds> lookup{};
   /// Number of ticks in contact for each Lookup. `lookup` counts all ticks.
   std::array<std::uint64_t, kLookupKinds> contact_lookup{};
-  std::array<std::uint64_t, kInterferenceNames.size()> interferences{};
+  std::array<std::uint64_t, kSafetyActionNames.size()> safety_actions{};
   /// Number of faults of each kind; the index is a Fault.
   std::array<std::uint64_t, kFaultKinds> faults{};
   std::uint64_t contact_ticks = 0;
@@ -51,11 +51,9 @@ struct LoopStats {
 void runLoop(HapticDevice& device, HapticRenderer& renderer, const Clock& clock,
              const std::atomic<bool>& stop, LoopStats& stats) noexcept;
 
-// The thread of the 1 kHz loop as an object. Its destructor ramps the force to zero and joins the
-// thread. It does so as well when an exception leaves the owner's scope.
-// Thread: the owner's, for all public functions.
-
-/// Runs the haptic loop in a thread of its own.
+/// Runs the haptic loop in a thread of its own. The destructor ramps the force to zero and joins
+/// the thread. It does so as well when an exception leaves the owner's scope. Thread: the owner's,
+/// for all public functions.
 class LoopThread {
  public:
   /// Starts runLoop() in a thread that requests real-time scheduling and flushes denormals. All

@@ -18,14 +18,14 @@ constexpr int kSilentTicks = 20;
 constexpr double kStiffnessShare = 3.0;
 
 /// Moves a point of the frame `before` (nominal mm) with the object to play time.
-Vec2 carried(const InterpolatedObject& object, const Vec2& point_mm) noexcept {
+Vec2 carryPoint(const InterpolatedObject& object, const Vec2& point_mm) noexcept {
   const Motion& then = object.before->motion;
   const Eigen::Rotation2Dd turn(object.angle_rad - then.angle_rad);
   return object.position_mm.head<2>() + turn * Vec2(point_mm - then.position_mm.head<2>());
 }
 
 Vec2 computeCentre(const InterpolatedObject& object, const Workspace& workspace) noexcept {
-  return carried(object, workspace.toNominal(object.before->field->deepestPoint_px()));
+  return carryPoint(object, workspace.toNominal(object.before->field->deepestPoint_px()));
 }
 
 /// Returns the height of the surface at the centre; blended between two frames.
@@ -39,8 +39,8 @@ double centreHeight_mm(const InterpolatedObject& object) noexcept {
   return object.position_mm.z() + before_mm + change_mm;
 }
 
-const InterpolatedObject* nearestObject(const Scene& scene, const Vec3& hip_mm,
-                                        const Workspace& workspace) noexcept {
+const InterpolatedObject* findNearestObject(const Scene& scene, const Vec3& hip_mm,
+                                            const Workspace& workspace) noexcept {
   const InterpolatedObject* nearest = nullptr;
   double nearest_mm = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < scene.object_count; ++i) {
@@ -63,7 +63,7 @@ void parseDevice(const DeviceProfile& profile, const DeviceState& state,
   if (state.status == DeviceStatus::kOk) report.enabled = enabled(profile, state);
 }
 
-bool fresh(Lookup kind) noexcept {
+bool isFresh(Lookup kind) noexcept {
   return kind == Lookup::kInterpolated || kind == Lookup::kExtrapolated || kind == Lookup::kHeld;
 }
 }  // namespace
@@ -117,8 +117,8 @@ const TickReport& HapticRenderer::tick(LocalTime now, const DeviceState& state) 
   const SafetyOutput out = safety_.step(input);
 
   reportTick(now, play_time, scene, out);
-  if (out.contact && softened(contact.object)) {
-    report_.interferences |= bit(SafetyAction::kStiffness);
+  if (out.contact && isSoftened(contact.object)) {
+    report_.safety_actions |= bit(SafetyAction::kStiffness);
   }
   report_.fault = classifyFault(out, hip, input.device_lost);
   reportObject(contact, scene);
@@ -140,10 +140,10 @@ void HapticRenderer::reportTick(LocalTime now, MediaTime play_time, const Scene&
   report_.contact = out.contact;
   report_.lookup = scene.kind;
   report_.halt = safety_.halt();
-  report_.trust_loss_cause = safety_.distrusted();
+  report_.trust_loss_cause = safety_.findDistrusted();
   report_.trust_score_ticks = safety_.trustScore();
   report_.step_excess_N = out.step_excess_N;
-  report_.interferences = out.interferences;
+  report_.safety_actions = out.safety_actions;
   report_.work = safety_.work();
   report_.mapping = mapping_;
 }
@@ -210,7 +210,7 @@ SafetyInput HapticRenderer::safetyInput(const HipEstimate& hip, const Contact& c
   }
   input.scene_step_s = secondsBetween(scene_time_, scene.play_time);
   input.in_contact =
-      connected_ && report_.enabled && fresh(scene.kind) && hip.ticks_without_data < kSilentTicks;
+      connected_ && report_.enabled && isFresh(scene.kind) && hip.ticks_without_data < kSilentTicks;
   input.dynamic_valid = scene.kind == Lookup::kInterpolated && !paused_;
   return input;
 }
@@ -231,7 +231,7 @@ double HapticRenderer::stiffnessLimit_N_mm() const noexcept {
 }
 
 /// Returns true if the stiffness of the author exceeds the user's limit.
-bool HapticRenderer::softened(const InterpolatedObject* object) const noexcept {
+bool HapticRenderer::isSoftened(const InterpolatedObject* object) const noexcept {
   return object != nullptr && settings_.stiffness_N_mm == 0.0 &&
          object->before->material.stiffness_N_mm.value_or(0.0) > stiffness_N_mm(object);
 }
@@ -260,10 +260,11 @@ double HapticRenderer::deepest_mm(const Scene& scene) const noexcept {
 }
 
 void HapticRenderer::reportObject(const Contact& contact, const Scene& scene) noexcept {
-  const InterpolatedObject* object =
-      contact.object != nullptr ? contact.object : nearestObject(scene, report_.hip_mm, workspace_);
+  const InterpolatedObject* object = contact.object != nullptr
+                                         ? contact.object
+                                         : findNearestObject(scene, report_.hip_mm, workspace_);
   report_.object_present =
-      object != nullptr && shows(object->before) && connected_ && fresh(scene.kind);
+      object != nullptr && shows(object->before) && connected_ && isFresh(scene.kind);
   report_.over_object = false;
   report_.height_at_hip_mm = 0.0;
   if (!report_.object_present) return;

@@ -75,7 +75,7 @@ class HapticRenderer {
                           const Scene& scene) const noexcept;
   double stiffness_N_mm(const InterpolatedObject* object) const noexcept;
   double stiffnessLimit_N_mm() const noexcept;
-  bool softened(const InterpolatedObject* object) const noexcept;
+  bool isSoftened(const InterpolatedObject* object) const noexcept;
   void updateMaterial(SafetyInput& input) noexcept;
   double deepest_mm(const Scene& scene) const noexcept;
   void reportTick(LocalTime now, MediaTime play_time, const Scene& scene,

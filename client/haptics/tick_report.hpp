@@ -54,9 +54,9 @@ struct TickReport {
       SafetyAction::kImplausible;  ///< most frequent of the safety actions that count against trust
   double trust_score_ticks = 0.0;  ///< counted safety actions of the stream (safety/trust.hpp)
   double step_excess_N = 0.0;      ///< step of the force beyond the slew limit; must be 0
-  std::uint32_t interferences = 0;  ///< one bit for each safety action that changed the force
-  PortWork work;                    ///< work of the force since the start, by its cause
-  DeviceMapping mapping;            ///< conversion between nominal and device mm in this tick
+  std::uint32_t safety_actions = 0;  ///< one bit for each safety action that changed the force
+  PortWork work;                     ///< work of the force since the start, by its cause
+  DeviceMapping mapping;             ///< conversion between nominal and device mm in this tick
   // The object nearest to the HIP, for the window and for scripted hands.
   bool object_present = false;
   std::uint32_t object_id = 0;

@@ -45,11 +45,9 @@ struct UserControls {
   std::optional<SurfaceKind> surface = std::nullopt;
 };
 
-// Target of a pointing device. The window writes it. A device that follows the pointer (a mouse)
-// reads it.
-// Thread: any; LatestValue carries it between threads.
-
-/// A target position for the HIP. The struct owns no memory.
+/// The target position of a pointing device for the HIP. The window writes it. A device that
+/// follows the pointer (a mouse) reads it. The struct owns no memory. Thread: any; LatestValue
+/// carries it between threads.
 struct PointerTarget {
   bool known = false;  ///< false until the pointer was over the picture for the first time
   Vec3 position_mm = Vec3::Zero();  ///< nominal frame

@@ -30,12 +30,12 @@ class UserForceMix {
     method_ = method;
     surface_ = surface;
     static_on_ = user.static_on;
-    const double force = within(user.force_factor, 0.0, 1.0);
+    const double force = clampWithin(user.force_factor, 0.0, 1.0);
     wall_ = static_on_ ? force : 0.0;
     dynamic_ = user.dynamic_on ? force : 0.0;
-    stiffness_ = within(user.stiffness_factor, 0.1, 3.0);
+    stiffness_ = clampWithin(user.stiffness_factor, 0.1, 3.0);
     friction_ = user.friction;
-    if (friction_) friction_ = within(*friction_, 0.0, 1.0);
+    if (friction_) friction_ = clampWithin(*friction_, 0.0, 1.0);
     return changed;
   }
   /// Returns the gain of the dynamic force in this tick, 0..1.
@@ -51,7 +51,7 @@ class UserForceMix {
 
  private:
   /// Clamps `value`; NaN counts as `low`.
-  static double within(double value, double low, double high) noexcept {
+  static double clampWithin(double value, double low, double high) noexcept {
     return value >= low ? std::min(value, high) : low;
   }
 

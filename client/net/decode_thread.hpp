@@ -22,11 +22,9 @@
 
 namespace hapticast::client {
 
-// Bounded queue between the network thread and the decode thread. If frames arrive faster than they
-// are decoded, the queue drops the oldest frame. It stores the reliefs of a dropped frame, because
-// later frames may declare them unchanged.
-// Thread: one at a time; DecodeThread locks it.
-
+/// Bounded queue between the network thread and the decode thread. If frames arrive faster than
+/// they are decoded, the queue drops the oldest frame. It stores the reliefs of a dropped frame,
+/// because later frames may declare them unchanged. Thread: one at a time; DecodeThread locks it.
 class FrameQueue {
  public:
   /// Largest number of queued frames. The loop can store as many, so the frames that arrive
@@ -46,8 +44,8 @@ class FrameQueue {
   std::size_t push(AssembledFrame assembled);
   /// Removes and returns the oldest frame; nullopt if the queue is empty.
   [[nodiscard]] std::optional<Accepted> pop();
-  /// Registers that the queued frames waited for `duration` by choice, which is no delay of the
-  /// preparation.
+  /// Informs the queue that it was held back for `duration` on purpose (holdsBack()), so that this
+  /// time is not counted as preparation delay.
   void holdBack(Duration duration);
   [[nodiscard]] bool empty() const { return frames_.empty(); }
   void clear();

@@ -70,7 +70,7 @@ void FrameAssembler::forget() {
 bool FrameAssembler::contradicts(const CodedFrame& frame, const Reassembly* joined) {
   const auto left = compared_.find(frame.id);
   contradicted_ = (left != compared_.end() && differ(frame, left->second)) ||
-                  (joined != nullptr && joined->headed() && differ(frame, joined->frame()));
+                  (joined != nullptr && joined->hasHead() && differ(frame, joined->frame()));
   if (contradicted_) forget();
   return contradicted_;
 }
@@ -170,7 +170,7 @@ void FrameAssembler::boundLeft() {
   while (left_.size() > kOldestPart || countBytes(left_) > kMaxBytes) left_.erase(left_.begin());
 }
 
-std::optional<MediaTime> FrameAssembler::lastLeft() const {
+std::optional<MediaTime> FrameAssembler::findLastLeft() const {
   return last_id_ ? std::optional(last_media_time_) : std::nullopt;
 }
 
@@ -178,7 +178,7 @@ std::optional<LocalTime> FrameAssembler::oldestCame() const {
   return waiting_.empty() ? std::nullopt : std::optional(waiting_.begin()->second.arrived);
 }
 
-bool FrameAssembler::overfull() const {
+bool FrameAssembler::isOverfull() const {
   return waiting_.size() > kMaxWaiting || countBytes(waiting_) > kMaxBytes;
 }
 
@@ -203,7 +203,7 @@ std::optional<AssembledFrame> FrameAssembler::next(bool due) {
     const std::uint64_t id = oldest->first;
     const bool ready = waiting.frame || (waiting.joined->whole() && follows(*waiting.joined));
     // No frame is due before the first one was played.
-    if (!ready && !((due && last_id_) || overfull())) return std::nullopt;
+    if (!ready && !((due && last_id_) || isOverfull())) return std::nullopt;
     Waiting accepted = std::move(waiting);
     waiting_.erase(oldest);
     if (accepted.frame) {
@@ -222,7 +222,7 @@ std::optional<AssembledFrame> FrameAssembler::removeReassembly(std::uint64_t id,
   const bool whole = joined.whole();
   // Without its head an object would seem to have disappeared.
   std::optional<CodedFrame> frame;
-  if (joined.headed()) frame = joined.frame();
+  if (joined.hasHead()) frame = joined.frame();
   if (whole) {
     abandon(id);
   } else {
@@ -267,7 +267,7 @@ void FrameAssembler::forgetOld() {
                 [&](std::uint64_t id) { return id < oldest || id > *last_id_ + kLargestJump; });
 }
 
-std::optional<LateFrame> FrameAssembler::late() {
+std::optional<LateFrame> FrameAssembler::takeLate() {
   if (late_.empty()) return std::nullopt;
   const LateFrame first = late_.front();
   late_.pop_front();

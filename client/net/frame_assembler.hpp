@@ -101,7 +101,7 @@ class FrameAssembler {
 
   /// Returns the media time of the last frame that left. The next frame is due when play time
   /// reaches that time.
-  [[nodiscard]] std::optional<MediaTime> lastLeft() const;
+  [[nodiscard]] std::optional<MediaTime> findLastLeft() const;
   /// Returns the time of the last arrival for the oldest waiting frame. Returns nullopt if no frame
   /// waits.
   [[nodiscard]] std::optional<LocalTime> oldestCame() const;
@@ -110,7 +110,7 @@ class FrameAssembler {
   [[nodiscard]] std::optional<AssembledFrame> next(bool due);
   /// Returns a frame whose last fragment arrived too late. Returns each such frame once, and
   /// nullopt if there is none.
-  [[nodiscard]] std::optional<LateFrame> late();
+  [[nodiscard]] std::optional<LateFrame> takeLate();
 
  private:
   struct Waiting {
@@ -125,14 +125,14 @@ class FrameAssembler {
   /// Compares a version of a frame with the versions that arrived by the other transport or
   /// earlier. Returns true if they differ, and drops all frames.
   bool contradicts(const CodedFrame& frame, const Reassembly* joined);
-  /// Deletes everything except the position of the last frame that left.
+  /// Drops all incomplete frames. Keeps the id and epoch of the last frame that was passed on.
   void forget();
   /// Returns true if `id` is at most the id of the last frame that left.
   [[nodiscard]] bool behind(std::uint64_t id) const;
   /// Returns true if no loss or reordering can explain the step from the last id to `id`.
   [[nodiscard]] bool jumps(std::uint64_t id) const;
   [[nodiscard]] std::uint64_t newest() const;
-  [[nodiscard]] bool overfull() const;
+  [[nodiscard]] bool isOverfull() const;
   /// Drops the frames by datagrams that are older than the first frame by TCP, which has all
   /// reliefs. Call it before the first frame left.
   void dropBeforeTcp();

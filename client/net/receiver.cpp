@@ -103,7 +103,7 @@ void Receiver::countContradiction() {
 }
 
 std::optional<LocalTime> Receiver::nextDue() const {
-  const auto last = assembler_.lastLeft();
+  const auto last = assembler_.findLastLeft();
   const auto came = assembler_.oldestCame();
   if (!came || !last || !clock_.ready()) return std::nullopt;
   const Duration ahead = latest_.frame_interval * (lookahead_frames_ - 1);
@@ -126,7 +126,7 @@ void Receiver::release(LocalTime now) {
     }
     counts_.overrun += decode_thread_.push(std::move(*assembled));
   }
-  while (const auto late = assembler_.late()) {
+  while (const auto late = assembler_.takeLate()) {
     if (!clock_.ready()) continue;
     ++counts_.late;
     jitter_.add(late->arrived, lateness(late->media_time, late->arrived) +
@@ -134,7 +134,7 @@ void Receiver::release(LocalTime now) {
   }
 }
 
-void Receiver::prepared(const PreparedFrame& frame) {
+void Receiver::addPrepared(const PreparedFrame& frame) {
   ++(frame.handed_over ? counts_.received : counts_.no_slot);
   counts_.reliefs_missing += frame.reliefs_missing;
   counts_.reliefs_rejected += frame.reliefs_rejected;

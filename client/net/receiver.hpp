@@ -76,7 +76,7 @@ class Receiver {
   void expectCopies(std::uint32_t copies, LocalTime now);
   /// Processes the result of the decode thread for one frame. The frame is ready for the loop only
   /// now, so its lateness is measured here.
-  void prepared(const PreparedFrame& frame);
+  void addPrepared(const PreparedFrame& frame);
   void disconnected(LocalTime now);
 
   [[nodiscard]] const ReceiverCounts& counts() const { return counts_; }

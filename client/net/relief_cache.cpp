@@ -40,20 +40,20 @@ std::optional<float> sampleHeight(const Relief& relief, const Vec2& image_px) {
 }
 
 /// Moves a point of an object from the pose `from` to the pose `to`.
-Vec2 carried(const Vec2& at_mm, const Motion& from, const Motion& to) {
+Vec2 carryPoint(const Vec2& at_mm, const Motion& from, const Motion& to) {
   const Eigen::Rotation2Dd turn(to.angle_rad - from.angle_rad);
   return turn * (at_mm - from.position_mm.head<2>()) + to.position_mm.head<2>();
 }
 
 }  // namespace
 
-PixelRect warpedRect(const PosedRelief& before, const Motion& now, const Workspace& workspace) {
+PixelRect warpRect(const PosedRelief& before, const Motion& now, const Workspace& workspace) {
   const PixelRect& rect = before.relief->rect;
   const Vec2 picture(workspace.width_px, workspace.height_px);
   Vec2 low = picture, high = Vec2::Zero();
   for (const int u : {rect.u, rect.u + rect.width}) {
     for (const int v : {rect.v, rect.v + rect.height}) {
-      const Vec2 to_mm = carried(workspace.toNominal(Vec2(u, v)), before.motion, now);
+      const Vec2 to_mm = carryPoint(workspace.toNominal(Vec2(u, v)), before.motion, now);
       const Vec2 to = workspace.toImage(to_mm).cwiseMax(0.0).cwiseMin(picture);
       low = low.cwiseMin(to);
       high = high.cwiseMax(to);
@@ -72,7 +72,7 @@ void concealMissing(const PosedRelief& before, const Motion& now, const Workspac
   for (int v = to.rect.v; v < to.rect.v + to.rect.height; ++v) {
     for (int u = to.rect.u; u < to.rect.u + to.rect.width; ++u, ++i) {
       if (have[i] != 0) continue;
-      const Vec2 was_mm = carried(workspace.toNominal({u + 0.5, v + 0.5}), now, then);
+      const Vec2 was_mm = carryPoint(workspace.toNominal({u + 0.5, v + 0.5}), now, then);
       const auto height = sampleHeight(*before.relief, workspace.toImage(was_mm));
       to.mask[i] = height ? 1 : 0;
       to.height_mm[i] = height ? *height + raised : 0.0F;
@@ -91,7 +91,7 @@ void ReliefCache::reset(const Workspace& workspace, Method method) {
   entries_.clear();
 }
 
-bool ReliefCache::inPicture(const PixelRect& rect) const {
+bool ReliefCache::isInPicture(const PixelRect& rect) const {
   return !rect.empty() && rect.u >= 0 && rect.v >= 0 &&
          rect.u + rect.width <= workspace_.width_px && rect.v + rect.height <= workspace_.height_px;
 }
@@ -134,7 +134,7 @@ ReliefCache::Resolved ReliefCache::resolve(const CodedObject& object, std::uint6
 
 void ReliefCache::concealAll(Entry& entry, const CodedObject& object) const {
   PixelRect rect;
-  if (entry.before.relief) rect = warpedRect(entry.before, object.motion, workspace_);
+  if (entry.before.relief) rect = warpRect(entry.before, object.motion, workspace_);
   entry.changed_in_frame = object.changed_in_frame;
   entry.coded = std::make_shared<const CodedRelief>(CodedRelief{rect, {}, 1});
   entry.motion = object.motion;
@@ -144,7 +144,7 @@ void ReliefCache::concealAll(Entry& entry, const CodedObject& object) const {
 
 ReliefCache::Resolved ReliefCache::prepare(Entry& entry) {
   Resolved out;
-  out.rejected = !inPicture(entry.coded->rect);
+  out.rejected = !isInPicture(entry.coded->rect);
   if (out.rejected) return out;
   const auto relief = decode(entry, out);
   if (!relief) return out;

@@ -21,11 +21,8 @@
 
 namespace hapticast::client {
 
-// Error concealment: replaces lost slices of a relief by the object's previous relief. The previous
-// relief is moved with the object.
-// Thread: any (pure functions).
-
-/// A relief, and the motion of its object in the frame of the relief.
+/// A relief, and the motion of its object in the frame of the relief. Moved
+/// with the object, it replaces lost slices of the next relief (error concealment). Thread: any.
 struct PosedRelief {
   std::shared_ptr<const Relief> relief;
   Motion motion;
@@ -34,8 +31,8 @@ struct PosedRelief {
 /// Returns the rectangle of the relief of `before` after its object has moved to the pose of `now`.
 /// It is the smallest rectangle of pixels around the moved relief, clipped to the picture. It is
 /// empty if the relief has moved out of the picture.
-[[nodiscard]] PixelRect warpedRect(const PosedRelief& before, const Motion& now,
-                                   const Workspace& workspace);
+[[nodiscard]] PixelRect warpRect(const PosedRelief& before, const Motion& now,
+                                 const Workspace& workspace);
 
 /// Fills the missing pixels of the relief `to` with those of the relief in `before`. `have` has one
 /// byte for each pixel of to.rect, and 0 marks a missing pixel. The object's motion from `before`
@@ -91,7 +88,7 @@ class ReliefCache {
   /// Decodes the relief of an entry. Returns null if slices are missing and there is no previous
   /// relief.
   std::shared_ptr<const Relief> decode(const Entry& entry, Resolved& counts);
-  [[nodiscard]] bool inPicture(const PixelRect& rect) const;
+  [[nodiscard]] bool isInPicture(const PixelRect& rect) const;
   void forgetOldest();
 
   Workspace workspace_;

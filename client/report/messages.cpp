@@ -33,7 +33,7 @@ std::optional<std::string> ConnectionLog::preparing(double share, LocalTime now)
       now);
 }
 
-std::optional<std::string> ConnectionLog::lost(const std::string& why, LocalTime now) {
+std::optional<std::string> ConnectionLog::logLoss(const std::string& why, LocalTime now) {
   if (why == reason_ && !lost_interval_.isDue(now)) return std::nullopt;
   reason_ = why;
   lost_interval_.onLogged(now);
@@ -67,8 +67,8 @@ std::optional<std::string> StreamErrorLog::onCounts(const ReceiverCounts& counts
 
 namespace {
 
-bool acted(const TickReport& report, SafetyAction which) {
-  return (report.interferences & bit(which)) != 0;
+bool hasActed(const TickReport& report, SafetyAction which) {
+  return (report.safety_actions & bit(which)) != 0;
 }
 
 std::string comesBack(const RearmPolicy& rearm) {
@@ -153,9 +153,9 @@ std::string HapticStatusLog::describeStatus(const TickReport& report) {
     stale_ = false;
     return "frames arrive again";
   }
-  if (acted(report, SafetyAction::kStiffness) && softer_.allow(report.time))
+  if (hasActed(report, SafetyAction::kStiffness) && softer_.allow(report.time))
     return "a wall is softer than the stream asks for: --stiffness-limit or the device limits it";
-  if (acted(report, SafetyAction::kLatency) && later_.allow(report.time))
+  if (hasActed(report, SafetyAction::kLatency) && later_.allow(report.time))
     return "the device answers later than its profile declares: walls are softer";
   if (done_mJ > WorkMeter::kReported_mJ && works_.allow(report.time))
     return fmt::format(

@@ -36,7 +36,7 @@ class ConnectionLog {
     return limit_.admit(line, now);
   }
   /// Call it when there is no connection, for the reason `why`, and a retry follows.
-  std::optional<std::string> lost(const std::string& why, LocalTime now);
+  std::optional<std::string> logLoss(const std::string& why, LocalTime now);
 
   [[nodiscard]] bool everConnected() const { return ever_connected_; }
   /// Returns the reason why there is no connection. It is empty during a connection, and before the

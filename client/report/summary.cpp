@@ -35,9 +35,9 @@ Json counters(const std::array<std::uint64_t, N>& counts, Name name) {
 /// (fades and the wall law's own limits are normal).
 std::string chainInWords(const LoopStats& loop) {
   std::string text;
-  for (std::size_t i = 0; i < loop.interferences.size(); ++i) {
+  for (std::size_t i = 0; i < loop.safety_actions.size(); ++i) {
     const std::string what = toText(static_cast<SafetyAction>(i));
-    const std::uint64_t ticks = loop.interferences[i];
+    const std::uint64_t ticks = loop.safety_actions[i];
     if (what.empty() || ticks == 0) continue;
     text += fmt::format("{}{} ({} {})", text.empty() ? "" : "; ", what, ticks,
                         ticks == 1 ? "tick" : "ticks");
@@ -120,7 +120,7 @@ Json summary(const RunResult& result) {
       {"clock_error_us", result.clock_error_us},
       {"eye_hand_ms", toJson(result.eye_hand_ns)},
       {"interferences",
-       counters(loop.interferences, [](std::size_t i) { return kInterferenceNames[i]; })},
+       counters(loop.safety_actions, [](std::size_t i) { return kSafetyActionNames[i]; })},
       {"device", toJson(result.device)},
       {"realtime", {{"fifo", result.realtime.fifo}, {"mlock", result.realtime.mlock}}},
       {"faults", faultNames(loop.faults)}};

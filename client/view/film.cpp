@@ -20,7 +20,7 @@ constexpr double kJump_s = 0.05;
 
 /// Returns the film time of this tick: the step of play time; for a pause or a jump the step of
 /// local time.
-double elapsedBetween(const TickReport& before, const TickReport& now) {
+double computeElapsed_s(const TickReport& before, const TickReport& now) {
   const double play_s = toSeconds(now.play_time - before.play_time);
   return play_s > 0.0 && play_s < kJump_s ? play_s : toSeconds(now.time - before.time);
 }
@@ -36,10 +36,10 @@ void FilmView::onPicture(VideoFrame picture, const Workspace& workspace) {
 }
 
 void FilmView::onReport(const TickReport& report) {
-  if (!next_.ticks.empty()) due_s_ -= elapsedBetween(next_.ticks.back(), report);
+  if (!next_.ticks.empty()) due_s_ -= computeElapsed_s(next_.ticks.back(), report);
   next_.ticks.push_back(report);
   if (due_s_ > 0.0) return;
-  if (fps_ > 0.0) next_.picture = pictures_.nearest(report.play_time);
+  if (fps_ > 0.0) next_.picture = pictures_.findNearest(report.play_time);
   if (!next_.picture) {  // the film begins with the first picture
     next_.ticks = {report};
     return;

@@ -15,11 +15,8 @@
 
 namespace hapticast::client {
 
-// The force of the last minute, with fewer points than ticks. Each point has the largest values of
-// its ticks.
-// Thread: one.
-
-/// The largest magnitudes of several successive ticks.
+/// The largest magnitudes of several successive ticks. The plot of the last minute has fewer points
+/// than ticks. Thread: one.
 struct ForcePoint {
   double time_s = 0.0;  ///< begin of the ticks, since the first tick of the run
   double force_N = 0.0;

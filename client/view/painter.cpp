@@ -26,7 +26,7 @@ const cv::Scalar kWhite(255, 255, 255);
 const cv::Scalar kRimColor(20, 20, 20);
 
 /// Clamps the coordinates; NaN counts as 0.
-Vec2 bounded(const Vec2& point) {
+Vec2 clampPoint(const Vec2& point) {
   const auto clamp = [](double value) {
     return std::isfinite(value) ? std::clamp(value, -kMost_px, kMost_px) : 0.0;
   };
@@ -35,7 +35,7 @@ Vec2 bounded(const Vec2& point) {
 
 /// Converts a point for OpenCV, whose whole numbers are the centres of pixels.
 cv::Point toFixed(const Vec2& point) {
-  const Vec2 fixed = (bounded(point) - Vec2(0.5, 0.5)) * (1 << kShift);
+  const Vec2 fixed = (clampPoint(point) - Vec2(0.5, 0.5)) * (1 << kShift);
   return {static_cast<int>(std::lround(fixed.x())), static_cast<int>(std::lround(fixed.y()))};
 }
 
@@ -108,7 +108,8 @@ void drawGap(cv::Mat& image, const ScenePlace& place, const TickReport& report, 
   drawLine(image, tip, foot, kRimColor, 3.0 * unit);
   drawLine(image, tip, foot, kGapColor, unit);
   const cv::Size shadow(static_cast<int>(8.0 * unit), static_cast<int>(4.0 * unit));
-  const cv::Point at(static_cast<int>(bounded(foot).x()), static_cast<int>(bounded(foot).y()));
+  const cv::Point at(static_cast<int>(clampPoint(foot).x()),
+                     static_cast<int>(clampPoint(foot).y()));
   cv::ellipse(image, at, shadow, 0.0, 0.0, 360.0, kRimColor, cv::FILLED, cv::LINE_AA);
   cv::ellipse(image, at, shadow, 0.0, 0.0, 360.0, kGapColor, 1, cv::LINE_AA);
 }
@@ -161,7 +162,7 @@ Vec2 ScenePlace::fromNominal(const Vec2& nominal_mm) const {
 }
 
 Vec2 ScenePlace::fromImage(const Vec2& image_px) const {
-  return corner_ + bounded(scale_ * image_px);
+  return corner_ + clampPoint(scale_ * image_px);
 }
 
 Vec2 ScenePlace::toNominal(const Vec2& point) const {
@@ -173,7 +174,7 @@ Vec2 ScenePlace::arrow(const Vec3& force_N) const {
   const Vec2 projected = Vec2(force_N.x(), -force_N.y()) + kTowardsViewer * force_N.z();
   const bool visible = projected.norm() > kLeastProjection * magnitude_N;
   const Vec2 direction = (visible ? projected : kTowardsViewer).normalized();
-  return bounded(kArrowShare * size().x() * magnitude_N * direction);
+  return clampPoint(kArrowShare * size().x() * magnitude_N * direction);
 }
 
 std::optional<double> surfaceGap_mm(const TickReport& report) {

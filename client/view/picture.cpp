@@ -52,7 +52,7 @@ void PictureBuffer::add(VideoFrame video, const Workspace& workspace) {
   }
 }
 
-std::shared_ptr<const StreamPicture> PictureBuffer::nearest(MediaTime time) const {
+std::shared_ptr<const StreamPicture> PictureBuffer::findNearest(MediaTime time) const {
   const auto distance = [time](const auto& picture) {
     return std::abs((picture->video.media_time - time).count());
   };

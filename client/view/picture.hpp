@@ -20,16 +20,15 @@ namespace hapticast::client {
 /// the header of a JPEG determines how much memory its decoder allocates.
 [[nodiscard]] cv::Mat decodeJpeg(std::span<const std::uint8_t> jpeg, cv::Size expected);
 
-// Buffer with the pictures of the last seconds. A picture arrives before the loop plays its frame.
-// So a view requests a picture by its media time. The size of the buffer is bounded.
-// Thread: any; a mutex guards the buffer for short times.
-
 /// A JPEG picture and the workspace of its stream.
 struct StreamPicture {
   VideoFrame video;
   Workspace workspace;
 };
 
+/// Buffer with the pictures of the last seconds. A picture arrives before the loop plays its frame,
+/// so a view requests a picture by its media time. The size of the buffer is bounded. Thread: any;
+/// a mutex guards the buffer for short times.
 class PictureBuffer {
  public:
   /// Largest number of pictures. It covers the longest playout delay: 2 s
@@ -44,7 +43,7 @@ class PictureBuffer {
   void add(VideoFrame video, const Workspace& workspace);
   /// Returns the picture whose media time is nearest to `time`. Returns null if the buffer is
   /// empty.
-  [[nodiscard]] std::shared_ptr<const StreamPicture> nearest(MediaTime time) const;
+  [[nodiscard]] std::shared_ptr<const StreamPicture> findNearest(MediaTime time) const;
 
  private:
   mutable std::mutex mutex_;

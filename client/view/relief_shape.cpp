@@ -14,7 +14,7 @@ namespace {
 constexpr double kMostPixels = 250'000.0;
 
 /// Returns the step that leaves at most `most` points of this rectangle.
-int stepFor(const PixelRect& rect, double most) {
+int chooseStep(const PixelRect& rect, double most) {
   return std::max(1, static_cast<int>(std::ceil(std::sqrt(double(rect.pixels()) / most))));
 }
 
@@ -29,7 +29,7 @@ float computeShade(const Vec2& gradient) {
 void addRelief(ReliefMesh& mesh, const HeightField& relief, const Workspace& workspace,
                double most_cells, int least_px) {
   const PixelRect& rect = relief.rect();
-  const int step = std::max(stepFor(rect, most_cells), least_px);
+  const int step = std::max(chooseStep(rect, most_cells), least_px);
   const int columns = (rect.width - 1) / step + 1;
   const int rows = (rect.height - 1) / step + 1;
   std::vector<int> number(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), -1);
@@ -59,7 +59,7 @@ void addRelief(ReliefMesh& mesh, const HeightField& relief, const Workspace& wor
 std::vector<std::vector<cv::Point2f>> traceOutline(const HeightField& relief) {
   const PixelRect& rect = relief.rect();
   if (relief.empty()) return {};
-  const int step = stepFor(rect, kMostPixels);
+  const int step = chooseStep(rect, kMostPixels);
   // A border of zeros closes the outline at the edge of the picture.
   cv::Mat mask = cv::Mat::zeros(rect.height / step + 3, rect.width / step + 3, CV_8UC1);
   for (int row = 0; row * step < rect.height; ++row) {

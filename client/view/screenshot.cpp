@@ -14,7 +14,7 @@ namespace hapticast::client {
 namespace {
 
 /// Rank of a moment: a contact ranks above the release ramp after it.
-double worth(const TickReport& report) {
+double computeStrength(const TickReport& report) {
   return report.contact ? 1.0 + report.force_N.norm() : 0.0;
 }
 
@@ -26,7 +26,7 @@ void Screenshot::onPicture(VideoFrame picture, const Workspace& workspace) {
 
 void Screenshot::onReport(const TickReport& report) {
   history_.add(report);
-  if (worth(moment_) > 0.0 && worth(report) <= worth(moment_)) return;
+  if (computeStrength(moment_) > 0.0 && computeStrength(report) <= computeStrength(moment_)) return;
   moment_ = report;
   picture_.reset();
 }
@@ -38,7 +38,7 @@ bool Screenshot::update(UiState& ui_state) {
 }
 
 void Screenshot::findPicture() {
-  if (!picture_) picture_ = pictures_.nearest(moment_.play_time);
+  if (!picture_) picture_ = pictures_.findNearest(moment_.play_time);
 }
 
 void Screenshot::finish() {

@@ -21,7 +21,8 @@ constexpr std::uint32_t kFade_ms = 60;  // four times the hum's smoothing
 
 }  // namespace
 
-SoundView::SoundView(std::function<void(const std::string& line)> tell) : log_(std::move(tell)) {
+SoundView::SoundView(std::function<void(const std::string& line)> log_line)
+    : log_(std::move(log_line)) {
   SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");  // Ctrl-C belongs to the client
   if (SDL_InitSubSystem(SDL_INIT_AUDIO) != 0)
     throw std::runtime_error(std::string("no sound device (") + SDL_GetError() + ")");

@@ -16,9 +16,9 @@ namespace hapticast::client {
 
 class SoundView final : public View {
  public:
-  /// Opens the sound device. If the device is lost later, `tell` receives a line in the main
+  /// Opens the sound device. If the device is lost later, `log_line` receives a line in the main
   /// thread. Throws std::runtime_error (one line) if there is no sound device.
-  explicit SoundView(std::function<void(const std::string& line)> tell);
+  explicit SoundView(std::function<void(const std::string& line)> log_line);
   SoundView(const SoundView&) = delete;
   SoundView& operator=(const SoundView&) = delete;
   ~SoundView() override;

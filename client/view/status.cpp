@@ -47,7 +47,7 @@ std::string contactLine(const TickReport& report, const UserControls& user) {
   const double force_N = report.force_N.norm();
   if (force_N >= kLeastForce_N) return fmt::format("in contact, {:.1f} N", force_N);
   const auto acts = [&report](SafetyAction action) {
-    return (report.interferences & bit(action)) != 0;
+    return (report.safety_actions & bit(action)) != 0;
   };
   std::string why = offLine(report, user);
   if (!why.empty()) return "in contact, no force: " + why;
@@ -77,7 +77,7 @@ std::string approachLine(const TickReport& report) {
 
 }  // namespace
 
-void TickWatch::add(const TickReport& report) {
+void TickStatus::add(const TickReport& report) {
   const Duration since = report.time - last_.time;
   if (ticks_++ > 0) {
     if (since > kLate) ++late_;
@@ -94,7 +94,7 @@ void TickWatch::add(const TickReport& report) {
     second_begin_ = report.time;
   }
   for (std::size_t i = 0; i < acted_.size(); ++i) {
-    if ((report.interferences >> i & 1U) == 0) continue;
+    if ((report.safety_actions >> i & 1U) == 0) continue;
     acted_[i] = report.time;
     ever_[i] = true;
   }
@@ -102,7 +102,7 @@ void TickWatch::add(const TickReport& report) {
   last_ = report;
 }
 
-std::string TickWatch::chain() const {
+std::string TickStatus::chain() const {
   std::string words;
   for (std::size_t i = 0; i < acted_.size(); ++i) {
     const char* const what = toText(static_cast<SafetyAction>(i));
@@ -133,7 +133,7 @@ std::string statusLine(const TickReport& report, const UiState& ui_state) {
   return paused + touchLine(report, ui_state.user);
 }
 
-std::string hintLine(const TickWatch& ticks, const UiState& ui_state) {
+std::string hintLine(const TickStatus& ticks, const UiState& ui_state) {
   const TickReport& report = ticks.last();
   if (ticks.hasTouched() || report.halt != Halt::kNone) return {};
   if (!ui_state.stream.connected) return "The client connects as soon as the server answers.";

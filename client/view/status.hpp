@@ -14,7 +14,7 @@
 namespace hapticast::client {
 
 /// Statistics of the ticks for the panel.
-class TickWatch {
+class TickStatus {
  public:
   /// Adds the report of a tick.
   void add(const TickReport& report);
@@ -45,8 +45,8 @@ class TickWatch {
   Duration second_sum_{0};
   std::uint64_t second_ticks_ = 0;
   LocalTime second_begin_{};
-  std::array<LocalTime, kInterferenceNames.size()> acted_{};
-  std::array<bool, kInterferenceNames.size()> ever_{};
+  std::array<LocalTime, kSafetyActionNames.size()> acted_{};
+  std::array<bool, kSafetyActionNames.size()> ever_{};
 };
 
 /// Returns a line about the touch such as "in contact, 1.2 N". If there is no force, the line
@@ -58,6 +58,6 @@ class TickWatch {
 
 /// Returns a hint for a user who has not touched anything yet: what the client waits for, or how to
 /// touch. Returns an empty text after the first touch, and if the status line says what to do.
-[[nodiscard]] std::string hintLine(const TickWatch& ticks, const UiState& ui_state);
+[[nodiscard]] std::string hintLine(const TickStatus& ticks, const UiState& ui_state);
 
 }  // namespace hapticast::client

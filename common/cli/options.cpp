@@ -98,7 +98,7 @@ void addVersion(CLI::App& app, const std::string& built_in) {
 namespace {
 
 /// Returns the key of an option in a config file.
-std::string keyOf(const CLI::Option& option) {
+std::string findKey(const CLI::Option& option) {
   return option.get_lnames().empty() ? option.get_name() : option.get_lnames().front();
 }
 
@@ -149,7 +149,7 @@ class KeyValueConfig : public CLI::ConfigBase {
     for (const CLI::Option* const option : app_.get_options()) {
       if (!option->get_configurable()) continue;
       if (option->check_lname(pair.key) || option->check_name(pair.key)) return;
-      keys.push_back(keyOf(*option));
+      keys.push_back(findKey(*option));
     }
     if (const auto owner = ownerOfFlag(pair.key, app_.get_name()); !owner.empty())
       complain(quote(pair.key) + " is a flag of " + std::string(owner));
@@ -186,7 +186,7 @@ std::string writeConfig(const CLI::App& app) {
     const std::string value = is_switch ? "false" : option->get_default_str();
     text += "\n" + makeComment(option->get_description());
     if (!is_switch) text += makeComment("Value: " + option->get_type_name());
-    text += "#" + keyOf(*option) + " =" + (value.empty() ? "" : " " + value) + "\n";
+    text += "#" + findKey(*option) + " =" + (value.empty() ? "" : " " + value) + "\n";
   }
   return text;
 }

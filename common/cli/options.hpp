@@ -118,17 +118,14 @@ CLI::Option* addChoice(CLI::App& app, const std::string& name, Value& value,
 CLI::Option* addFile(CLI::App& app, const std::string& name, std::string& file,
                      const std::string& ending, const std::string& help);
 
-// Version text of a program, with its optional packages. Thread: any.
-
 /// Adds the flag --version, and appends the text of --version to --help. The text is "PROGRAM
 /// VERSION (BUILT_IN)", where BUILT_IN is `built_in`. A second line has the optional packages of
-/// this build.
+/// this build. Thread: any.
 void addVersion(CLI::App& app, const std::string& built_in);
 
-// Config file (--config FILE) with lines `key = value` (readKeyValues()). Every flag is a key of
-// the same name. For a list the file repeats the key. Thread: main, at start-up.
-
 /// An error inside a config file. To complete its message, write the name of the file before it.
+/// The config file (--config FILE) has lines `key = value` (readKeyValues()). Every flag is a key
+/// of the same name. For a list the file repeats the key. Thread: main, at start-up.
 class ConfigFileError : public CLI::ParseError {
  public:
   explicit ConfigFileError(const std::string& what)

@@ -49,7 +49,7 @@ std::string flagHint(const CLI::App& app, const std::string& word) {
 }
 
 /// Returns the unknown arguments of `app` as one text, with a hint for the first flag.
-std::string unknownWords(const CLI::App& app) {
+std::string listUnknownWords(const CLI::App& app) {
   std::string words;
   std::string meant;
   bool a_flag = false;
@@ -87,7 +87,7 @@ std::string complaint(const CLI::App& app, const CLI::ParseError& error) {
   }
   if (is<CLI::ArgumentMismatch>(error) && app.remaining().empty()) return countComplaint(app, what);
   // A misspelt flag makes a required one missing: state the cause.
-  if (!app.remaining().empty()) return "not understood:" + unknownWords(app);
+  if (!app.remaining().empty()) return "not understood:" + listUnknownWords(app);
   return what;
 }
 

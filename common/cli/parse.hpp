@@ -20,11 +20,8 @@ std::optional<int> parseCommandLine(CLI::App& app, int argc, const char* const* 
 [[nodiscard]] std::optional<std::string> parseArguments(CLI::App& app, int argc,
                                                         const char* const* argv);
 
-// Names of servers on the command line, and the check whether this build supports discovery
-// (DNS-SD). Thread: main, at start-up.
-
 /// Checks that this build supports discovery. If it does not, throws CLI::ValidationError with the
-/// name of `flag`.
+/// name of `flag`. Discovery (DNS-SD) finds servers by name. Thread: main, at start-up.
 void requireDiscovery(const std::string& flag);
 
 /// Returns `text` if it is a valid service name (isServiceName()). Otherwise throws

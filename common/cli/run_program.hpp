@@ -23,10 +23,8 @@ void startLog(const std::string& name);
 /// code is kFailed.
 int runProgram(bool quiet, const std::function<int()>& run);
 
-// Handling of the signal SIGHUP at the program's start. Thread: main, at start-up.
-
 /// Returns true if the program was started with SIGHUP ignored, as nohup arranges. The program then
-/// has to ignore it as well.
+/// has to ignore it as well. Thread: main, at start-up.
 [[nodiscard]] bool sighupIgnored();
 
 /// Returns true if SIGHUP asks the program to read its configuration again: standard input is no

@@ -26,7 +26,7 @@ CodedFrame FrameCoder::code(const HapticFrame& frame, const SliceSettings& setti
       coded = codeRelief(*object.relief, settings);
     }
     if (object.relief) now[key] = {object.relief, settings, coded};
-    out.objects.push_back(withRelief(object, std::move(coded)));
+    out.objects.push_back(replaceRelief(object, std::move(coded)));
   }
   known_ = std::move(now);
   return out;

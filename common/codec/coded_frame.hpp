@@ -34,7 +34,7 @@ using CodedFrame = FrameOf<CodedRelief>;
 
 /// Returns a copy of the object `from` that has `relief` in place of its own relief.
 template <class To, class From>
-ObjectOf<To> withRelief(const ObjectOf<From>& from, std::shared_ptr<const To> relief) {
+ObjectOf<To> replaceRelief(const ObjectOf<From>& from, std::shared_ptr<const To> relief) {
   return {from.id,     from.layer, from.changed_in_frame, std::move(relief),
           from.motion, from.grid,  from.impacts,          from.material};
 }

@@ -116,7 +116,7 @@ Result<PixelRect, WireError> HeightDecoder::decode(std::span<const std::uint8_t>
   const auto heights =
       smooth ? decodeSmooth(coder, header, field_) : decodeRough(coder, header, field_, numbers_);
   if (!heights) return malformed("a slice's levels are too many or out of range");
-  if (coder.misled()) return malformed("a slice ends too early");
+  if (coder.isMisled()) return malformed("a slice ends too early");
   const PixelRect pixels = computePixelRect(header, relief.rect);
   for (int y = 0; y < shape.height; ++y) {
     const auto to = static_cast<std::ptrdiff_t>(pixels.v + y) * relief.rect.width + pixels.u;

@@ -73,7 +73,7 @@ class HeightEncoder {
   /// Returns one slice for `part` in rough mode. Returns an empty vector if the heights need too
   /// many levels.
   SliceBytes codeRough(const Part& part);
-  [[nodiscard]] codec::Surroundings around(const Part& part);
+  [[nodiscard]] codec::Surroundings makeSurroundings(const Part& part);
   void beginSlice(const Part& part, const codec::Shape& shape);
   [[nodiscard]] codec::Header makeHeader(const Part& part, codec::Mode mode) const;
 
@@ -83,7 +83,7 @@ class HeightEncoder {
   [[nodiscard]] std::ptrdiff_t offset(const Part& part) const;
   [[nodiscard]] bool holdsPixels(const Part& part) const;
   [[nodiscard]] std::size_t countPixels(const Part& part) const;
-  [[nodiscard]] Part trimmed(Part part) const;
+  [[nodiscard]] Part trimPart(Part part) const;
   [[nodiscard]] std::vector<float> estimateLineCosts(const Part& part, bool across) const;
 
   SliceSettings settings_;

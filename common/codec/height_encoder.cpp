@@ -51,7 +51,7 @@ std::vector<SliceBytes> HeightEncoder::encode(const Relief& relief, const SliceS
 void HeightEncoder::load(const Relief& relief) {
   width_px_ = relief.rect.width;
   height_px_ = relief.rect.height;
-  whole_ = {0, 0, codec::cellsOver(width_px_), codec::cellsOver(height_px_)};
+  whole_ = {0, 0, codec::countCells(width_px_), codec::countCells(height_px_)};
   const int rows = whole_.height * codec::kCell_px + 2 * codec::kMargin_px + 1;
   stride_ = whole_.width * codec::kCell_px + 2 * codec::kMargin_px + 16;
   const auto size = static_cast<std::size_t>(stride_) * static_cast<std::size_t>(rows);
@@ -80,7 +80,7 @@ std::ptrdiff_t HeightEncoder::offset(const Part& part) const {
          std::ptrdiff_t{part.x} * codec::kCell_px + codec::kMargin_px;
 }
 
-HeightEncoder::Part HeightEncoder::trimmed(Part part) const {
+HeightEncoder::Part HeightEncoder::trimPart(Part part) const {
   while (part.height > 0 && !holdsPixels({part.x, part.y, part.width, 1})) {
     ++part.y;
     --part.height;
@@ -96,11 +96,11 @@ HeightEncoder::Part HeightEncoder::trimmed(Part part) const {
 }
 
 codec::Header HeightEncoder::makeHeader(const Part& part, codec::Mode mode) const {
-  return {mode,        settings_.coarse_sixteenths,       part.x, part.y, part.width,
-          part.height, codec::stepFor(settings_.error_mm)};
+  return {mode,        settings_.coarse_sixteenths,           part.x, part.y, part.width,
+          part.height, codec::computeStep(settings_.error_mm)};
 }
 
-codec::Surroundings HeightEncoder::around(const Part& part) {
+codec::Surroundings HeightEncoder::makeSurroundings(const Part& part) {
   return {{mask_.data() + offset(part), stride_}, target_.data() + offset(part)};
 }
 
@@ -118,7 +118,7 @@ SliceBytes HeightEncoder::codeSmooth(const Part& part) {
   const auto steps = codec::Steps::from(header.step, header.sixteenths);
   beginSlice(part, shape);
   field_.reset(true);
-  codec::analyse(field_, around(part), steps);
+  codec::analyse(field_, makeSurroundings(part), steps);
   SliceBytes out;
   out.reserve(2 * kMostSliceBytes);
   header.write(out);
@@ -135,7 +135,8 @@ SliceBytes HeightEncoder::codeRough(const Part& part) {
   const codec::Shape shape = header.shape({0, 0, width_px_, height_px_});
   beginSlice(part, shape);
   numbers_.reset(shape);
-  codec::Levels levels = codec::findLevels(shape, around(part), header.step / 2, numbers_);
+  codec::Levels levels =
+      codec::findLevels(shape, makeSurroundings(part), header.step / 2, numbers_);
   if (levels.size() > codec::kMostLevels) return {};
   SliceBytes out;
   header.write(out);
@@ -167,7 +168,7 @@ std::size_t HeightEncoder::countPixels(const Part& part) const {
 }
 
 void HeightEncoder::codeOrSplit(const Part& wanted, std::vector<SliceBytes>& out) {
-  const Part part = trimmed(wanted);
+  const Part part = trimPart(wanted);
   if (part.height == 0) return;
   SliceBytes bytes = code(part);
   const bool rough = codec::Mode{static_cast<std::uint8_t>(bytes[0] >> 4U)} == codec::Mode::kRough;

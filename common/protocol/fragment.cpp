@@ -91,13 +91,13 @@ class Fragmenter {
 };
 
 /// Returns whether two headers belong to the same frame.
-bool sameFrame(DatagramHeader a, const DatagramHeader& b) {
+bool isSameFrame(DatagramHeader a, const DatagramHeader& b) {
   a.part = b.part;
   return a == b;
 }
 
 /// Returns the relief with sorted slices, so that the bytes do not depend on the order of arrival.
-std::shared_ptr<const CodedRelief> inOrder(CodedRelief relief) {
+std::shared_ptr<const CodedRelief> sortSlices(CodedRelief relief) {
   std::sort(relief.slices.begin(), relief.slices.end());
   return std::make_shared<const CodedRelief>(std::move(relief));
 }
@@ -135,7 +135,7 @@ Result<FramePiece, WireError> readPiece(std::span<const std::uint8_t> payload,
 Reassembly::Reassembly(const DatagramHeader& any_part) : header_(any_part), had_(any_part.parts) {}
 
 bool Reassembly::lacks(const DatagramHeader& part) const {
-  return sameFrame(part, header_) && part.part < had_.size() && !had_[part.part];
+  return isSameFrame(part, header_) && part.part < had_.size() && !had_[part.part];
 }
 
 std::optional<WireError> Reassembly::add(const DatagramHeader& part,
@@ -221,7 +221,7 @@ bool Reassembly::addGrid(const MotionGrid& piece, std::size_t first_cell, Joined
   return true;
 }
 
-bool Reassembly::headed() const {
+bool Reassembly::hasHead() const {
   const auto heads = std::count_if(objects_.begin(), objects_.end(),
                                    [](const auto& each) { return each.second.head; });
   return object_count_ == static_cast<std::size_t>(heads);
@@ -232,7 +232,7 @@ std::shared_ptr<const CodedRelief> Reassembly::relief(const ObjectKey& object) {
   if (found == objects_.end() || !found->second.head || !found->second.object.relief)
     return nullptr;
   Joined& from = found->second;
-  if (!from.in_order) from.in_order = inOrder(from.relief);
+  if (!from.in_order) from.in_order = sortSlices(from.relief);
   return from.in_order;
 }
 
@@ -242,7 +242,7 @@ CodedFrame Reassembly::frame() const {
   for (const auto& [key, each] : objects_) {
     if (!each.head) continue;
     CodedObject& object = frame.objects.emplace_back(each.object);
-    if (object.relief) object.relief = inOrder(each.relief);
+    if (object.relief) object.relief = sortSlices(each.relief);
     object.grid = nullptr;
     if (!each.cells.empty() &&
         std::all_of(each.cells.begin(), each.cells.end(), [](bool had) { return had; }))

@@ -62,7 +62,7 @@ class Reassembly {
   [[nodiscard]] const DatagramHeader& header() const { return header_; }
   /// Returns true if the heads of all objects are present. Then only slices and grid cells may be
   /// missing.
-  [[nodiscard]] bool headed() const;
+  [[nodiscard]] bool hasHead() const;
   /// Returns the relief of an object with the slices received so far. Returns null if the object
   /// has no relief, or if its head is missing.
   [[nodiscard]] std::shared_ptr<const CodedRelief> relief(const ObjectKey& object);

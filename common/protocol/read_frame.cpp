@@ -76,7 +76,7 @@ GridPart read(const proto::MotionGrid& from, bool in_pieces, Check& check) {
 
 /// A slice covers at least one cell.
 constexpr std::size_t kMostSlices =
-    std::size_t{codec::cellsOver(kMaxWidth_px)} * std::size_t{codec::cellsOver(kMaxHeight_px)};
+    std::size_t{codec::countCells(kMaxWidth_px)} * std::size_t{codec::countCells(kMaxHeight_px)};
 
 PixelRect parseRect(const proto::Relief& from, Check& check) {
   check.require(from.width() >= 1 && from.width() <= static_cast<unsigned>(kMaxWidth_px) &&

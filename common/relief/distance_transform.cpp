@@ -17,8 +17,8 @@ constexpr std::int32_t kNone = 1 << 24;
 
 /// Returns for each pixel the row of the nearest marked pixel in its column, +-kNone if there is
 /// none. Without branches, so that the compiler vectorises over columns.
-std::vector<std::int32_t> nearestInColumn(const std::vector<std::uint8_t>& mask, int width,
-                                          int height, std::uint8_t marked) {
+std::vector<std::int32_t> findNearestInColumn(const std::vector<std::uint8_t>& mask, int width,
+                                              int height, std::uint8_t marked) {
   const auto columns = static_cast<std::size_t>(width);
   std::vector<std::int32_t> row(mask.size());
   std::vector<std::int32_t> last(columns, -kNone);
@@ -94,7 +94,7 @@ template <class Visit>
 void visitNearest(const std::vector<std::uint8_t>& mask, int width, int height, std::uint8_t marked,
                   const Vec2& mm_per_px, Visit visit) {
   const auto columns = static_cast<std::size_t>(width);
-  const std::vector<std::int32_t> row = nearestInColumn(mask, width, height, marked);
+  const std::vector<std::int32_t> row = findNearestInColumn(mask, width, height, marked);
   LowerEnvelope envelope(columns, mm_per_px.x());
   for (int v = 0; v < height; ++v) {
     const std::size_t start = static_cast<std::size_t>(v) * columns;
@@ -124,8 +124,8 @@ void visitNearest(const std::vector<std::uint8_t>& mask, int width, int height, 
 
 }  // namespace
 
-NearestPixel nearestPixel(const std::vector<std::uint8_t>& mask, int width, int height,
-                          std::uint8_t marked, const Vec2& mm_per_px) {
+NearestPixel findNearestPixel(const std::vector<std::uint8_t>& mask, int width, int height,
+                              std::uint8_t marked, const Vec2& mm_per_px) {
   NearestPixel result;
   result.distance_mm.assign(mask.size(), std::numeric_limits<float>::infinity());
   result.nearest.assign(mask.size(), -1);
@@ -326,7 +326,7 @@ class AlongEdge {
 /// Near level or upright edges a mask follows whole pixels for long stretches, and only a longer
 /// line shows the subpixel position of the edge. Selects the longest line that a quadratic explains
 /// (Lepski's choice of a bandwidth), blended in cases of doubt.
-float alongEdge(const AlongEdge& edge, float value_mm, float mm_per_px) {
+float computeAlongEdge(const AlongEdge& edge, float value_mm, float mm_per_px) {
   float smooth_mm = 0.0F;
   float left = 1.0F;
   for (int step = kLongestStep_px; step > 0 && left > 0.0F; --step) {
@@ -359,7 +359,7 @@ void smoothEdgeDistance(std::vector<float>& distance_mm, int width, int height,
       const float away_mm = std::abs(values[i]);
       if (away_mm >= nothing_mm) continue;
       const float smooth_mm =
-          alongEdge(AlongEdge(values, width, height, u, v), values[i], pixel_mm);
+          computeAlongEdge(AlongEdge(values, width, height, u, v), values[i], pixel_mm);
       const float share = std::min(per_mm * (nothing_mm - away_mm), 1.0F);
       distance_mm[i] += share * (smooth_mm - values[i]);
     }

@@ -27,14 +27,11 @@ struct NearestPixel {
 /// The time is linear in the number of pixels. The function processes the columns first. Along each
 /// row it then uses the lower envelope of parabolas. Requires mask.size() == width * height, both
 /// above 0.
-NearestPixel nearestPixel(const std::vector<std::uint8_t>& mask, int width, int height,
-                          std::uint8_t marked, const Vec2& mm_per_px);
-/// Returns only the distances of nearestPixel().
+NearestPixel findNearestPixel(const std::vector<std::uint8_t>& mask, int width, int height,
+                              std::uint8_t marked, const Vec2& mm_per_px);
+/// Returns only the distances of findNearestPixel().
 std::vector<float> distanceTo(const std::vector<std::uint8_t>& mask, int width, int height,
                               std::uint8_t marked, const Vec2& mm_per_px);
-
-// Smoothing of the distances to a mask's edge, because the proxy contacts that edge as a wall. It
-// serves to prepare height fields, outside the haptic loop. Thread: any.
 
 /// Smooths `distance_mm` in place. It has the signed distance of each pixel to the edge of a mask,
 /// row by row, in mm, positive inside.
@@ -46,7 +43,8 @@ std::vector<float> distanceTo(const std::vector<std::uint8_t>& mask, int width, 
 ///
 /// The caller uses the result as the coefficients of a uniform cubic B-spline. The edge of a circle
 /// then has its true radius. Requires distance_mm.size() == width * height, both above 0, and
-/// finite values.
+/// finite values. It serves to prepare height fields, outside the haptic loop, because the proxy
+/// contacts the edge as a wall. Thread: any.
 void smoothEdgeDistance(std::vector<float>& distance_mm, int width, int height,
                         const Vec2& mm_per_px);
 

@@ -228,7 +228,7 @@ void continueHeights(std::vector<float>& height_mm, const std::vector<std::uint8
 
 }  // namespace
 
-HeightField HeightField::padded(const Relief& relief, const Workspace& workspace) {
+HeightField HeightField::makePadded(const Relief& relief, const Workspace& workspace) {
   HeightField field;
   field.rect_ = relief.rect;
   field.mm_per_px_ = workspace.mmPerPixel();
@@ -265,7 +265,7 @@ void HeightField::complete(bool continued) {
   if (empty()) return;
   const int width = prepared_.width;
   const int height = prepared_.height;
-  const NearestPixel to_inside = nearestPixel(mask_, width, height, 1, mm_per_px_);
+  const NearestPixel to_inside = findNearestPixel(mask_, width, height, 1, mm_per_px_);
   std::vector<float> to_outside_mm = distanceTo(mask_, width, height, 0, mm_per_px_);
   const auto deepest = static_cast<int>(
       std::distance(to_outside_mm.begin(),
@@ -280,13 +280,13 @@ void HeightField::complete(bool continued) {
 }
 
 HeightField HeightField::prepare(const Relief& relief, const Workspace& workspace) {
-  HeightField field = padded(relief, workspace);
+  HeightField field = makePadded(relief, workspace);
   field.complete(true);
   return field;
 }
 
 HeightField HeightField::prepareThesis(const Relief& relief, const Workspace& workspace) {
-  HeightField field = padded(relief, workspace);
+  HeightField field = makePadded(relief, workspace);
   field.complete(false);
   return field;
 }

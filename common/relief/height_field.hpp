@@ -87,7 +87,7 @@ class HeightField {
  private:
   /// Returns a field with the heights inside the mask, and zero elsewhere. Returns an empty field
   /// if the sizes do not match.
-  static HeightField padded(const Relief& relief, const Workspace& workspace);
+  static HeightField makePadded(const Relief& relief, const Workspace& workspace);
   /// Computes the edge distances. If `continued` is true, it also computes the heights beyond the
   /// mask.
   void complete(bool continued);

@@ -24,7 +24,7 @@ namespace asio = boost::asio;
 
 /// Returns the IPv4 address in an IPv4-mapped IPv6 address (::ffff:a.b.c.d). Returns other
 /// addresses unchanged.
-inline asio::ip::address unmapped(const asio::ip::address& address) {
+inline asio::ip::address unmapAddress(const asio::ip::address& address) {
   if (!address.is_v6() || !address.to_v6().is_v4_mapped()) return address;
   return asio::ip::make_address_v4(asio::ip::v4_mapped, address.to_v6());
 }

@@ -55,16 +55,16 @@ void ClockSync::add(LocalTime t0, MediaTime t1, MediaTime t2, LocalTime t3) {
 }
 
 void ClockSync::fit() {
-  line_ = fitted();
+  line_ = fitLine();
   // A negative delay is impossible: the server's clock was set, and earlier samples are invalid.
   while (line_.error < Duration::zero()) {
     samples_.pop_front();
-    line_ = fitted();
+    line_ = fitLine();
     published_ = false;
   }
 }
 
-ClockSync::Line ClockSync::fitted() const {
+ClockSync::Line ClockSync::fitLine() const {
   Line line{samples_.back().time, samples_.back().there, 0.0, 0.0, Duration::zero()};
   std::vector<Point> there, back;
   there.reserve(samples_.size());

@@ -59,7 +59,7 @@ class ClockSync {
     Duration error{0};
   };
   void fit();
-  [[nodiscard]] Line fitted() const;
+  [[nodiscard]] Line fitLine() const;
 
   std::deque<Sample> samples_;  // newest last
   std::size_t answered_ = 0;

@@ -43,7 +43,7 @@ std::uint8_t* write(Number number, std::uint8_t* out) noexcept {
   return out;
 }
 
-bool sensible(const DatagramHeader& header, std::size_t datagram_bytes) noexcept {
+bool isSensible(const DatagramHeader& header, std::size_t datagram_bytes) noexcept {
   const std::int64_t ns = header.media_time.time_since_epoch().count();
   if (ns < -limits::kTime_ns || ns > limits::kTime_ns) return false;
   return header.probe() ? header.part == 0 && datagram_bytes == kMostDatagramBytes
@@ -66,7 +66,7 @@ std::optional<Datagram> readDatagram(std::span<const std::uint8_t> bytes) noexce
   header.media_time = MediaTime(Duration(in.next<std::int64_t>()));
   header.part = in.next<std::uint16_t>();
   header.parts = in.next<std::uint16_t>();
-  if (!sensible(header, bytes.size())) return std::nullopt;
+  if (!isSensible(header, bytes.size())) return std::nullopt;
   datagram.signed_bytes = bytes.subspan(kTokenBytes, bytes.size() - kTokenBytes - kSignatureBytes);
   datagram.signature = bytes.last(kSignatureBytes);
   const auto content = bytes.subspan(kDatagramHeaderBytes, bytes.size() - kBeside);

@@ -76,7 +76,7 @@ void AvahiSession::changed(AvahiClient* client, int state, void* self) {
 
 void AvahiSession::lost(const std::string& why) {
   events_.over();
-  if (!std::exchange(logged_absent_, true)) events_.absent(why);
+  if (!std::exchange(logged_absent_, true)) events_.describeAbsence(why);
 }
 
 void AvahiSession::retryLater() {

@@ -29,7 +29,7 @@ std::optional<asio::ip::address> toAddress(const sockaddr* from) {
 
 }  // namespace
 
-bool NetworkInterface::called(const std::string& text) const {
+bool NetworkInterface::hasName(const std::string& text) const {
   boost::system::error_code no_address;
   const auto wanted = asio::ip::make_address(text, no_address);
   return name == text || (!no_address && wanted == address);

@@ -17,7 +17,7 @@ struct NetworkInterface {
   bool loopback = false;
 
   /// Returns true if `text` is the interface's name or this address.
-  [[nodiscard]] bool called(const std::string& text) const;
+  [[nodiscard]] bool hasName(const std::string& text) const;
 };
 
 /// Returns the addresses of all interfaces that are up. Those of the loopback interface are last.

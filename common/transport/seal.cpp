@@ -26,7 +26,7 @@ SealKeyBytes randomKey() {
 }
 
 /// Four zero bytes, then the counter in little-endian order, as it is in the datagram.
-Nonce nonceOf(std::uint64_t counter) noexcept {
+Nonce makeNonce(std::uint64_t counter) noexcept {
   Nonce nonce{};
   for (std::size_t i = 0; i < kSealCounterBytes; ++i)
     nonce[kNonceBytes - kSealCounterBytes + i] = static_cast<std::uint8_t>(counter >> (8 * i));
@@ -56,7 +56,7 @@ SealingKey::SealingKey(std::uint8_t id, const SealKeyBytes& bytes)
 void SealingKey::seal(std::vector<std::uint8_t>& head, std::span<const std::uint8_t> payload) {
   if (counter_ == std::numeric_limits<std::uint64_t>::max())
     throw std::runtime_error("a key of datagrams has no counters left");
-  const Nonce nonce = nonceOf(counter_++);
+  const Nonce nonce = makeNonce(counter_++);
   head.insert(head.end(), nonce.end() - kSealCounterBytes, nonce.end());
   const std::size_t readable = head.size();
   head.resize(readable + payload.size() + kSealTagBytes);
@@ -79,7 +79,7 @@ bool OpeningKey::open(std::uint64_t counter, std::span<const std::uint8_t> reada
                       std::span<const std::uint8_t> sealed,
                       std::span<std::uint8_t> payload) const noexcept {
   if (sealed.size() != payload.size() + kSealTagBytes) return false;
-  const Nonce nonce = nonceOf(counter);
+  const Nonce nonce = makeNonce(counter);
   std::array<std::uint8_t, kSealTagBytes> tag{};
   std::copy(sealed.end() - kSealTagBytes, sealed.end(), tag.begin());
   EVP_CIPHER_CTX* const context = context_.get();

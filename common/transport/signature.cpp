@@ -22,7 +22,7 @@ void require(bool done) {
 }
 
 template <class T>
-T* made(T* object) {
+T* checkMade(T* object) {
   require(object != nullptr);
   return object;
 }
@@ -61,20 +61,21 @@ void Free::operator()(evp_pkey_st* key) const noexcept { EVP_PKEY_free(key); }
 }  // namespace signature_detail
 
 SigningKey::SigningKey(signature_detail::Key key)
-    : key_(std::move(key)), context_(made(EVP_MD_CTX_new())) {
+    : key_(std::move(key)), context_(checkMade(EVP_MD_CTX_new())) {
   std::size_t size = verifying_key_.size();
   require(EVP_PKEY_get_raw_public_key(key_.get(), verifying_key_.data(), &size) == 1);
 }
 
 SigningKey::SigningKey()
-    : SigningKey(signature_detail::Key(made(EVP_PKEY_Q_keygen(nullptr, nullptr, "ED25519")))) {}
+    : SigningKey(signature_detail::Key(checkMade(EVP_PKEY_Q_keygen(nullptr, nullptr, "ED25519")))) {
+}
 
 SigningKey::SigningKey(const KeyBytes& seed)
-    : SigningKey(signature_detail::Key(made(
+    : SigningKey(signature_detail::Key(checkMade(
           EVP_PKEY_new_raw_private_key(EVP_PKEY_ED25519, nullptr, seed.data(), seed.size())))) {}
 
 Result<SigningKey> SigningKey::fromPem(std::string_view pem) {
-  const Bio in(made(BIO_new_mem_buf(pem.data(), static_cast<int>(pem.size()))));
+  const Bio in(checkMade(BIO_new_mem_buf(pem.data(), static_cast<int>(pem.size()))));
   // Without this function OpenSSL would ask on the terminal.
   const auto no_password = [](char*, int, int, void*) { return -1; };
   signature_detail::Key key(PEM_read_bio_PrivateKey(in.get(), nullptr, no_password, nullptr));
@@ -85,7 +86,7 @@ Result<SigningKey> SigningKey::fromPem(std::string_view pem) {
 }
 
 std::string SigningKey::toPem() const {
-  const Bio out(made(BIO_new(BIO_s_secmem())));
+  const Bio out(checkMade(BIO_new(BIO_s_secmem())));
   require(PEM_write_bio_PKCS8PrivateKey(out.get(), key_.get(), nullptr, nullptr, 0, nullptr,
                                         nullptr) == 1);
   char* text = nullptr;
@@ -123,7 +124,7 @@ bool VerifyingKey::verify(std::span<const std::uint8_t> bytes,
                           bytes.size()) == 1;
 }
 
-std::uint64_t unguessable() {
+std::uint64_t makeUnguessable() {
   std::uint64_t bits = 0;
   while (bits == 0) require(RAND_bytes(reinterpret_cast<unsigned char*>(&bits), sizeof bits) == 1);
   return bits;

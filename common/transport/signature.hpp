@@ -84,6 +84,6 @@ class VerifyingKey {
 
 /// Returns 64 unpredictable random bits. The result is never 0. Throws std::runtime_error
 /// if the system has no random numbers. Thread: any.
-[[nodiscard]] std::uint64_t unguessable();
+[[nodiscard]] std::uint64_t makeUnguessable();
 
 }  // namespace hapticast

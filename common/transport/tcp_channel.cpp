@@ -20,7 +20,7 @@ constexpr std::size_t kWriteAtOnceBytes = 64U << 10U;  // asio's own default
 
 std::string formatName(const asio::ip::tcp::endpoint& peer) {
   if (peer.port() == 0) return "?";
-  return toString(Endpoint{unmapped(peer.address()).to_string(), peer.port()});
+  return toString(Endpoint{unmapAddress(peer.address()).to_string(), peer.port()});
 }
 
 asio::ip::tcp::endpoint remoteEndpoint(const asio::ip::tcp::socket& socket) {
@@ -41,8 +41,8 @@ TcpChannel::TcpChannel(asio::ip::tcp::socket socket, std::size_t read_limit_byte
   boost::system::error_code ignored;  // without it messages are only later
   socket_.set_option(asio::ip::tcp::no_delay(true), ignored);
   socket_.non_blocking(true, ignored);  // for writeNow()
-  hosts_.peer = unmapped(remoteEndpoint(socket_).address());
-  hosts_.local = unmapped(socket_.local_endpoint(ignored).address());
+  hosts_.peer = unmapAddress(remoteEndpoint(socket_).address());
+  hosts_.local = unmapAddress(socket_.local_endpoint(ignored).address());
 }
 
 asio::awaitable<Result<std::optional<Payload>, WireError>> TcpChannel::read() {

@@ -17,7 +17,7 @@ using RequestParser = http::request_parser<http::empty_body>;
 
 constexpr unsigned kHttp11 = 11;
 
-HttpMethod methodOf(http::verb verb) {
+HttpMethod convertMethod(http::verb verb) {
   if (verb == http::verb::get) return HttpMethod::kGet;
   return verb == http::verb::head ? HttpMethod::kHead : HttpMethod::kOther;
 }
@@ -25,7 +25,7 @@ HttpMethod methodOf(http::verb verb) {
 HttpRequest describeRequest(const RequestParser& parser) {
   const auto& head = parser.get();
   const std::string_view target(head.target().data(), head.target().size());
-  return {methodOf(head.method()), std::string(target.substr(0, target.find('?'))),
+  return {convertMethod(head.method()), std::string(target.substr(0, target.find('?'))),
           parser.chunked() || parser.content_length().value_or(0) > 0, head.keep_alive()};
 }
 

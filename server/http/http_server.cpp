@@ -116,7 +116,7 @@ asio::awaitable<void> HttpServer::answerAll(Connection& connection) {
     const bool goes_on = request.ok() && request.value()->keep_alive &&
                          !request.value()->has_body && number < kMostRequests;
     const std::string response =
-        request.ok() ? respond(*request.value(), goes_on, [this] { return freshMetrics(); })
+        request.ok() ? respond(*request.value(), goes_on, [this] { return collectFreshMetrics(); })
                      : respondToError(request.error());
     connection.deadline = clock_.now() + kTimeout;
     boost::system::error_code ec;
@@ -161,7 +161,7 @@ asio::awaitable<void> HttpServer::finish(Connection& connection) {
   }
 }
 
-Metrics HttpServer::freshMetrics() {
+Metrics HttpServer::collectFreshMetrics() {
   if (!collected_ || clock_.now() - collected_->now >= kFreshFor) collected_ = collect_();
   return *collected_;
 }

@@ -63,7 +63,7 @@ class HttpServer {
   void add(asio::ip::tcp::socket socket);
   /// Waits for the next turn, in order of the calls.
   asio::awaitable<void> awaitTurn();
-  [[nodiscard]] Metrics freshMetrics();
+  [[nodiscard]] Metrics collectFreshMetrics();
 
   asio::io_context& io_;
   const Clock& clock_;

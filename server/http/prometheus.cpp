@@ -130,7 +130,7 @@ void writeDelivery(PrometheusWriter& out, const Metrics& metrics) {
   }
   out.write("unmatched_echoes_total", kCounter,
             "Datagrams to the server that did not match their viewer.",
-            metrics.datagrams->notBelieved());
+            metrics.datagrams->rejectedEchoes());
 }
 
 void writePipeline(PrometheusWriter& out, const PipelineCounts& pipeline) {

@@ -83,7 +83,7 @@ std::string writeStatus(const Metrics& metrics) {
   if (metrics.datagrams) {
     json["udp"] = toJson(metrics.datagrams->viewers);
     json["multicast"] = toJson(metrics.datagrams->group);
-    json["unmatched_echoes"] = metrics.datagrams->notBelieved();
+    json["unmatched_echoes"] = metrics.datagrams->rejectedEchoes();
   }
   if (metrics.pipeline) json["pipeline"] = toJson(*metrics.pipeline);
   if (metrics.relay) json["relay"] = toJson(*metrics.relay, metrics.now);

@@ -13,13 +13,11 @@
 
 namespace hapticast::server {
 
-// Checks the author's points against their clip. Thread: any.
-
 /// Returns `settings` with points in pixels of the frames, and without invalid points. The points
 /// of the argument are in pixels of the clip's own pictures (SourceInfo::own_px). It logs one line
 /// for each invalid point. Points after the end of the clip are invalid; a live source has no end.
 /// Positive and negative points at one place and one time are invalid too, because they contradict
-/// each other.
+/// each other. Thread: any.
 [[nodiscard]] VisionSettings preparePoints(VisionSettings settings, const SourceInfo& info);
 
 /// Function that scanClip() calls after each frame. `share`: completed share of the scan, 0..1. It

@@ -12,19 +12,19 @@ namespace hapticast::server {
 namespace {
 
 // Chosen: more than the plans of a loop's round.
-constexpr std::size_t kMostBuried = 256;
+constexpr std::size_t kMostRetired = 256;
 constexpr Duration kSameAgain = std::chrono::minutes(1);
 
-std::string withoutFigures(std::string text) {
+std::string removeFigures(std::string text) {
   std::erase_if(text, [](char c) { return (c >= '0' && c <= '9') || c == '.'; });
   return text;
 }
 
 /// Returns whether two plans decide equally; different figures in a reason do not count.
-bool sameDecisions(const std::vector<PlanLine>& a, const std::vector<PlanLine>& b) {
+bool areSameDecisions(const std::vector<PlanLine>& a, const std::vector<PlanLine>& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(),
                     [](const PlanLine& x, const PlanLine& y) {
-                      return x.on == y.on && withoutFigures(x.why) == withoutFigures(y.why);
+                      return x.on == y.on && removeFigures(x.why) == removeFigures(y.why);
                     });
 }
 
@@ -55,7 +55,7 @@ void PlanLog::log(const std::map<std::uint32_t, std::vector<PlanLine>>& plans,
   for (const auto& [id, lines] : plans) {
     LoggedPlan& logged = logged_[id];
     const bool too_soon = !logged.lines.empty() && now - logged.at < std::chrono::seconds(1);
-    if (too_soon || sameDecisions(lines, logged.lines)) continue;
+    if (too_soon || areSameDecisions(lines, logged.lines)) continue;
     logged.lines = lines;
     if (!isNews(logged, now)) continue;
     logged.at = now;
@@ -66,7 +66,7 @@ void PlanLog::log(const std::map<std::uint32_t, std::vector<PlanLine>>& plans,
 }
 
 bool PlanLog::isNews(LoggedPlan& logged, MediaTime now) const {
-  const auto same = [&logged](const Lines& lines) { return sameDecisions(logged.lines, lines); };
+  const auto same = [&logged](const Lines& lines) { return areSameDecisions(logged.lines, lines); };
   if (std::any_of(retired_.begin(), retired_.end(), same)) return false;
   const auto before = std::find_if(logged.all.begin(), logged.all.end(),
                                    [&](const LoggedLines& each) { return same(each.lines); });
@@ -81,7 +81,7 @@ bool PlanLog::isNews(LoggedPlan& logged, MediaTime now) const {
 
 void PlanLog::retire(LoggedPlan plan) {
   for (LoggedLines& each : plan.all) retired_.push_back(std::move(each.lines));
-  while (retired_.size() > kMostBuried) retired_.pop_front();
+  while (retired_.size() > kMostRetired) retired_.pop_front();
 }
 
 void DepthRangeLog::log(const std::optional<MappedRange>& mapped) {

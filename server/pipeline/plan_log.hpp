@@ -47,10 +47,8 @@ class PlanLog {
   std::deque<Lines> retired_;                   // plans of vanished objects, oldest first
 };
 
-// Logs the mapped range once. It adds a warning if the object covers only a small part of it.
-// Thread: the pipeline's.
-
-/// Logs the mapped range of one stream.
+/// Logs the mapped range of one stream, once. Adds a warning if the object covers only a small part
+/// of it. Thread: the pipeline's.
 class DepthRangeLog {
  public:
   /// Logs the mapped range `mapped` once, at the first call in which it is known. `mapped`: nullopt

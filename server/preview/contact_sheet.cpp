@@ -36,7 +36,7 @@ void write(cv::Mat& picture, const std::string& text, const cv::Point& at, const
 }
 
 // Breaks a line at the width of the picture.
-std::vector<std::string> broken(const std::string& line, int width_px) {
+std::vector<std::string> breakLine(const std::string& line, int width_px) {
   std::vector<std::string> out;
   std::string now;
   for (std::size_t at = 0; at < line.size();) {
@@ -71,7 +71,7 @@ float computeSlope(const cv::Mat& heights, const cv::Point& at, const cv::Point&
 }
 
 // Returns a part of a picture, enlarged to the size of the picture.
-cv::Mat enlarged(const cv::Mat& picture, const cv::Rect& part) {
+cv::Mat enlargePart(const cv::Mat& picture, const cv::Rect& part) {
   cv::Mat out = cv::Mat::zeros(picture.size(), picture.type());
   if (part.empty()) return out;
   const double scale =
@@ -84,7 +84,7 @@ cv::Mat enlarged(const cv::Mat& picture, const cv::Rect& part) {
   return out;
 }
 
-cv::Rect boxOfObjects(const PreviewFrame& frame) {
+cv::Rect findBoxOfObjects(const PreviewFrame& frame) {
   cv::Rect box;
   for (const HapticObject& object : frame.haptic.objects) {
     if (!object.relief) continue;
@@ -104,7 +104,7 @@ void drawPoints(cv::Mat& picture, const cv::Rect& part, const std::vector<Author
   for (const AuthorPoint& point : points) {
     const cv::Point at_px(static_cast<int>(point.at_px.x()), static_cast<int>(point.at_px.y()));
     if (!part.contains(at_px)) continue;
-    const cv::Point at = placeOfPixel(at_px, part, scale);
+    const cv::Point at = computePixelPlace(at_px, part, scale);
     cv::drawMarker(picture, at, {0, 0, 0}, type, size + 2, size > 9 ? 4 : 3);
     cv::drawMarker(picture, at, color, type, size, size > 9 ? 2 : 1);
   }
@@ -145,7 +145,7 @@ cv::Mat drawPanel(const PreviewFrame& frame, const VisionSettings& settings, con
 cv::Mat addText(const cv::Mat& picture, const std::vector<std::string>& lines) {
   std::vector<std::string> text;
   for (const std::string& line : lines) {
-    for (std::string& part : broken(line, picture.cols - 16)) text.push_back(std::move(part));
+    for (std::string& part : breakLine(line, picture.cols - 16)) text.push_back(std::move(part));
   }
   const int below_px = kText_px * static_cast<int>(text.size()) + 10;
   cv::Mat out;
@@ -196,7 +196,7 @@ cv::Mat drawRelief(const PreviewFrame& frame, const Workspace& workspace) {
           cv::Vec3b::all(cv::saturate_cast<unsigned char>(30.0F + 225.0F * std::max(0.0F, lit)));
     }
   }
-  return enlarged(picture, boxAround(heights >= 0.0, kAround_px));  // false for NaN
+  return enlargePart(picture, findBoxAround(heights >= 0.0, kAround_px));  // false for NaN
 }
 
 cv::Mat drawFirst(const PreviewFrame& frame, const Workspace& workspace,
@@ -205,7 +205,7 @@ cv::Mat drawFirst(const PreviewFrame& frame, const Workspace& workspace,
   const int width_px = std::clamp(whole.width, kLeastPanel_px, kMostPanel_px);
   const cv::Size size(width_px, std::max(1, whole.height * width_px / whole.width));
   std::vector<cv::Mat> panels{drawPanel(frame, settings, whole, size)};
-  const cv::Rect near = selectCloseUp(boxOfObjects(frame), whole.size());
+  const cv::Rect near = selectCloseUp(findBoxOfObjects(frame), whole.size());
   if (near != whole) panels.push_back(drawPanel(frame, settings, near, size));
   cv::Mat relief;
   cv::resize(drawRelief(frame, workspace), relief, size, 0, 0, cv::INTER_LINEAR);
@@ -220,7 +220,7 @@ cv::Mat drawFirst(const PreviewFrame& frame, const Workspace& workspace,
 cv::Mat drawContactSheet(const std::vector<PreviewFrame>& frames, const VisionSettings& settings) {
   const cv::Size of = frames.front().color.size();
   cv::Rect box;
-  for (const PreviewFrame& frame : frames) box |= boxOfObjects(frame);
+  for (const PreviewFrame& frame : frames) box |= findBoxOfObjects(frame);
   const cv::Rect shown = selectCloseUp(box, of);
   const cv::Size each(kThumbnail_px, std::max(1, kThumbnail_px * of.height / of.width));
   const int columns = std::min(kColumns, static_cast<int>(frames.size()));

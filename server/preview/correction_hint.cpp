@@ -39,7 +39,7 @@ struct Suspect {
 
 // Returns whether the author said that the object is there.
 bool contradicts(const Suspect& suspect, const std::vector<cv::Point>& clicks) {
-  const cv::Mat region = dilatedBy(suspect.region, kRim_px);
+  const cv::Mat region = dilateBy(suspect.region, kRim_px);
   const double near_px = kNearClick * region.cols;
   return std::any_of(clicks.begin(), clicks.end(), [&](const cv::Point& click) {
     if (cv::norm(click - suspect.at_px) < near_px) return true;
@@ -60,7 +60,7 @@ std::optional<Suspect> findLargestPart(const cv::Mat& part, double object_px, co
   return Suspect{findDeepestPoint(region), region, why};
 }
 
-std::optional<Suspect> atTheEdge(const cv::Mat& mask) {
+std::optional<Suspect> findSuspectAtEdge(const cv::Mat& mask) {
   const int rim_px = std::max(2, static_cast<int>(kEdge * mask.cols));
   if (std::min(mask.cols, mask.rows) <= 2 * rim_px) return std::nullopt;
   cv::Mat inner = cv::Mat::zeros(mask.size(), CV_8UC1);
@@ -79,7 +79,7 @@ std::optional<Suspect> atTheEdge(const cv::Mat& mask) {
 }
 
 std::optional<Suspect> skin(const FrameContext& scene, const cv::Mat& mask) {
-  return findLargestPart(scene.skin.in(scene.images.color) & mask, cv::countNonZero(mask),
+  return findLargestPart(scene.skin.findSkin(scene.images.color) & mask, cv::countNonZero(mask),
                          "it has the colours of skin there, as a hand does");
 }
 
@@ -134,7 +134,7 @@ std::vector<Suspect> listSuspects(const FrameContext& scene, const cv::Mat& mask
                                   const std::vector<cv::Point>& on_it) {
   std::vector<Suspect> out;
   for (auto suspect :
-       {atTheEdge(mask), skin(scene, mask), anotherColor(scene.images.color, mask)}) {
+       {findSuspectAtEdge(mask), skin(scene, mask), anotherColor(scene.images.color, mask)}) {
     if (suspect) out.push_back(std::move(*suspect));
   }
   addExcludedParts(scene, mask, on_it.empty() ? findDeepestPoint(mask) : on_it.front(), out);
@@ -152,7 +152,7 @@ std::optional<CorrectionHint> suggestCorrection(const FrameImages& images, const
   background.setTo(0, mask);
   std::vector<Plane> planes = findPlanes(background, noise);
   findSupports(images.depth, mask, planes);
-  const SkinColors skin_colors = SkinColors::adaptedToLight(images.color);
+  const SkinColors skin_colors = SkinColors::adaptToLight(images.color);
   const FrameContext scene{images, planes, noise, skin_colors};
   // A click on another object says nothing about this one.
   std::vector<cv::Point> on_it = clicks;

@@ -38,7 +38,7 @@ struct Axis {
     return {begin * own_px, (begin + count) * own_px, scale / own_px, tickStep_px(scale / own_px)};
   }
   [[nodiscard]] int firstTick() const { return static_cast<int>(std::ceil(from_px / step)) * step; }
-  [[nodiscard]] int placeOf(int tick) const {
+  [[nodiscard]] int computePlace(int tick) const {
     return static_cast<int>((tick + 0.5 - from_px) * scale);
   }
 };
@@ -68,7 +68,7 @@ int tickStep_px(double scale) {
   }
 }
 
-cv::Point placeOfPixel(const cv::Point& at_px, const cv::Rect& part, double scale) {
+cv::Point computePixelPlace(const cv::Point& at_px, const cv::Rect& part, double scale) {
   return {static_cast<int>((at_px.x + 0.5 - part.x) * scale),
           static_cast<int>((at_px.y + 0.5 - part.y) * scale)};
 }
@@ -81,7 +81,7 @@ cv::Mat drawAxes(const cv::Mat& drawn, const cv::Rect& part, const Vec2& own_px)
   cv::Mat out;
   cv::copyMakeBorder(drawn, out, kAxisTop_px, 0, kAxisLeft_px, 0, cv::BORDER_CONSTANT, kPaper);
   for (int u = across.firstTick(); u < across.end_px; u += across.step) {
-    const int at = across.placeOf(u);
+    const int at = across.computePlace(u);
     cv::line(lines, {at, 0}, {at, drawn.rows}, {255, 255, 255});
     cv::line(out, {kAxisLeft_px + at, kAxisTop_px - kTick_px}, {kAxisLeft_px + at, kAxisTop_px - 1},
              kInk);
@@ -89,7 +89,7 @@ cv::Mat drawAxes(const cv::Mat& drawn, const cv::Rect& part, const Vec2& own_px)
     writeNumber(out, u, {text_u, kAxisTop_px - kTick_px - 4});
   }
   for (int v = down.firstTick(); v < down.end_px; v += down.step) {
-    const int at = down.placeOf(v);
+    const int at = down.computePlace(v);
     cv::line(lines, {0, at}, {drawn.cols, at}, {255, 255, 255});
     cv::line(out, {kAxisLeft_px - kTick_px, kAxisTop_px + at}, {kAxisLeft_px - 1, kAxisTop_px + at},
              kInk);

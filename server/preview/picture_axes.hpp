@@ -19,7 +19,8 @@ namespace hapticast::server {
 [[nodiscard]] int tickStep_px(double scale);
 
 /// Returns where a picture of `part`, drawn with `scale`, shows the pixel `at_px`.
-[[nodiscard]] cv::Point placeOfPixel(const cv::Point& at_px, const cv::Rect& part, double scale);
+[[nodiscard]] cv::Point computePixelPlace(const cv::Point& at_px, const cv::Rect& part,
+                                          double scale);
 
 inline constexpr int kAxisLeft_px = 44;  ///< width of the axis of v
 inline constexpr int kAxisTop_px = 22;   ///< height of the axis of u

@@ -34,7 +34,7 @@ constexpr double kFewLost = 0.05;   // chosen, of the frames: not worth a hint
 constexpr double kSeen = 0.5;       // quality below which an object is only extrapolated; chosen
 
 /// Statistics and samples of the whole clip.
-struct Watched {
+struct PreviewRun {
   std::vector<PreviewFrame> kept;  // about kSheet, evenly over the clip, the first frame first
   std::uint64_t frames = 0;
   std::uint64_t lost = 0;  // frames without a visible object
@@ -104,7 +104,7 @@ class Keeper {
     out_.kept = std::move(half);
     every_ *= 2;
   }
-  Watched finish() {
+  PreviewRun finish() {
     // Between kSheet and twice as many samples remain: selects an even subset.
     if (out_.kept.size() <= kSheet) return std::move(out_);
     std::vector<PreviewFrame> chosen;
@@ -116,11 +116,11 @@ class Keeper {
   }
 
  private:
-  Watched out_;
+  PreviewRun out_;
   std::uint64_t every_ = 1;
 };
 
-Watched watch(RgbdSource& source, Vision& vision, std::uint64_t most_frames) {
+PreviewRun runVision(RgbdSource& source, Vision& vision, std::uint64_t most_frames) {
   const SourceInfo& info = source.info();
   if (info.live) {
     const auto live = static_cast<std::uint64_t>(kLive_s * info.fps);
@@ -145,9 +145,9 @@ Watched watch(RgbdSource& source, Vision& vision, std::uint64_t most_frames) {
   return keeper.finish();
 }
 
-std::string suggestCorrections(const Settings& settings, const Watched& watched,
+std::string suggestCorrections(const Settings& settings, const PreviewRun& preview_run,
                                const SourceInfo& info) {
-  const PreviewFrame& first = watched.kept.front();
+  const PreviewFrame& first = preview_run.kept.front();
   const std::vector<std::uint32_t> ids = listIds(first.haptic);
   if (ids.empty()) return "no object was found; add --object U,V with a pixel on one";
   std::vector<cv::Point> clicks;
@@ -167,10 +167,10 @@ std::string suggestCorrections(const Settings& settings, const Watched& watched,
                          point, point, hint->why);
     }
   }
-  if (double(watched.lost) > kFewLost * double(watched.frames)) {
+  if (double(preview_run.lost) > kFewLost * double(preview_run.frames)) {
     return fmt::format(
         "the server loses the object at {:.2f} s: check that frame, and try --object U,V@{:.2f}",
-        *watched.first_lost_s, *watched.first_lost_s);
+        *preview_run.first_lost_s, *preview_run.first_lost_s);
   }
   if (settings.vision.object_points.empty())
     return "the server chose this object automatically; to choose another one, add --object U,V";
@@ -180,18 +180,18 @@ std::string suggestCorrections(const Settings& settings, const Watched& watched,
 
 std::string introduce(const std::string& name) { return name.empty() ? "" : quote(name) + ", "; }
 
-std::vector<std::string> formatLines(const Settings& settings, const Watched& watched,
+std::vector<std::string> formatLines(const Settings& settings, const PreviewRun& preview_run,
                                      const SourceInfo& info, const Vision& vision) {
-  const PreviewFrame& first = watched.kept.front();
+  const PreviewFrame& first = preview_run.kept.front();
   std::vector<std::string> lines;
   for (const std::uint32_t id : listIds(first.haptic))
     lines.push_back(
         introduce(vision.name(id)) +
         toText(objectStats(first, id, vision.description().workspace), info.depth_kind));
-  lines.push_back(fmt::format("no object found in {} of {} frames ({:.1f} %)", watched.lost,
-                              watched.frames,
-                              100.0 * double(watched.lost) / double(watched.frames)));
-  lines.push_back(suggestCorrections(settings, watched, info));
+  lines.push_back(fmt::format("no object found in {} of {} frames ({:.1f} %)", preview_run.lost,
+                              preview_run.frames,
+                              100.0 * double(preview_run.lost) / double(preview_run.frames)));
+  lines.push_back(suggestCorrections(settings, preview_run, info));
   return lines;
 }
 
@@ -209,19 +209,20 @@ void writePreview(Settings settings, const Clock& clock) {
   const LocalMediaClock media_clock(clock);
   const std::atomic<bool> stop{false};
   scanClip(vision, *source, media_clock, stop, nullptr);
-  const Watched watched = watch(*source, vision, settings.frames);
-  if (watched.kept.empty()) throw SourceError(hideCredentials(settings.source) + ": has no frame");
+  const PreviewRun preview_run = runVision(*source, vision, settings.frames);
+  if (preview_run.kept.empty())
+    throw SourceError(hideCredentials(settings.source) + ": has no frame");
   const Workspace& workspace = vision.description().workspace;
-  const std::vector<std::string> lines = formatLines(settings, watched, source->info(), vision);
-  const cv::Mat first = drawFirst(watched.kept.front(), workspace, settings.vision, lines);
+  const std::vector<std::string> lines = formatLines(settings, preview_run, source->info(), vision);
+  const cv::Mat first = drawFirst(preview_run.kept.front(), workspace, settings.vision, lines);
   for (const std::string& line : lines) fmt::print("{}\n", line);
   if (isPicture(place)) {
     write(place, first);
   } else {
     write(place / "first.png", first);
-    write(place / "clip.png", drawContactSheet(watched.kept, settings.vision));
+    write(place / "clip.png", drawContactSheet(preview_run.kept, settings.vision));
     writeText(place / "scene.json",
-              formatScene(completeScene(settings, watched.kept.front(), source->info())));
+              formatScene(completeScene(settings, preview_run.kept.front(), source->info())));
   }
 }
 

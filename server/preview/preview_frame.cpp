@@ -23,7 +23,7 @@ double percentile(std::vector<float>& values, double fraction) {
 
 // Calls `take`(position, height) for each pixel of the mask.
 template <class Take>
-void eachPixel(const Relief& relief, const Take& take) {
+void forEachPixel(const Relief& relief, const Take& take) {
   std::size_t at = 0;
   for (int v = 0; v < relief.rect.height; ++v) {
     for (int u = 0; u < relief.rect.width; ++u, ++at) {
@@ -62,8 +62,8 @@ cv::Mat renderMask(const HapticFrame& frame, std::uint32_t id, const cv::Size& s
   cv::Mat mask = cv::Mat::zeros(size, CV_8UC1);
   for (const HapticObject& object : frame.objects) {
     if (object.id != id || !object.relief) continue;
-    eachPixel(*object.relief,
-              [&](const cv::Point& at, float) { mask.at<unsigned char>(at) = 255; });
+    forEachPixel(*object.relief,
+                 [&](const cv::Point& at, float) { mask.at<unsigned char>(at) = 255; });
   }
   return mask;
 }
@@ -72,8 +72,8 @@ cv::Mat renderHeights(const HapticFrame& frame, const cv::Size& size) {
   cv::Mat heights(size, CV_32FC1, cv::Scalar(std::numeric_limits<double>::quiet_NaN()));
   for (const HapticObject& object : frame.objects) {
     if (!object.relief) continue;
-    eachPixel(*object.relief,
-              [&](const cv::Point& at, float height_mm) { heights.at<float>(at) = height_mm; });
+    forEachPixel(*object.relief,
+                 [&](const cv::Point& at, float height_mm) { heights.at<float>(at) = height_mm; });
   }
   return heights;
 }
@@ -97,7 +97,7 @@ ObjectFacts objectStats(const PreviewFrame& frame, std::uint32_t id, const Works
     if (object.id != id || !object.relief) continue;
     depths.reserve(depths.size() + object.relief->height_mm.size());
     heights_mm.reserve(depths.capacity());
-    eachPixel(*object.relief, [&](const cv::Point& at, float height_mm) {
+    forEachPixel(*object.relief, [&](const cv::Point& at, float height_mm) {
       ++area_px;
       const float depth = frame.depth.at<float>(at);
       if (!(depth > 0.0F)) return;

@@ -81,7 +81,7 @@ std::string describeLastError(natsStatus status) {
   return place == std::string::npos ? detail : detail.substr(place + 3);
 }
 
-std::string urlOf(natsConnection* connection) {
+std::string readUrl(natsConnection* connection) {
   char url[256] = "";
   (void)natsConnection_GetConnectedUrl(connection, url, sizeof url);
   return sanitizeUtf8(url);
@@ -95,7 +95,7 @@ void onLost(natsConnection* connection, void* text) {
 
 void onFound(natsConnection* connection, void* text) {
   spdlog::info("{}: connected to NATS again, by {}", *static_cast<const std::string*>(text),
-               urlOf(connection));
+               readUrl(connection));
 }
 
 void onClosed(natsConnection* /*of*/, void* running) { static_cast<Running*>(running)->end(); }

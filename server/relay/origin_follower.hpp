@@ -34,7 +34,8 @@ struct FollowedMessage {
   /// Content of a valid message of the followed origin; nullopt: the edge drops the message.
   std::optional<RelayContent> content;
   bool new_origin = false;  ///< the content is the first state of another origin
-  /// Reason of a drop that the log has to mention; empty: a usual one (another origin's message).
+  /// Why the message was dropped, for the log. Empty if it was not, or if it came from an origin
+  /// that is not followed (normal).
   std::string problem;
 };
 

@@ -21,7 +21,7 @@ constexpr std::size_t kMostPiece_bytes = 512U << 10U;
 
 /// Returns the random number of this origin. Its low 32 bits are the stream's.
 std::uint64_t numberOrigin(std::uint32_t stream) {
-  return (unguessable() & ~std::uint64_t{0xFFFFFFFF}) | stream;
+  return (makeUnguessable() & ~std::uint64_t{0xFFFFFFFF}) | stream;
 }
 
 /// Seconds since 1970: later origins have higher terms.

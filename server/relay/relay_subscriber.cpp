@@ -16,7 +16,7 @@ constexpr std::size_t kMostPings = 64;  // without an answer; chosen
 // How late a new viewer's request for pictures may reach the origin; each call costs 30 us.
 constexpr Duration kPollEvery = RelaySubscriber::kPingEvery / 2;
 
-EncodedFrame encodedFrame(const RelayFrame& frame) {
+EncodedFrame makeEncodedFrame(const RelayFrame& frame) {
   EncodedFrame encoded{frame.epoch, frame.id, frame.media_time, frame.delta, nullptr};
   encoded.key_frame =
       std::make_shared<LazyKeyFrame>(frame.key_frame ? frame.key_frame : frame.delta);
@@ -99,7 +99,7 @@ void RelaySubscriber::onContent(const RelayState& received) {
 }
 
 void RelaySubscriber::onContent(const RelayFrame& frame) {
-  last_frame_ = encodedFrame(frame);
+  last_frame_ = makeEncodedFrame(frame);
   if (synchronised_) broadcaster_.publish(*last_frame_);
 }
 

@@ -60,11 +60,10 @@ class Pacer {
   std::uint64_t last_index_ = 0;
 };
 
-// Loop playback of a clip. Thread: the source's.
-
 /// Skips `skip` frames of `source` and returns the next one, or nullopt at the end of the clip. If
 /// `loop` is true, the clip begins again at its end, in a new epoch. The first frame after that is
-/// never skipped, because the author's points mark the objects in it. Throws SourceError.
+/// never skipped, because the author's points mark the objects in it. Throws SourceError. Thread:
+/// the source's.
 std::optional<RgbdFrame> readSkipping(RgbdSource& source, std::uint64_t skip, bool loop);
 
 }  // namespace hapticast::server

@@ -19,7 +19,7 @@ constexpr std::array<std::string_view, 8> kSchemes{"rtsp",  "rtsps", "srt", "htt
 
 }  // namespace
 
-std::string schemeOf(std::string_view url) {
+std::string findScheme(std::string_view url) {
   std::string scheme(url.substr(0, url.find(kAfterScheme)));
   std::transform(scheme.begin(), scheme.end(), scheme.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
@@ -35,12 +35,12 @@ bool isAddress(std::string_view spec) {
 
 bool isStreamUrl(std::string_view spec) {
   return isAddress(spec) &&
-         std::find(kSchemes.begin(), kSchemes.end(), schemeOf(spec)) != kSchemes.end();
+         std::find(kSchemes.begin(), kSchemes.end(), findScheme(spec)) != kSchemes.end();
 }
 
 std::string hideCredentials(std::string_view spec) {
   if (!isAddress(spec)) return std::string(spec);
-  const std::string scheme = schemeOf(spec) + std::string(kAfterScheme);
+  const std::string scheme = findScheme(spec) + std::string(kAfterScheme);
   std::string_view rest = spec.substr(scheme.size());
   // A password with a raw '/', '?' or '#' ends behind the place where the host should end.
   const std::size_t host_end = std::min(rest.find_first_of("/?#"), rest.size());
@@ -56,7 +56,7 @@ std::string streamName(std::string_view url) {
   while (rest.ends_with('/')) rest.remove_suffix(1);
   const std::size_t slash = rest.rfind('/');
   const std::string_view last = slash == std::string_view::npos ? rest : rest.substr(slash + 1);
-  return sanitizeUtf8(last.empty() ? schemeOf(url) : last, limits::kStreamName);
+  return sanitizeUtf8(last.empty() ? findScheme(url) : last, limits::kStreamName);
 }
 
 }  // namespace hapticast::server

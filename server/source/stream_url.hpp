@@ -18,7 +18,7 @@ inline constexpr const char* kStreamSchemes =
 /// letters of the scheme count as small ones.
 [[nodiscard]] bool isStreamUrl(std::string_view spec);
 /// Returns the scheme of an address in small letters, for example "rtsp".
-[[nodiscard]] std::string schemeOf(std::string_view url);
+[[nodiscard]] std::string findScheme(std::string_view url);
 /// Returns `spec` without secrets if it is an address: without user, password, query and fragment.
 /// Where it is not clear what the password is, the whole host and path are left out. Other texts
 /// are unchanged.

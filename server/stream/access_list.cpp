@@ -61,7 +61,7 @@ Result<AccessList> AccessList::parse(std::string_view text) {
   std::string line;
   for (int number = 1; std::getline(in, line); ++number) {
     line = line.substr(0, line.find('#'));
-    if (trimmed(line).empty()) continue;
+    if (trim(line).empty()) continue;
     Grant grant;
     if (const std::string problem = parseGrant(line, grant); !problem.empty())
       return Error{fmt::format("{}: {}", number, problem)};

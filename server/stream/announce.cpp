@@ -56,9 +56,9 @@ struct Announcer::Service {
           const std::string& fingerprint)
       : wanted(std::move(the_name)),
         name(wanted),
-        listens(where),
+        listen_endpoint(where),
         version(toText(kServiceVersionKey, std::to_string(kProtocolVersion))),
-        plays(toText(kTxtTitleKey, sanitizeUtf8(what, kMaxServicePlays_bytes))),
+        stream_name(toText(kTxtTitleKey, sanitizeUtf8(what, kMaxServicePlays_bytes))),
         tls(fingerprint.empty() ? "" : toText(kTxtTlsKey, fingerprint)) {}
 
   void make(AvahiClient* client) {
@@ -68,7 +68,7 @@ struct Announcer::Service {
     name = wanted;
     group = avahi_entry_group_new(client, settled, this);
     if (group == nullptr) {
-      failed(avahi_client_errno(client));
+      logFailure(avahi_client_errno(client));
       return;
     }
     publish();
@@ -78,14 +78,14 @@ struct Announcer::Service {
     int error = 0;
     do {  // what another program of this machine has taken is told at once
       error = avahi_entry_group_add_service(
-          group, findNetwork(listens.address()), toAvahiProtocol(listens.address()),
+          group, findNetwork(listen_endpoint.address()), toAvahiProtocol(listen_endpoint.address()),
           static_cast<AvahiPublishFlags>(0), name.c_str(), kServiceType, nullptr, nullptr,
-          listens.port(), version.c_str(), plays.c_str(), tls.empty() ? nullptr : tls.c_str(),
-          nullptr);
+          listen_endpoint.port(), version.c_str(), stream_name.c_str(),
+          tls.empty() ? nullptr : tls.c_str(), nullptr);
       if (error == AVAHI_ERR_COLLISION) rename();
     } while (error == AVAHI_ERR_COLLISION);
     if (error == AVAHI_OK) error = avahi_entry_group_commit(group);
-    if (error != AVAHI_OK) failed(error);
+    if (error != AVAHI_OK) logFailure(error);
   }
 
   void rename() {
@@ -104,11 +104,11 @@ struct Announcer::Service {
       avahi_entry_group_reset(group);
       publish();
     } else if (state == AVAHI_ENTRY_GROUP_FAILURE && group != nullptr) {
-      failed(avahi_client_errno(avahi_entry_group_get_client(group)));
+      logFailure(avahi_client_errno(avahi_entry_group_get_client(group)));
     }
   }
 
-  static void failed(int error) {
+  static void logFailure(int error) {
     spdlog::warn("not announced on the LAN: {}", avahi_strerror(error));
   }
 
@@ -119,25 +119,26 @@ struct Announcer::Service {
 
   const std::string wanted;
   std::string name;  // as it is announced
-  const asio::ip::tcp::endpoint listens;
+  const asio::ip::tcp::endpoint listen_endpoint;
   const std::string version;
-  const std::string plays;
+  const std::string stream_name;
   const std::string tls;
   LogRateLimiter limit;  // a host may claim each name again and again
   AvahiEntryGroup* group = nullptr;
   AvahiSession session{
       {.runs = [this](AvahiClient* client) { make(client); },
        .over = [this] { withdraw(); },
-       .absent =
+       .describeAbsence =
            [](const std::string& why) {
              spdlog::warn("not announced on the LAN: {}; the server tries again automatically",
                           why);
            }}};
 };
 
-Announcer::Announcer(std::string name, const asio::ip::tcp::endpoint& listens,
-                     const std::string& plays, const std::string& tls_fingerprint)
-    : service_(std::make_unique<Service>(std::move(name), listens, plays, tls_fingerprint)) {}
+Announcer::Announcer(std::string name, const asio::ip::tcp::endpoint& listen_endpoint,
+                     const std::string& stream_name, const std::string& tls_fingerprint)
+    : service_(std::make_unique<Service>(std::move(name), listen_endpoint, stream_name,
+                                         tls_fingerprint)) {}
 
 Announcer::~Announcer() = default;
 

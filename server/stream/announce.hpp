@@ -17,13 +17,13 @@ void requireReachable(const asio::ip::address& address);
 /// Announces one server from its construction to its destruction.
 class Announcer {
  public:
-  /// Begins to announce `name` (see isServiceName()) with the address `listens`, at which viewers
-  /// connect, the stream's name `plays`, and the fingerprint of the TLS certificate (hex; empty:
-  /// no TLS). It never waits for avahi-daemon. It logs the announced
-  /// name. This is another name if a server on the LAN uses `name` already. It also logs when
-  /// avahi-daemon starts and stops.
-  Announcer(std::string name, const asio::ip::tcp::endpoint& listens, const std::string& plays,
-            const std::string& tls_fingerprint);
+  /// Begins to announce `name` (see isServiceName()) with the address `listen_endpoint`, at which
+  /// viewers connect, the stream's name `stream_name`, and the fingerprint of the TLS certificate
+  /// (hex; empty: no TLS). It never waits for avahi-daemon. It logs the announced name. This is
+  /// another name if a server on the LAN uses `name` already. It also logs when avahi-daemon starts
+  /// and stops.
+  Announcer(std::string name, const asio::ip::tcp::endpoint& listen_endpoint,
+            const std::string& stream_name, const std::string& tls_fingerprint);
   /// Ends the announcement.
   ~Announcer();
   Announcer(const Announcer&) = delete;

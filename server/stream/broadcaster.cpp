@@ -70,7 +70,7 @@ void Broadcaster::sendAll(const What&... what) {
 
 void Broadcaster::publish(EncodedFrame frame) {
   onIo([this, frame = std::move(frame)] {
-    if (tooLarge(frame)) return;
+    if (isTooLarge(frame)) return;
     ++counts_.frames;
     counts_.delay = media_clock_.now() - frame.media_time;
     counts_.published_at = clock_.now();
@@ -152,11 +152,11 @@ void Broadcaster::accept(std::unique_ptr<Channel> channel) {
   const auto session = std::make_shared<Session>(
       io_, std::move(channel), static_cast<SessionHost&>(*this), ++last_session_id_);
   session->start();
-  addStranger(session);
+  addPending(session);
   if (stopped_) session->close({ErrorCode::kShuttingDown, kServerEnds});
 }
 
-void Broadcaster::addStranger(const std::shared_ptr<Session>& session) {
+void Broadcaster::addPending(const std::shared_ptr<Session>& session) {
   pending_sessions_.push_back(session);
   // At shutdown all receive a goodbye.
   if (pending_sessions_.size() <= settings_.max_pending || stopped_) return;
@@ -202,7 +202,7 @@ bool Broadcaster::control(const Control& control) {
   return control_ != nullptr;
 }
 
-std::optional<Grant> Broadcaster::grantOf(const Hello& hello) const {
+std::optional<Grant> Broadcaster::findGrant(const Hello& hello) const {
   return access_ ? access_->find(hello.access_token) : std::nullopt;
 }
 
@@ -268,7 +268,7 @@ void Broadcaster::onClosing(const std::shared_ptr<Session>& session,
   std::erase(pending_sessions_, session);
   countViewers();
   if (datagrams_ != nullptr) datagrams_->left(session->datagramToken());
-  addStranger(session);
+  addPending(session);
   if (!why) {
     if (was_viewer) log(spdlog::level::info, session->label() + " left");
   } else if (why->code != ErrorCode::kShuttingDown) {
@@ -336,14 +336,14 @@ asio::awaitable<void> Broadcaster::startTimer() {
 }
 
 bool Broadcaster::log(spdlog::level::level_enum level, std::string_view line) {
-  LogRateLimiter& limit = level >= spdlog::level::warn ? problems_ : comings_and_goings_;
+  LogRateLimiter& limit = level >= spdlog::level::warn ? problems_ : connections_log_limit_;
   const auto admitted = limit.admit(std::string(line), clock_.now());
   if (admitted) spdlog::log(level, "{}", *admitted);
   return admitted.has_value();
 }
 
 void Broadcaster::logHidden() {
-  for (LogRateLimiter* limit : {&comings_and_goings_, &problems_}) {
+  for (LogRateLimiter* limit : {&connections_log_limit_, &problems_}) {
     if (limit->dropped() == 0 || !(stopped_ || limit->isReady(clock_.now()))) continue;
     const std::uint64_t hidden = limit->popDropped();
     (void)limit->allow(clock_.now());
@@ -373,7 +373,7 @@ void Broadcaster::logDatagrams(LocalTime now) {
   if (datagrams_ == nullptr || !datagrams_interval_.isDue(now)) return;
   const DatagramSenderCounts all = datagrams_->counts();
   const std::uint64_t lost = all.lost() - logged_datagrams_.lost();
-  const std::uint64_t wrong = all.notBelieved() - logged_datagrams_.notBelieved();
+  const std::uint64_t wrong = all.rejectedEchoes() - logged_datagrams_.rejectedEchoes();
   if (lost + wrong == 0) return;
   const bool logged =
       log(spdlog::level::warn, fmt::format("datagrams: {} were not sent, because the network "
@@ -384,7 +384,7 @@ void Broadcaster::logDatagrams(LocalTime now) {
   datagrams_interval_.onLogged(now);
 }
 
-bool Broadcaster::tooLarge(const EncodedFrame& frame) {
+bool Broadcaster::isTooLarge(const EncodedFrame& frame) {
   const bool too_large = frame.delta->size() > kMaxMessageBytes;
   const LocalTime now = clock_.now();
   if ((too_large || frame.too_many_datagrams) && large_interval_.isDue(now) &&

@@ -115,7 +115,7 @@ class Broadcaster final : public StreamSink, private SessionHost {
                                                 const Channel& channel) const override;
   [[nodiscard]] std::optional<WireError> refuseToken(const Hello& hello,
                                                      const Channel& channel) const;
-  [[nodiscard]] std::optional<Grant> grantOf(const Hello& hello) const override;
+  [[nodiscard]] std::optional<Grant> findGrant(const Hello& hello) const override;
   [[nodiscard]] bool control(const Control& control) override;
   void completeWelcome(const Channel& channel, Welcome& welcome) override;
   void deliver(std::uint64_t datagram_token, const Delivery& delivery) override;
@@ -127,7 +127,7 @@ class Broadcaster final : public StreamSink, private SessionHost {
   using Sessions = std::vector<std::shared_ptr<Session>>;
   /// Adds `session` to the pending connections, because its client is not a viewer yet, or no
   /// longer one. If more than max_pending are pending then, closes the evictionCandidate() at once.
-  void addStranger(const std::shared_ptr<Session>& session);
+  void addPending(const std::shared_ptr<Session>& session);
   /// Returns the pending session to close when there are too many. It is the oldest one of the
   /// network with most pending sessions, so that a single host cannot occupy all places.
   [[nodiscard]] std::shared_ptr<Session> evictionCandidate() const;
@@ -141,7 +141,7 @@ class Broadcaster final : public StreamSink, private SessionHost {
   /// Returns whether the frame exceeds the limit of a message; viewers would close the connection
   /// for it. Returns false if the frame only exceeds the limit of datagrams. Viewers then receive
   /// no datagrams and change to TCP a second later. Logs both cases, at most once a minute.
-  bool tooLarge(const EncodedFrame& frame);
+  bool isTooLarge(const EncodedFrame& frame);
   static void check(const Sessions& sessions, LocalTime now);
   asio::awaitable<void> startTimer();
   /// Closes the connections whose token is no longer valid.
@@ -181,7 +181,7 @@ class Broadcaster final : public StreamSink, private SessionHost {
   LogInterval slow_interval_;
   LogInterval large_interval_;
   LogInterval datagrams_interval_;
-  LogRateLimiter comings_and_goings_;  // separate, so that many viewers do not hide problems
+  LogRateLimiter connections_log_limit_;  // separate, so that many viewers do not hide problems
   LogRateLimiter problems_;
 };
 

@@ -30,7 +30,7 @@ DatagramSender::DatagramSender(asio::io_context& io, const Clock& clock,
       identity_(identity),
       group_(group),
       listener_port_(listener.port()),
-      book_(identity.stream),
+      subscribers_(identity.stream),
       out_(socket_) {
   const auto require = [&](const boost::system::error_code& failed) {
     if (failed) throw std::runtime_error("cannot send datagrams: " + failed.message());
@@ -49,7 +49,7 @@ DatagramSender::DatagramSender(asio::io_context& io, const Clock& clock,
   port_ = socket_.local_endpoint().port();
   if (group_ != nullptr) {
     group_out_ = std::make_unique<UdpFanout>(group_->socket());
-    group_token_ = unguessable();
+    group_token_ = makeUnguessable();
   }
   asio::co_spawn(
       io, [this] { return readEchoes(); }, asio::detached);
@@ -57,7 +57,7 @@ DatagramSender::DatagramSender(asio::io_context& io, const Clock& clock,
 
 void DatagramSender::offer(const Hosts& hosts, Welcome& welcome) {
   if (hosts.peer.is_unspecified() || hosts.local.is_unspecified()) return;
-  welcome.datagram_token = book_.add(hosts.peer, hosts.local);
+  welcome.datagram_token = subscribers_.add(hosts.peer, hosts.local);
   welcome.datagram_port = port_ == listener_port_ ? 0 : port_;
   if (group_ != nullptr) {
     const auto& at = group_->endpoint();
@@ -72,28 +72,28 @@ void DatagramSender::changeOrigin(const StreamIdentity& identity) {
   out_.dropRest();
   if (group_out_) group_out_->dropRest();
   group_probed_at_.reset();
-  counts_.viewers += book_.restart(identity.stream);
-  countTakers();
+  counts_.viewers += subscribers_.restart(identity.stream);
+  updateWanted();
 }
 
 void DatagramSender::left(std::uint64_t token) {
-  counts_.viewers += book_.remove(token);
-  countTakers();
+  counts_.viewers += subscribers_.remove(token);
+  updateWanted();
 }
 
 void DatagramSender::deliver(std::uint64_t token, const Delivery& delivery) {
-  book_.deliver(token, delivery);
-  countTakers();
+  subscribers_.deliver(token, delivery);
+  updateWanted();
 }
 
-void DatagramSender::countTakers() {
-  const bool group = group_ != nullptr && book_.size() > 0;
-  wanted_.store(group || book_.hasSubscribers(), std::memory_order_relaxed);
+void DatagramSender::updateWanted() {
+  const bool group = group_ != nullptr && subscribers_.size() > 0;
+  wanted_.store(group || subscribers_.hasSubscribers(), std::memory_order_relaxed);
 }
 
 void DatagramSender::check(LocalTime now) {
-  book_.forget(now);
-  countTakers();
+  subscribers_.forget(now);
+  updateWanted();
 }
 
 void DatagramSender::send(const EncodedFrame& frame) {
@@ -102,22 +102,23 @@ void DatagramSender::send(const EncodedFrame& frame) {
   last_.push_front(frame.datagrams);
   if (last_.size() > limits::kMostCopies) last_.pop_back();
   std::vector<DatagramTarget> targets;
-  targets.reserve(book_.size());
-  book_.forEachSubscriber([&targets](std::uint64_t token, const UdpSubscribers::Viewer& viewer) {
-    targets.push_back({token, *viewer.at, viewer.local, viewer.copies, viewer.counts});
-  });
+  targets.reserve(subscribers_.size());
+  subscribers_.forEachSubscriber(
+      [&targets](std::uint64_t token, const UdpSubscribers::Viewer& viewer) {
+        targets.push_back({token, *viewer.at, viewer.local, viewer.copies, viewer.counts});
+      });
   // The last viewer receives some milliseconds later, so the order rotates.
   if (!targets.empty()) {
     const auto first = static_cast<std::ptrdiff_t>(frame.id % targets.size());
     std::rotate(targets.begin(), targets.begin() + first, targets.end());
   }
   out_.send(mergeRound(last_), targets);
-  if (group_out_ && book_.size() > 0) sendToGroup();
+  if (group_out_ && subscribers_.size() > 0) sendToGroup();
 }
 
 void DatagramSender::sendToGroup() {
   const DatagramTarget all{
-      group_token_, group_->endpoint(), {}, book_.groupCopies(), group_counts_};
+      group_token_, group_->endpoint(), {}, subscribers_.groupCopies(), group_counts_};
   const LocalTime now = clock_.now();
   if (!group_probed_at_ || now - *group_probed_at_ >= kGroupProbeEvery) {
     group_probed_at_ = now;
@@ -150,20 +151,20 @@ asio::awaitable<void> DatagramSender::readEchoes() {
 
 void DatagramSender::onEcho(std::span<const std::uint8_t> bytes,
                             const asio::ip::udp::endpoint& from) {
-  const AddressValidation verdict = book_.onEcho(bytes, from, clock_.now());
+  const AddressValidation verdict = subscribers_.onEcho(bytes, from, clock_.now());
   ++counts_.echoes[static_cast<std::size_t>(verdict)];
-  if (verdict != AddressValidation::kBelieved) return;
+  if (verdict != AddressValidation::kValidated) return;
   const std::uint64_t token = readEcho(bytes)->token;
-  const UdpSubscribers::Viewer& viewer = *book_.find(token);
+  const UdpSubscribers::Viewer& viewer = *subscribers_.find(token);
   // If the system rejects this probe, the next echo triggers another one.
   (void)out_.sendNow(identity_.probe, {token, from, viewer.local, 1, viewer.counts});
-  countTakers();
+  updateWanted();
 }
 
 DatagramSenderCounts DatagramSender::counts() const {
   DatagramSenderCounts counts = counts_;
   counts.group = *group_counts_;
-  counts.viewers += book_.counts();
+  counts.viewers += subscribers_.counts();
   return counts;
 }
 

@@ -41,7 +41,7 @@ struct DatagramSenderCounts {
   /// Returns the number of echoes that are malformed, have an unknown token or come from another
   /// host than the viewer's. Echoes to an earlier run of the server and too frequent echoes do not
   /// count.
-  [[nodiscard]] std::uint64_t notBelieved() const {
+  [[nodiscard]] std::uint64_t rejectedEchoes() const {
     return of(AddressValidation::kMalformed) + of(AddressValidation::kForeign) +
            of(AddressValidation::kUnknownToken);
   }
@@ -92,7 +92,7 @@ class DatagramSender {
  private:
   asio::awaitable<void> readEchoes();
   void onEcho(std::span<const std::uint8_t> bytes, const asio::ip::udp::endpoint& from);
-  void countTakers();
+  void updateWanted();
   void sendToGroup();
 
   asio::ip::udp::socket socket_;
@@ -103,7 +103,7 @@ class DatagramSender {
   std::optional<LocalTime> group_probed_at_;
   std::uint16_t port_ = 0;  // number of the sender's port
   std::uint16_t listener_port_;
-  UdpSubscribers book_;
+  UdpSubscribers subscribers_;
   UdpFanout out_;
   std::unique_ptr<UdpFanout> group_out_;
   std::deque<SignedDatagrams> last_;  // earlier frames, newest first

@@ -11,7 +11,7 @@ namespace hapticast::server {
 
 FrameSigner::FrameSigner(SigningKey key, std::unique_ptr<DatagramSealer> sealer)
     : key_(std::move(key)), sealer_(std::move(sealer)) {
-  identity_.stream = static_cast<std::uint32_t>(unguessable());
+  identity_.stream = static_cast<std::uint32_t>(makeUnguessable());
   identity_.verifying_key = key_.verifyingKey();
   identity_.probe = probeBody(identity_.stream, key_);
   identity_.sealed = sealer_ != nullptr;

@@ -16,12 +16,10 @@
 
 namespace hapticast::server {
 
-// Limit of open files (RLIMIT_NOFILE): each connection is an open file. Thread: main.
-
 /// Raises this process's limit of open files, if `viewers` viewers need more and the system allows
 /// it. `pending`: connections that are no viewers. Returns how many viewers the limit then allows,
 /// at most `viewers`. If it allows fewer, logs that in one line. Thread: main, before the first
-/// connection.
+/// connection. Each connection is an open file (RLIMIT_NOFILE).
 std::size_t raiseFileLimit(std::size_t viewers, std::size_t pending = Broadcaster::kMaxPending);
 
 /// Returns an open port of `address`; connections to it wait. The host is numeric or localhost

@@ -39,7 +39,7 @@ std::vector<std::string> listNames(const Interfaces& all, bool loopback) {
 NetworkInterface choose(const Interfaces& all, const std::string& wanted,
                         const std::string& complaint) {
   const auto found = std::find_if(all.begin(), all.end(), [&](const NetworkInterface& each) {
-    return wanted.empty() || each.called(wanted);
+    return wanted.empty() || each.hasName(wanted);
   });
   if (found == all.end()) {
     std::vector<std::string> names = listNames(all, false);

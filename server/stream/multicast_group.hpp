@@ -10,9 +10,8 @@
 
 namespace hapticast::server {
 
-// The author's choice of a multicast group on the command line, without sockets. Thread: any.
-
-/// A requested multicast group: GROUP:PORT[@INTERFACE].
+/// A multicast group that the author requests on the command line: GROUP:PORT[@INTERFACE]. Needs no
+/// sockets. Thread: any.
 struct MulticastChoice {
   Endpoint group;
   std::string interface;  ///< network interface, by name or address; empty: the first suitable one

@@ -173,14 +173,14 @@ asio::awaitable<void> Session::readAll() {
 }
 
 void Session::onPayload(Payload payload) {
-  if (!withinRate()) return close({ErrorCode::kUnexpected, "too many messages a second"});
+  if (!isWithinRate()) return close({ErrorCode::kUnexpected, "too many messages a second"});
   const auto message = decode(payload);
   if (!message.ok()) return close(message.error());
   received_ = host_.clock().now();
   std::visit([this](const auto& each) { handle(each); }, message.value());
 }
 
-bool Session::withinRate() {
+bool Session::isWithinRate() {
   const LocalTime now = host_.clock().now();
   if (now - rate_since_ >= std::chrono::seconds(1)) {
     rate_since_ = now;
@@ -192,7 +192,7 @@ bool Session::withinRate() {
 void Session::handle(const Hello& hello) {
   if (hello_) return close({ErrorCode::kUnexpected, "a second hello"});
   if (const auto refusal = host_.refuse(hello, *channel_)) return close(*refusal);
-  grant_ = host_.grantOf(hello);
+  grant_ = host_.findGrant(hello);
   hello_ = hello;
   hello_->access_token.clear();
   queueWelcome();

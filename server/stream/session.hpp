@@ -31,7 +31,7 @@ class SessionHost {
   [[nodiscard]] virtual std::optional<WireError> refuse(const Hello& hello,
                                                         const Channel& channel) const = 0;
   /// Returns the rights of the token in `hello`; nullopt if this server needs no tokens.
-  [[nodiscard]] virtual std::optional<Grant> grantOf(const Hello& hello) const = 0;
+  [[nodiscard]] virtual std::optional<Grant> findGrant(const Hello& hello) const = 0;
   /// Carries out the request of an operator. Returns false if this server has nothing to control.
   [[nodiscard]] virtual bool control(const Control& control) = 0;
   /// Writes the key of the stream into `welcome`, and the parameters for datagrams, if datagrams
@@ -123,7 +123,7 @@ class Session : public std::enable_shared_from_this<Session> {
   void handle(const Other& other);
   /// Adds a welcome to the queue, as its first item. Requires an empty queue.
   void queueWelcome();
-  [[nodiscard]] bool withinRate();
+  [[nodiscard]] bool isWithinRate();
   /// Returns whether a write is unfinished and the client has read no byte of it for write_timeout
   /// or longer.
   [[nodiscard]] bool stalled(LocalTime now);

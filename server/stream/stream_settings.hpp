@@ -12,10 +12,9 @@
 
 namespace hapticast::server {
 
-// Error of an address from the command line, to listen at or to multicast to. Thread: any.
-
-/// Reports an address that is invalid or does not belong to this machine. It is an error of the
-/// user, unlike other failures to listen. The message is one line that begins with the flag.
+/// Reports an address of the command line, to listen at or to multicast to, that is invalid or does
+/// not belong to this machine. It is an error of the user, unlike other failures to listen. The
+/// message is one line that begins with the flag. Thread: any.
 class AddressError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

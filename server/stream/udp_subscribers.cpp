@@ -7,11 +7,11 @@
 namespace hapticast::server {
 
 std::uint64_t UdpSubscribers::add(const asio::ip::address& peer, const asio::ip::address& local) {
-  std::uint64_t token = unguessable();
-  while (viewers_.contains(token)) token = unguessable();
+  std::uint64_t token = makeUnguessable();
+  while (viewers_.contains(token)) token = makeUnguessable();
   Viewer& viewer = viewers_[token];
-  viewer.peer = unmapped(peer);
-  viewer.local = unmapped(local);
+  viewer.peer = unmapAddress(peer);
+  viewer.local = unmapAddress(local);
   return token;
 }
 
@@ -50,11 +50,11 @@ AddressValidation UdpSubscribers::onEcho(std::span<const std::uint8_t> bytes,
   if (echo->stream != stream_) return AddressValidation::kOtherStream;
   Viewer* const viewer = find(echo->token);
   if (viewer == nullptr) return AddressValidation::kUnknownToken;
-  if (unmapped(from.address()) != viewer->peer) return AddressValidation::kForeign;
+  if (unmapAddress(from.address()) != viewer->peer) return AddressValidation::kForeign;
   if (viewer->at && now - viewer->received < kLeastPause) return AddressValidation::kTooSoon;
   viewer->at = from;
   viewer->received = now;
-  return AddressValidation::kBelieved;
+  return AddressValidation::kValidated;
 }
 
 void UdpSubscribers::forget(LocalTime now) {

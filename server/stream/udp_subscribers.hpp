@@ -21,7 +21,7 @@ namespace hapticast::server {
 /// Result of the validation of an echo (a datagram by which a viewer sends back the token from its
 /// welcome). The checks run in this order; the first that fails is the result.
 enum class AddressValidation : std::uint8_t {
-  kBelieved,      ///< valid; the server answers with a probe (datagram of full size)
+  kValidated,     ///< valid; the server answers with a probe (datagram of full size)
   kMalformed,     ///< the datagram does not have the 12 bytes of an echo
   kOtherStream,   ///< the echo belongs to another run of the server
   kUnknownToken,  ///< no viewer has this token at present

@@ -48,7 +48,7 @@ HapticObject describeObject(const TrackedObject& object, std::uint64_t frame_id,
                             StageReport& report) {
   HapticObject out;
   out.id = object.id;
-  out.material = settings.materialOf(object.number);
+  out.material = settings.findMaterial(object.number);
   out.motion.quality = object.quality;
   out.motion.visible_fraction = object.visible_fraction;
   const bool stays = last != nullptr && (!object.seen || object.atRest());

@@ -36,10 +36,9 @@ Described describeLayers(const TrackedObject& object, std::uint64_t frame_id,
                          const NominalFrame& nominal, const VisionSettings& settings,
                          const Clock* clock, LayerCutter& cutter);
 
-// JPEG encoding of the picture for the viewer's window. Thread: any.
-
 /// Encodes `color` (CV_8UC3, BGR) as a JPEG. `quality` is clamped to 1..100. Returns an empty
-/// vector if `color` is empty or cannot be encoded.
+/// vector if `color` is empty or cannot be encoded. The viewer's window shows the picture. Thread:
+/// any.
 std::vector<std::uint8_t> encodePicture(const cv::Mat& color, int quality);
 
 }  // namespace hapticast::server

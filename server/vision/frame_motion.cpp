@@ -46,8 +46,8 @@ bool haveSameObjects(const std::vector<TrackedObject>& a, const std::vector<Trac
                     });
 }
 
-bool nothingMoved(const std::vector<TrackedObject>& before, const std::vector<TrackedObject>& now,
-                  const NominalFrame& nominal, const VisionSettings& settings) {
+bool isAllAtRest(const std::vector<TrackedObject>& before, const std::vector<TrackedObject>& now,
+                 const NominalFrame& nominal, const VisionSettings& settings) {
   if (!haveSameObjects(before, now)) return false;
   return std::equal(before.begin(), before.end(), now.begin(),
                     [&](const TrackedObject& a, const TrackedObject& b) {
@@ -81,7 +81,7 @@ bool covers(const MotionGrid& grid, const Relief& relief) {
 }
 
 // Clients add grid and rigid motion, so the rigid motion is subtracted from a whole flow.
-std::shared_ptr<const MotionGrid> lessRigid(const MotionGrid& flow, const Motion& motion) {
+std::shared_ptr<const MotionGrid> subtractRigid(const MotionGrid& flow, const Motion& motion) {
   auto out = std::make_shared<MotionGrid>(flow);
   for (Eigen::Vector3f& v : out->velocity_mm_s) v -= motion.velocity_mm_s.cast<float>();
   for (Eigen::Vector3f& a : out->acceleration_mm_s2) a -= motion.acceleration_mm_s2.cast<float>();
@@ -148,7 +148,7 @@ void FrameMotion::findImpacts(HapticObject& object, const HapticFrame& frame,
                               const MotionWindow& around) {
   ImpactFinder& finder = impacts_[object.id];
   finder.test(around.samples, *around.at);
-  object.impacts = finder.around(toSeconds(frame.media_time), reach_s());
+  object.impacts = finder.findAround(toSeconds(frame.media_time), reach_s());
 }
 
 void FrameMotion::setFromClip(HapticObject& object, MediaTime media_time, const Vec3& measured_mm,
@@ -163,7 +163,7 @@ void FrameMotion::setFromClip(HapticObject& object, MediaTime media_time, const 
   object.motion.reference_point = windowed.reference_point;
   object.motion.quality = windowed.quality;
   object.motion.visible_fraction = windowed.visible_fraction;
-  object.impacts = clip_.impactsAround(in_clip, known->time_s, reach_s());
+  object.impacts = clip_.findImpactsAround(in_clip, known->time_s, reach_s());
   if (object.impacts.size() > kMaxImpacts) object.impacts.resize(kMaxImpacts);
   const Duration clip_began = media_time - mediaTime(known->time_s);
   for (Impact& impact : object.impacts) impact.time += clip_began;
@@ -174,7 +174,7 @@ void FrameMotion::addGrid(HapticObject& object, const HapticFrame& frame,
   if (settings_.method != Method::kThesis) {
     addResidual(object, frame, nominal);
   } else if (const auto flow = history_.grid(object.id, frame.id, lookahead_, nominal)) {
-    object.grid = lessRigid(*flow, object.motion);
+    object.grid = subtractRigid(*flow, object.motion);
   }
 }
 
@@ -186,7 +186,7 @@ void FrameMotion::addResidual(HapticObject& object, const HapticFrame& frame,
   // A window across an impact starts before the impact and yields motion that no object has.
   const double window_s = (lookahead_ + 1) / info_.fps;
   const bool smooth = object.impacts.empty() &&
-                      impacts_[object.id].around(toSeconds(frame.media_time), window_s).empty();
+                      impacts_[object.id].findAround(toSeconds(frame.media_time), window_s).empty();
   const auto report = reports_.find(object.id);
   if (!smooth || report == reports_.end()) return;
   if (!history_.hasCells(object.id, frame.id, lookahead_)) return;

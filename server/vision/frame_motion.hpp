@@ -21,18 +21,15 @@
 
 namespace hapticast::server {
 
-// Loop seam test: decides whether objects continue where a looped clip begins again. If they do
-// not, a new epoch begins there. Thread: any.
-
 /// Returns whether both frames contain objects with the same ids, and all these objects are visible
-/// in both frames.
+/// in both frames. If not, a new epoch begins where a looped clip begins again. Thread: any.
 bool haveSameObjects(const std::vector<TrackedObject>& a, const std::vector<TrackedObject>& b);
 
 /// Returns whether `now` has the same objects as `before`, and no object changed noticeably. A
 /// change is noticeable if the changes of pose and relief together change the force by more than
 /// the error budget.
-bool nothingMoved(const std::vector<TrackedObject>& before, const std::vector<TrackedObject>& now,
-                  const NominalFrame& nominal, const VisionSettings& settings);
+bool isAllAtRest(const std::vector<TrackedObject>& before, const std::vector<TrackedObject>& now,
+                 const NominalFrame& nominal, const VisionSettings& settings);
 
 /// Returns the bound of the objects' accelerations, mm/s², which the welcome of a stream contains
 /// for its clients. It is the 0.99 quantile of `accelerations_mm_s2`, or 0 if there are none. It is

@@ -20,7 +20,7 @@ std::size_t stageIndex(Stage stage) { return static_cast<std::size_t>(stage); }
 ScenePlan::ScenePlan(const PlanSettings& settings, bool source_mask)
     : settings_(settings), source_mask_(source_mask) {}
 
-std::optional<std::string> ScenePlan::whyOff(Stage stage) const {
+std::optional<std::string> ScenePlan::explainOff(Stage stage) const {
   const std::optional<double>& cost_N = cost_N_[stageIndex(stage)];
   switch (stage) {
     case Stage::kSegment:
@@ -73,9 +73,9 @@ std::string ScenePlan::explainStage(Stage stage) const {
   return released_.empty() ? "the scene changes" : "released: " + std::string(released_);
 }
 
-bool ScenePlan::on(Stage stage) const {
+bool ScenePlan::isOn(Stage stage) const {
   if (settings_.forced[stageIndex(stage)]) return *settings_.forced[stageIndex(stage)];
-  return settings_.everything || !whyOff(stage);
+  return settings_.everything || !explainOff(stage);
 }
 
 void ScenePlan::setResting(bool at_rest, std::string_view why) {
@@ -108,8 +108,8 @@ std::vector<PlanLine> ScenePlan::lines() const {
   for (std::size_t i = 0; i < kStages; ++i) {
     PlanLine line;
     line.stage = static_cast<Stage>(i);
-    line.on = on(line.stage);
-    const std::optional<std::string> why = whyOff(line.stage);
+    line.on = isOn(line.stage);
+    const std::optional<std::string> why = explainOff(line.stage);
     if (settings_.forced[i]) {
       line.why = "the author's choice";
     } else if (settings_.everything) {

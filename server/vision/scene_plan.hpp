@@ -47,7 +47,7 @@ class ScenePlan {
   ScenePlan(const PlanSettings& settings, bool source_mask);
 
   /// Returns whether the stage runs in this frame.
-  [[nodiscard]] bool on(Stage stage) const;
+  [[nodiscard]] bool isOn(Stage stage) const;
   /// Sets whether the whole object is at rest in this frame. `why`: if the rest ended in this
   /// frame, its cause as static text; otherwise empty.
   void setResting(bool at_rest, std::string_view why = {});
@@ -70,7 +70,7 @@ class ScenePlan {
   static constexpr int kGridFrames = 12;  ///< frames of one measurement of the grid
 
  private:
-  [[nodiscard]] std::optional<std::string> whyOff(Stage stage) const;
+  [[nodiscard]] std::optional<std::string> explainOff(Stage stage) const;
   [[nodiscard]] std::string explainStage(Stage stage) const;
 
   PlanSettings settings_;

@@ -47,7 +47,7 @@ std::string_view toText(Cause cause) {
 }
 
 cv::Point2d findMiddle(const cv::Mat& mask) {
-  const cv::Rect box = boxAround(mask, 0);
+  const cv::Rect box = findBoxAround(mask, 0);
   return computeCentroid(cv::moments(mask(box), true), box.tl());
 }
 
@@ -57,7 +57,7 @@ Track::Track(const TrackSettings& settings, const Segment& segment, const FrameP
     : settings_(&settings),
       plan_(startPlan(settings)),
       mask_(segment.mask),
-      motion_(settings.pose, frames.now.gray, now_.surface = denoisedSurface(segment, frames)),
+      motion_(settings.pose, frames.now.gray, now_.surface = denoiseSurface(segment, frames)),
       full_area_px_(double(cv::countNonZero(segment.mask))),
       middle_px_(findMiddle(segment.mask)) {
   now_.id = segment.id;
@@ -67,14 +67,14 @@ Track::Track(const TrackSettings& settings, const Segment& segment, const FrameP
   hold(frames, false);
 }
 
-bool Track::isResting(const FramePair& frames, bool told) {
+bool Track::isResting(const FramePair& frames, bool annotated) {
   plan_.nextFrame();
-  const bool left_out = !plan_.on(Stage::kMotion) && !plan_.on(Stage::kSegment) &&
+  const bool left_out = !plan_.isOn(Stage::kMotion) && !plan_.isOn(Stage::kSegment) &&
                         settings_->vision.method != Method::kThesis;
-  rests_ =
-      !told && (frames.identical ||
-                (left_out && lost_ == 0 && now_.atRest() &&
-                 hold_.isUnchanged(frames.now, computeStaticNoise(frames.noise, now_.surface))));
+  rests_ = !annotated &&
+           (frames.identical ||
+            (left_out && lost_ == 0 && now_.atRest() &&
+             hold_.isUnchanged(frames.now, computeStaticNoise(frames.noise, now_.surface))));
   return rests_;
 }
 
@@ -106,7 +106,7 @@ void Track::update(const Segment& segment, const FramePair& frames) {
   const bool repeated = blind || repeats;
   const Surface before = now_.surface;
   const Surface seen = repeated ? warpSurface(segment.mask, before, flow_.similarity)
-                                : denoisedSurface(segment, frames);
+                                : denoiseSurface(segment, frames);
   now_.surface = seen;
   updatePresence(segment, blind);
   hold(frames, repeated);
@@ -140,13 +140,13 @@ void Track::lose() {
 
 void Track::endFrame() {
   report(std::exchange(report_, {}));
-  now_.smooths = plan_.on(Stage::kSmooth);
+  now_.smooths = plan_.isOn(Stage::kSmooth);
   now_.measures_smooth = plan_.measureNow();
 }
 
 bool Track::repeatsDepth(const FramePair& frames, const cv::Mat& mask) const {
   if (settings_->exact_masks || frames.last.depth.empty()) return false;
-  const cv::Rect box = boxAround(mask, 8);
+  const cv::Rect box = findBoxAround(mask, 8);
   const cv::Mat valid = frames.now.depth(box) > 0;
   const cv::Mat same = (frames.now.depth(box) == frames.last.depth(box)) & valid;
   if (cv::countNonZero(same) < kRepeated * cv::countNonZero(valid)) return false;
@@ -155,22 +155,23 @@ bool Track::repeatsDepth(const FramePair& frames, const cv::Mat& mask) const {
          cv::norm(frames.now.gray(box), frames.last.gray(box), cv::NORM_L1) > kChanges * box.area();
 }
 
-Surface Track::denoisedSurface(const Segment& segment, const FramePair& frames) {
+Surface Track::denoiseSurface(const Segment& segment, const FramePair& frames) {
   const Method method = settings_->vision.method;
-  const bool clean = plan_.on(Stage::kClean) || method == Method::kThesis;
+  const bool clean = plan_.isOn(Stage::kClean) || method == Method::kThesis;
   const bool measure = plan_.measureNow() && method != Method::kThesis;
   Surface raw;
   if (!clean || measure) {
     raw = rawSurface(frames.now.depth, segment.mask, frames.noise);
     // Holes must be filled.
-    if (!clean && !measure && raw.allMeasured()) return raw;
+    if (!clean && !measure && raw.isMeasuredEverywhere()) return raw;
   }
   const ScopedStageTimer lap(settings_->clock, report_, Stage::kClean);
   Surface out =
       cleanSurface(frames.now.depth, segment.mask, frames.noise, method, settings_->exact_masks);
   if (measure) {
     // Own masks may include background in any frame, not just in measured frames.
-    const bool same = settings_->exact_masks && raw.allMeasured() && out.allMeasured();
+    const bool same =
+        settings_->exact_masks && raw.isMeasuredEverywhere() && out.isMeasuredEverywhere();
     report_.costs_N[std::size_t(Stage::kClean)] =
         same ? 0.0 : std::numeric_limits<double>::infinity();
   }
@@ -211,11 +212,11 @@ CellFlow Track::cells(const FramePair& frames, const Surface& before) {
   if (settings_->vision.method == Method::kThesis) {
     if (mode != MotionMode::kNone)
       out = cellFlow(frames.last.gray, frames.now.gray, mask_, before, now_.surface, mode);
-  } else if (motion_.aligned() && plan_.on(Stage::kGrid)) {
+  } else if (motion_.aligned() && plan_.isOn(Stage::kGrid)) {
     const ScopedStageTimer lap(settings_->clock, report_, Stage::kGrid);
     out = residualFlow(frames.last.gray, frames.now.gray, before, now_.surface,
                        [&](const cv::Point2f& at_px, double depth_mm) {
-                         return motion_.explained(at_px, depth_mm);
+                         return motion_.explainFlow(at_px, depth_mm);
                        });
   }
   out.interval_s = frames.interval_s;

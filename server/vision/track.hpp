@@ -19,10 +19,8 @@
 
 namespace hapticast::server {
 
-// Result of tracking one object in one frame: surface, pose and residual motion. Thread: the one
-// that runs Vision.
-
-/// What the tracker found out about one object in one frame.
+/// Result of tracking one object in one frame: surface, pose and residual motion. Thread: the one
+/// that runs Vision.
 struct TrackedObject {
   std::uint32_t id = 0;
   int number = 0;    ///< see Segment
@@ -66,8 +64,8 @@ class Track {
   /// Begins the next frame. Returns whether the object rests in it; update() then leaves surface
   /// and pose as they are. It rests if the frame repeats the last one. It also rests if the plan
   /// has switched off segmentation and motion, and the frame shows the whole object unchanged.
-  /// `told`: if true, the author annotated this frame, and the result is false.
-  bool isResting(const FramePair& frames, bool told);
+  /// `annotated`: if true, the author annotated this frame, and the result is false.
+  bool isResting(const FramePair& frames, bool annotated);
   /// Returns the object's motion in the picture since the last frame; the segmenter moves its mask
   /// by it. Call it after isResting().
   const ObjectFlow& computeFlow(const FramePair& frames);
@@ -97,7 +95,7 @@ class Track {
 
  private:
   [[nodiscard]] bool repeatsDepth(const FramePair& frames, const cv::Mat& mask) const;
-  [[nodiscard]] Surface denoisedSurface(const Segment& segment, const FramePair& frames);
+  [[nodiscard]] Surface denoiseSurface(const Segment& segment, const FramePair& frames);
   void hold(const FramePair& frames, bool repeated);
   void updatePresence(const Segment& segment, bool blind);
   [[nodiscard]] CellFlow cells(const FramePair& frames, const Surface& before);

@@ -46,8 +46,8 @@ std::vector<TrackedObject> Tracker::next(const RgbdFrame& frame, double time_s) 
     background_ = {};
   }
   bool all_rest = !tracks_.empty() || frames.identical;
-  const bool told = segmenter_ != nullptr && segmenter_->hasAnnotation(frames);
-  for (Track& track : tracks_) all_rest = track.isResting(frames, told) && all_rest;
+  const bool annotated = segmenter_ != nullptr && segmenter_->hasAnnotation(frames);
+  for (Track& track : tracks_) all_rest = track.isResting(frames, annotated) && all_rest;
   if (!all_rest) segment(frames);
   if (settings_.vision.compensate_pan) updateBackground(frames);
   updateTracks(frames);

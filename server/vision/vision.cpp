@@ -59,7 +59,7 @@ double lastTime_s(const std::vector<AuthorPoint>& points) {
 
 // Returns the stated mapped range, if any. --depth-range is the mapped range of metric depth. Of
 // 8-bit depth it states the depth of the levels; the thesis's method uses them as heights.
-std::optional<DepthRange> givenRange(const SourceInfo& info, const VisionSettings& settings) {
+std::optional<DepthRange> findGivenRange(const SourceInfo& info, const VisionSettings& settings) {
   if (settings.map_range) return settings.map_range;
   const bool levels = info.depth_kind == DepthKind::kHeight;
   if (levels && settings.method == Method::kThesis)
@@ -95,7 +95,7 @@ class Vision::Impl {
     description_.method = settings_.method;
     description_.pipeline_latency = fromSeconds(lookahead_ / info_.fps);
     description_.mass_kg = settings_.mass_kg;
-    if (const auto given = givenRange(info_, settings_)) mapped_ = MappedRange{*given};
+    if (const auto given = findGivenRange(info_, settings_)) mapped_ = MappedRange{*given};
     if (settings_.depth_range) info_.depth_range = settings_.depth_range;
   }
 
@@ -233,7 +233,7 @@ class Vision::Impl {
     const bool wraps = tracker_ && frame.epoch != source_epoch_;
     if (wraps && haveSameObjects(tracked_, began_)) {
       std::vector<TrackedObject> now = tracker_->next(frame, time_s);
-      if (!tracker_->sceneCut() && nothingMoved(tracked_, now, nominal(), settings_)) {
+      if (!tracker_->sceneCut() && isAllAtRest(tracked_, now, nominal(), settings_)) {
         source_epoch_ = frame.epoch;
         return tracked_ = std::move(now);
       }

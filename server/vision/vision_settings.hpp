@@ -92,7 +92,7 @@ struct VisionSettings {
   bool explain = false;  ///< --explain: log how the first mask was chosen
 
   /// Returns the material of the object with this number.
-  [[nodiscard]] const Material& materialOf(int number) const {
+  [[nodiscard]] const Material& findMaterial(int number) const {
     const bool known = number >= 1 && static_cast<std::size_t>(number) <= objects.size();
     return known ? objects[static_cast<std::size_t>(number) - 1].material : material;
   }

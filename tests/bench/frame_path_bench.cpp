@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What each step on the way of a frame costs, 640 x 480, one thread. Run: build/release/tests/bench
+// Cost of each step on the way of a frame, 640 x 480, one thread. Run: build/release/tests/bench
 // (see its --help); quote ratios from one run, medians over --benchmark_repetitions.
 #include <benchmark/benchmark.h>
 

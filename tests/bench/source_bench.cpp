@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the server's reader of videos costs, one thread: a pair of 1920 x 1080 px, beside ffmpeg's
+// Cost of the server's reader of videos, one thread: a pair of 1920 x 1080 px, beside ffmpeg's
 // own decoding of the same two files; and depth that is enlarged to 1920 x 1080 px. Run:
 // build/release/tests/bench --benchmark_filter='Pair|Depth' (CPU time for each frame).
 #include <benchmark/benchmark.h>

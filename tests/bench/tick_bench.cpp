@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// What a tick of the real-time room costs: Room::tick alone, call by call, under a virtual clock,
-// while a frame arrives every 40 ms. Counters in ns: median_ns and p99_ns of all ticks (the clock's
-// own time taken off), take_ns: median of the ticks that take over a new frame.
+// Cost of a tick of the real-time renderer: HapticRenderer::tick() alone, call by call, under a
+// virtual clock, while a frame arrives every 40 ms. Counters in ns: median_ns and p99_ns of all
+// ticks (the clock's own time taken off), take_ns: median of the ticks that take over a new frame.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -29,7 +29,7 @@ double ns(Ticks::duration duration) {
   return std::chrono::duration<double, std::nano>(duration).count();
 }
 
-/// What reading the clock twice takes.
+/// Duration of reading the clock twice.
 double clockCost_ns() {
   std::vector<double> costs;
   for (int i = 0; i < 10000; ++i) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What every topic of hapticast-evaluate writes: TOPIC.csv, a plot TOPIC.png, a section of
+// The output of every topic of hapticast-evaluate: TOPIC.csv, a plot TOPIC.png, a section of
 // report.md.
 #pragma once
 
@@ -30,7 +30,7 @@ struct Row {
   bool is_thesis = false;
 };
 
-/// What a measurement has to show, and what it showed. Smaller is better.
+/// Required and measured value. Smaller is better.
 struct Goal {
   std::string what;
   std::string unit;
@@ -68,7 +68,7 @@ class Report {
   void require(const std::string& what, bool held);
   /// Says that the clip of this scene is not on this machine: its baseline is not asked for.
   void leaveOut(const std::string& scene) { absent_.insert(scene); }
-  /// Run times are of a tick of the client, not of a frame: told in us.
+  /// Run times are of a tick of the client, not of a frame, in us.
   void timesAreOfTicks() { of_ticks_ = true; }
   void sayFirst(const std::string& text);
   /// A picture that the topic made itself in the report's folder, instead of the one of errors

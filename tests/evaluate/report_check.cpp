@@ -19,13 +19,13 @@ struct UnitRule {
   bool more_is_better = false;
 };
 
-// What no user could notice. A unit that is not here has no floor.
+// Differences that no user notices. A unit that is not here has no floor.
 constexpr UnitRule kRules[] = {
     {"%", 0.02},                            // of a force of 0.5 N: 0.1 mN
     {"points", 0.02},                       // the same, of percent
-    {"N", 1e-3},                            // fingers feel some 10 mN
+    {"N", 1e-3},                            // the threshold of fingers is some 10 mN
     {"N rms", 1e-3},                        // the same
-    {"mN", 0.1},                            // a hundredth of what is felt
+    {"mN", 0.1},                            // a hundredth of that threshold
     {"mN per tick", 0.01},                  // the same after 10 ticks
     {"mm", 1e-3},                           // 1/55 of an encoder count
     {"mm rms inside", 0.01},                // a fifth of an encoder count
@@ -120,7 +120,7 @@ Comparison compareRows(const Scope& scope, const std::vector<Row>& got,
   std::map<std::string, int> skipped;
   for (const auto& [key, row] : before) {
     if (now.contains(key) || !scope.whole) continue;
-    if (scope.absent.contains(row->scene)) {
+    if (scope.describeAbsence.contains(row->scene)) {
       ++skipped[row->scene];
     } else {
       out.failures.push_back(describeFigure(scope, *row) + "got nothing" + describeLimit(*row));

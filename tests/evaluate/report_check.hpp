@@ -28,7 +28,7 @@ class CheckFailed : public std::runtime_error {
 /// small absolute floor of its unit. Below the baseline for units of which more is better.
 [[nodiscard]] double findLimit(const Row& baseline);
 
-/// Returns whether `got` lies beyond the limit of `baseline`; what is no number does.
+/// Returns whether `got` lies beyond the limit of `baseline`; a value that is no number does.
 [[nodiscard]] bool isWorse(double got, const Row& baseline);
 
 /// Returns the row that stands for what a goal got, in TOPIC.csv.
@@ -37,11 +37,11 @@ class CheckFailed : public std::runtime_error {
 /// Returns whether `goal` was missed when the baseline was made: then missing it is no news.
 [[nodiscard]] bool wasMissed(const Goal& goal, const std::vector<Row>& baseline);
 
-/// What of a baseline a run can have.
+/// The part of a baseline that a run can have.
 struct Scope {
-  std::string topic;                  ///< for the lines below
-  bool whole = true;                  ///< false: a part was run, the rest is not missed
-  std::set<std::string> absent = {};  ///< scenes whose clip is not on this machine
+  std::string topic;                           ///< for the lines below
+  bool whole = true;                           ///< false: a part was run, the rest is not missed
+  std::set<std::string> describeAbsence = {};  ///< scenes whose clip is not on this machine
 };
 
 struct Comparison {

@@ -63,7 +63,7 @@ double largestError(const Panel& panel) {
   return largest;
 }
 
-// What is as good as exact is drawn at the lower edge: rounding errors are not worth decades.
+// Values that are nearly exact are drawn at the lower edge: rounding errors are not worth decades.
 void raiseToFloor(Panel& panel) {
   const double largest = largestError(panel);
   for (Variant& variant : panel.variants) {

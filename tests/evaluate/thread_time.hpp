@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a stage costs: time of this thread's own work, whatever else the machine does.
+// Cost of a stage: computing time of this thread.
 #pragma once
 
 #include <ctime>

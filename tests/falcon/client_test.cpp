@@ -51,9 +51,9 @@ class FalconClient : public FalconTest {
   }
   /// Time from `begin` to the first zero that stays.
   double timeToZero_s(LocalTime begin) {
-    const auto all = heard();
+    const auto all = received();
     LocalTime zero = begin;
-    for (const FalconHeard& each : all) {
+    for (const ReceivedRequest& each : all) {
       if (each.request.motors != kNoTorque) zero = LocalTime{};
       if (each.request.motors == kNoTorque && zero == LocalTime{}) zero = each.at;
     }
@@ -67,7 +67,7 @@ class FalconClient : public FalconTest {
     return helper;
   }
   bool acts() {
-    const auto all = heard();
+    const auto all = received();
     return !all.empty() && all.back().request.motors != kNoTorque;
   }
   void touch() {
@@ -105,9 +105,9 @@ class FalconClient : public FalconTest {
 };
 
 /// Force at the grip that these motors make there.
-Vec3 forceOf(const FalconHeard& heard) {
-  const auto& motors = heard.request.motors;
-  return forceAt_N(heard.position_m, Vec3(motors[0], motors[1], motors[2]), client::kFalconGain);
+Vec3 forceOf(const ReceivedRequest& received) {
+  const auto& motors = received.request.motors;
+  return forceAt_N(received.position_m, Vec3(motors[0], motors[1], motors[2]), client::kFalconGain);
 }
 
 /// Each force that came at the motors beside the one of the log that was decided then, two ticks
@@ -130,22 +130,22 @@ double relativeError(const std::vector<Logged>& sent, const std::vector<Logged>&
 
 /// The log does not say when on the clock it begins: with one of the first requests after the
 /// helper has measured the delay, the one that fits best.
-double relativeError(const std::vector<FalconHeard>& heard, const std::vector<Logged>& sent,
+double relativeError(const std::vector<ReceivedRequest>& received, const std::vector<Logged>& sent,
                      const std::vector<Logged>& logged) {
   double best = 1.0;
-  for (std::size_t i = 0; i < std::min<std::size_t>(heard.size(), 1500); ++i) {
+  for (std::size_t i = 0; i < std::min<std::size_t>(received.size(), 1500); ++i) {
     for (int ms = -3; ms <= 3; ++ms)
-      best = std::min(best, relativeError(sent, logged, toSeconds(heard[i].at) + 1e-3 * ms));
+      best = std::min(best, relativeError(sent, logged, toSeconds(received[i].at) + 1e-3 * ms));
   }
   return best;
 }
 
-/// What the motors made of it, but for the half second of ramp that follows a silence.
-std::vector<Logged> steadyForces(const std::vector<FalconHeard>& heard) {
+/// The motors' result, without the half second of ramp that follows a silence.
+std::vector<Logged> steadyForces(const std::vector<ReceivedRequest>& received) {
   std::vector<Logged> forces;
   LocalTime silent{};
   LocalTime last{};
-  for (const FalconHeard& each : heard) {
+  for (const ReceivedRequest& each : received) {
     const bool gap = each.at - last > std::chrono::milliseconds(10);
     if (gap || each.request.motors == kNoTorque) silent = each.at;
     last = each.at;
@@ -155,7 +155,7 @@ std::vector<Logged> steadyForces(const std::vector<FalconHeard>& heard) {
   return forces;
 }
 
-TEST_F(FalconClient, FeelsTheStreamAndTheMotorsGetTheForcesOfTheLog) {
+TEST_F(FalconClient, TouchesTheStreamAndTheMotorsGetTheForcesOfTheLog) {
   bootAndPlugIn();
   startServer();
   const std::string log = (folder_ / "log.csv").string();
@@ -168,17 +168,17 @@ TEST_F(FalconClient, FeelsTheStreamAndTheMotorsGetTheForcesOfTheLog) {
     std::this_thread::sleep_for(std::chrono::milliseconds(150));
     aim(-5.0);
     std::this_thread::sleep_for(std::chrono::milliseconds(3000));
-    return steadyForces(heard()).size() > 150;
+    return steadyForces(received()).size() > 150;
   }));
   client_->signal(SIGINT);
   EXPECT_EQ(client_->wait(kPatience), 0) << client_->output();
   expectZeroAtLast();
 
-  const std::vector<Logged> sent = steadyForces(heard());
+  const std::vector<Logged> sent = steadyForces(received());
   const auto logged = loggedForces(log);
   ASSERT_GT(logged.size(), 1000U);
   ASSERT_GT(sent.size(), 150U) << client_->output();
-  const double error = relativeError(heard(), sent, logged);
+  const double error = relativeError(received(), sent, logged);
   std::printf("%zu forces at the motors, %.2f %% from the log\n", sent.size(), 100.0 * error);
   EXPECT_LT(error, 0.02);
   std::ifstream in(summary);
@@ -198,7 +198,7 @@ TEST_F(FalconClient, OneFoundByItselfGivesNoForceUntilItsButtonIsPressed) {
   ASSERT_TRUE(client_->says("connected", kPatience)) << client_->output();
   aim(-15.0);
   std::this_thread::sleep_for(std::chrono::milliseconds(800));
-  for (const FalconHeard& each : heard()) ASSERT_EQ(each.request.motors, kNoTorque);
+  for (const ReceivedRequest& each : received()) ASSERT_EQ(each.request.motors, kNoTorque);
   aim(20.0);
   port_->with([](FalconModel& model, BusFaults&) { model.buttons = 1; });
   ASSERT_TRUE(client_->says("re-armed", kPatience)) << client_->output();
@@ -280,11 +280,11 @@ TEST_F(FalconClient, AKilledHelperIsReplacedByOneThatCommandsZero) {
   expectZeroAtLast();
 }
 
-/// How often a hold was broken, because nobody was heard for so long.
-std::ptrdiff_t stalls(const std::vector<FalconHeard>& heard) {
+/// How often a hold was broken, because no command arrived for so long.
+std::ptrdiff_t stalls(const std::vector<ReceivedRequest>& received) {
   std::ptrdiff_t count = 0;
-  for (std::size_t i = 1; i < heard.size(); ++i)
-    count += heard[i].at - heard[i - 1].at > std::chrono::milliseconds(18) ? 1 : 0;
+  for (std::size_t i = 1; i < received.size(); ++i)
+    count += received[i].at - received[i - 1].at > std::chrono::milliseconds(18) ? 1 : 0;
   return count;
 }
 
@@ -328,13 +328,13 @@ TEST_F(FalconClient, CalibratesItsGainWithAWeight) {
   ASSERT_TRUE(client_->says("Falcon: ready", kPatience)) << client_->output();
   std::this_thread::sleep_for(std::chrono::milliseconds(500));
   port_->with([](FalconModel& model, BusFaults&) { model.let_go = true; });
-  const auto at_first = stalls(heard());
-  if (!client_->says("2. hang 200 g", kPatience) && stalls(heard()) > at_first + 4)
+  const auto at_first = stalls(received());
+  if (!client_->says("2. hang 200 g", kPatience) && stalls(received()) > at_first + 4)
     GTEST_SKIP() << "this machine is too busy to hold a grip for two seconds";
   port_->with([](FalconModel& model, BusFaults&) { model.weight_kg = 0.2; });
-  const auto before = stalls(heard());
+  const auto before = stalls(received());
   const bool rested = client_->says("3. hold the weight", kPatience);
-  if (!rested && stalls(heard()) > before + 4)
+  if (!rested && stalls(received()) > before + 4)
     GTEST_SKIP() << "this machine is too busy to hold a grip for two seconds";
   EXPECT_EQ(client_->wait(kPatience), 0) << client_->output();
   std::ifstream in(config);

@@ -33,12 +33,12 @@ class FalconDelay : public FalconTest {
     });
     loop.join();
     std::vector<double> delays_us;
-    const auto all = heard();
+    const auto all = received();
     for (const LocalTime change : changes) {
-      const auto before = std::find_if(all.begin(), all.end(), [&](const FalconHeard& each) {
+      const auto before = std::find_if(all.begin(), all.end(), [&](const ReceivedRequest& each) {
         return each.at > change - std::chrono::milliseconds(5);
       });
-      const auto after = std::find_if(before, all.end(), [&](const FalconHeard& each) {
+      const auto after = std::find_if(before, all.end(), [&](const ReceivedRequest& each) {
         return each.at > change && changed(before->request.motors, each.request.motors);
       });
       if (after != all.end()) delays_us.push_back(1e6 * toSeconds(after->at - change));

@@ -61,16 +61,16 @@ class FalconTest : public ::testing::Test {
     }
     return "";
   }
-  /// What the motors have been told, newest last.
-  std::vector<FalconHeard> heard() {
-    return port_->with([](FalconModel& model, BusFaults&) { return model.heard(); });
+  /// Commands that the motors received, newest last.
+  std::vector<ReceivedRequest> received() {
+    return port_->with([](FalconModel& model, BusFaults&) { return model.received(); });
   }
   /// The motors' last word is zero, and was not always.
   void expectZeroAtLast() {
-    const auto all = heard();
+    const auto all = received();
     ASSERT_FALSE(all.empty());
     EXPECT_EQ(all.back().request.motors, kNoTorque);
-    EXPECT_TRUE(std::any_of(all.begin(), all.end(), [](const FalconHeard& each) {
+    EXPECT_TRUE(std::any_of(all.begin(), all.end(), [](const ReceivedRequest& each) {
       return each.request.motors != kNoTorque;
     }));
   }

@@ -71,23 +71,23 @@ void FalconModel::write(std::span<const std::uint8_t> bytes, LocalTime now) {
     if (std::exchange(dtr_rose_, false)) loader_from_ = now + faults.loader_delay;
     if (stage_ == Stage::kBootLoader && divisor_ == kBootBaud && dtr_ && !rts_ &&
         now >= loader_from_)
-      hearBoot(byte, now);
+      handleBoot(byte, now);
     if (stage_ == Stage::kBootLoader && divisor_ == kLoadBaud && byte == 0x41 && !dtr_) {
       stage_ = Stage::kLoads;
       image_.clear();
       say(std::array{byte}, now + kByteTime);
     } else if ((stage_ == Stage::kLoads || stage_ == Stage::kStuck) && divisor_ == kLoadBaud) {
-      hearImage(byte, now);
+      handleImage(byte, now);
     } else if ((stage_ == Stage::kLoads || stage_ == Stage::kStuck) && divisor_ == kBootBaud) {
       stage_ = Stage::kBootLoader;  // its ready line was toggled
-      hearBoot(byte, now);
+      handleBoot(byte, now);
     } else if (stage_ == Stage::kRuns && divisor_ == kRunBaud && now >= runs_from_) {
-      hearFrame(byte, now);
+      handleFrame(byte, now);
     }
   }
 }
 
-void FalconModel::hearBoot(std::uint8_t byte, LocalTime now) {
+void FalconModel::handleBoot(std::uint8_t byte, LocalTime now) {
   constexpr std::array<std::uint8_t, 3> kHello = {0x0A, 0x43, 0x0D};
   constexpr std::array<std::uint8_t, 5> kAnswer = {0x00, 0x0A, 0x44, 0x2C, 0x0D};
   line_.push_back(byte);
@@ -98,7 +98,7 @@ void FalconModel::hearBoot(std::uint8_t byte, LocalTime now) {
   say(kAnswer, now + 5ms);
 }
 
-void FalconModel::hearImage(std::uint8_t byte, LocalTime now) {
+void FalconModel::handleImage(std::uint8_t byte, LocalTime now) {
   image_.push_back(byte);
   std::uint8_t echo = byte;
   if (image_.size() % 300 == 0 && faults.echoes_wrong > 0) {
@@ -113,7 +113,7 @@ void FalconModel::hearImage(std::uint8_t byte, LocalTime now) {
   runs_from_ = now + faults.start_delay;
 }
 
-void FalconModel::hearFrame(std::uint8_t byte, LocalTime now) {
+void FalconModel::handleFrame(std::uint8_t byte, LocalTime now) {
   if (byte == '<') line_.clear();
   line_.push_back(byte);
   if (line_.size() != FalconFrame{}.size()) return;
@@ -124,12 +124,12 @@ void FalconModel::hearFrame(std::uint8_t byte, LocalTime now) {
 }
 
 void FalconModel::act(const FalconRequest& request, LocalTime now) {
-  if (!heard_.empty()) {
+  if (!received_.empty()) {
     // Until now the motors did what the request before said.
-    const double time_s = std::min(toSeconds(now - heard_.back().at), 0.05);
-    move(time_s, heard_.back().request.motors);
+    const double time_s = std::min(toSeconds(now - received_.back().at), 0.05);
+    move(time_s, received_.back().request.motors);
   }
-  heard_.push_back({now, request, position_m_});
+  received_.push_back({now, request, position_m_});
   home(request);
   if (!faults.mute) reply(now);
 }

@@ -17,13 +17,13 @@
 
 namespace hapticast::testing {
 
-/// What goes wrong; changed while it runs.
+/// The faults; changed while it runs.
 struct FalconFaults {
   Duration loader_delay{0};    ///< from DTR to the boot loader
   Duration start_delay{0};     ///< from the last byte of the firmware to its first answer
   int hellos_ignored = 0;      ///< the boot loader oversleeps so many
   int echoes_wrong = 0;        ///< so many chunks of the firmware come back with a flipped bit
-  bool mute = false;           ///< it hears, and says nothing
+  bool mute = false;           ///< it receives and does not answer
   int one_in_lost = 0;         ///< of so many replies one is lost; 0: none
   int one_in_cut = 0;          ///< ... loses its end
   int one_in_flipped = 0;      ///< ... has a flipped bit
@@ -34,7 +34,7 @@ struct FalconFaults {
 };
 
 /// One request as the motors got it.
-struct FalconHeard {
+struct ReceivedRequest {
   LocalTime at;
   client::FalconRequest request;
   Vec3 position_m = Vec3::Zero();  ///< of the grip at that time
@@ -65,7 +65,7 @@ class FalconModel {
   [[nodiscard]] bool runs() const { return stage_ == Stage::kRuns; }
   [[nodiscard]] int loads() const { return loads_; }
   /// All requests; the last one acts until the next.
-  [[nodiscard]] const std::vector<FalconHeard>& heard() const { return heard_; }
+  [[nodiscard]] const std::vector<ReceivedRequest>& received() const { return received_; }
   [[nodiscard]] Vec3 position_m() const { return position_m_; }
   [[nodiscard]] std::uint8_t homed() const { return homed_; }
   double gain = 3500.0;  ///< its own, counts a N m
@@ -74,9 +74,9 @@ class FalconModel {
   enum class Stage { kBootLoader, kLoads, kStuck, kRuns };
 
   void setLines(std::uint16_t value);
-  void hearBoot(std::uint8_t byte, LocalTime now);
-  void hearImage(std::uint8_t byte, LocalTime now);
-  void hearFrame(std::uint8_t byte, LocalTime now);
+  void handleBoot(std::uint8_t byte, LocalTime now);
+  void handleImage(std::uint8_t byte, LocalTime now);
+  void handleFrame(std::uint8_t byte, LocalTime now);
   void act(const client::FalconRequest& request, LocalTime now);
   void move(double time_s, const std::array<int, 3>& motors);
   void home(const client::FalconRequest& request);
@@ -105,7 +105,7 @@ class FalconModel {
   std::deque<Said> said_;
   std::vector<std::uint8_t> image_;
   std::vector<std::uint8_t> line_;  // what came since the last whole word or frame
-  std::vector<FalconHeard> heard_;
+  std::vector<ReceivedRequest> received_;
   Vec3 position_m_{0.0, 0.0, 0.115};
   Vec3 velocity_m_s_ = Vec3::Zero();
   std::array<int, 3> zero_{300, -200, 100};  // encoders are relative until they are homed

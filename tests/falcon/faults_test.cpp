@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What goes wrong while a force acts, and what the motors hear last.
+// Faults while a force acts, and the last command to the motors.
 #include "tests/falcon/falcon_fixture.hpp"
 
 namespace hapticast::testing {
@@ -24,7 +24,7 @@ class FalconFaultsTest : public FalconTest {
     turning_.reset();
   }
   bool acts() {
-    const auto all = heard();
+    const auto all = received();
     return !all.empty() && all.back().request.motors != kNoTorque;
   }
   bool waitForZero() {
@@ -70,7 +70,7 @@ TEST_F(FalconFaultsTest, TheEndIsZeroSeveralTimesAndAnswered) {
   push();
   turning_->freeze();
   device_.reset();
-  const auto all = heard();
+  const auto all = received();
   ASSERT_GT(all.size(), 4U);
   for (std::size_t i = all.size() - 4; i < all.size(); ++i)
     EXPECT_EQ(all[i].request.motors, kNoTorque);
@@ -145,7 +145,7 @@ TEST_F(FalconFaultsTest, FlippedBitsMoveNothing) {
   expectZeroAtLast();
 }
 
-TEST_F(FalconFaultsTest, OneThatFallsSilentIsToldZeroAndTakenAgain) {
+TEST_F(FalconFaultsTest, ASilentDeviceGetsZeroAndIsOpenedAgain) {
   push();
   fault([](FalconModel& model, BusFaults&) { model.faults.mute = true; });
   EXPECT_TRUE(waitForZero()) << "it hears, though it says nothing";

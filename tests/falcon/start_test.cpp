@@ -18,10 +18,10 @@ TEST_F(FalconStart, OneThatRunsIsHomedByTheHandAndPushesBack) {
   Turning turning(*device, clock_);
   turning.push(1.0);
   EXPECT_TRUE(turning.runsAgain());
-  EXPECT_TRUE(waitUntil(kPatience, [&] { return heard().back().request.motors != kNoTorque; }));
+  EXPECT_TRUE(waitUntil(kPatience, [&] { return received().back().request.motors != kNoTorque; }));
   turning.stop();
-  const auto all = heard();
-  for (const FalconHeard& each : all) {
+  const auto all = received();
+  for (const ReceivedRequest& each : all) {
     EXPECT_TRUE(each.request.homing);
     if (each.request.motors != kNoTorque) {
       ASSERT_EQ(each.request.lights, client::FalconLight::kGreen);

@@ -185,7 +185,7 @@ void UsbPort::forbid() {
   g_free(root);
 }
 
-/// Writable while there is something to reap, or to hear that nothing ever will be.
+/// Writable while there is something to reap, or after the end.
 void UsbPort::showReady() {
   const bool ready =
       !plugged_ || std::any_of(urbs_.begin(), urbs_.end(), [](const Urb& urb) { return urb.done; });

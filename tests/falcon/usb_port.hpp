@@ -23,7 +23,7 @@ typedef struct _UMockdevIoctlData UMockdevIoctlData;
 
 namespace hapticast::testing {
 
-/// What the bus does wrong; changed under the port's lock.
+/// The faults of the bus; changed under the port's lock.
 struct BusFaults {
   bool busy = false;      ///< another program holds the interface
   bool stall_in = false;  ///< until the host clears it

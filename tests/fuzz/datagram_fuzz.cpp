@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Datagrams: no bytes crash who reads them, and what is accepted can be felt and sent on. The input
-// is bodies of one frame, each behind two bytes that say how long it is; what is mutated is signed
-// here, so that it gets beyond the signature. No mutation opens a seal, and what is sealed here is
-// opened unchanged.
+// Datagrams: no bytes crash who reads them, and accepted ones can be rendered and sent on. The
+// input is bodies of one frame, each behind two bytes that say how long it is; what is mutated is
+// signed here, so that it gets beyond the signature. No mutation opens a seal, and what is sealed
+// here is opened unchanged.
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>
@@ -54,7 +54,7 @@ void sealAndOpen(const Datagram& datagram, SigningKey& signer) {
   require(std::equal(payload.begin(), payload.end(), datagram.payload.begin()));
 }
 
-/// What has been joined is a frame like any other, once reliefs of which nothing came are left out.
+/// A joined frame is like any other, without the reliefs that did not arrive.
 void sendOn(CodedFrame frame) {
   for (CodedObject& object : frame.objects) {
     if (object.relief && object.relief->slices.empty()) object.relief = nullptr;
@@ -70,7 +70,7 @@ void sendOn(CodedFrame frame) {
     require(!again.add(header, payload));
     ++header.part;
   }
-  require(again.whole() && again.headed());
+  require(again.whole() && again.hasHead());
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ void require(bool condition) {
   if (!condition) std::abort();
 }
 
-/// What `read` complains of is one line that names the file.
+/// The error of `read` is one line that names the file.
 template <class Read>
 void readOrRefuse(const std::string& text, Read read) {
   std::istringstream in(text);

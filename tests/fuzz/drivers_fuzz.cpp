@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What reaches the client from drivers: messages of a helper process, readings in the shared page,
+// Data from drivers to the client: messages of a helper process, readings in the shared page,
 // and messages of the Inverse service. Any bytes are accepted or refused. What comes out is one
 // line, or a finite position within the workspace.
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a Falcon says, or whatever answers in its place: any bytes are taken, what comes out is
+// Replies of a Falcon, or of another device in its place: any bytes are accepted, the result is
 // within its ranges, and whole frames behind any of them are read.
 #include <cstdint>
 #include <cstdlib>

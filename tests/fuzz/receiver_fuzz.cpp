@@ -141,7 +141,7 @@ struct Client {
   std::unique_ptr<FramePool> pool = std::make_unique<FramePool>();
   LatestValue<StreamTiming> state;
   DecodeThread decode_thread{*pool, clock, Method::kHapticast,
-                             [this](const PreparedFrame& frame) { receiver.prepared(frame); }};
+                             [this](const PreparedFrame& frame) { receiver.addPrepared(frame); }};
   Receiver receiver{decode_thread, state, 1};
 
  private:

@@ -33,7 +33,7 @@ struct Host final : server::SessionHost {
     if (hello.protocol_version == kProtocolVersion) return std::nullopt;
     return WireError{ErrorCode::kVersion, "another version"};
   }
-  [[nodiscard]] std::optional<server::Grant> grantOf(const Hello& hello) const override {
+  [[nodiscard]] std::optional<server::Grant> findGrant(const Hello& hello) const override {
     if (hello.access_token.empty()) return std::nullopt;
     return server::Grant{{}, server::Role::kOperator, std::nullopt};
   }

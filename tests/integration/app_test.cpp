@@ -10,7 +10,7 @@
 namespace hapticast::testing {
 namespace {
 
-/// What a recording view was given.
+/// The input of a recording view.
 struct Recorded {
   std::atomic<int> pictures{0};
   Workspace workspace;  // of the last picture
@@ -97,7 +97,7 @@ TEST_F(AppTest, AViewIsShownTicksAndPicturesAndEndsTheRun) {
   EXPECT_EQ(recorded.finished, 1);
 }
 
-TEST_F(AppTest, WhatAViewThrowsEndsTheRunAndNothingHangs) {
+TEST_F(AppTest, AnExceptionOfAViewEndsTheRunWithoutAHang) {
   const auto app = appWith([this]() -> bool {
     if (recorded.reports > 0) throw std::runtime_error("no display");
     return true;

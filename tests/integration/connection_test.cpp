@@ -37,7 +37,7 @@ TEST_F(ConnectionTest, BringsFramesClockAndVideoToTheClient) {
   EXPECT_GT(client.connection.bytesReceived(), 0U);
 }
 
-TEST_F(ConnectionTest, KnowsTheClockThroughAJitteryNetwork) {
+TEST_F(ConnectionTest, EstimatesTheClockThroughAJitteryNetwork) {
   const SteadyClock real;  // as the link's
   TestServer server(io, real);
   StreamDescription quick = TestServer::description();
@@ -112,7 +112,7 @@ TEST_F(ConnectionTest, ComesBackAfterACutAndAfterAStall) {
   ASSERT_TRUE(runUntil([&] { return client.welcomes >= 3 && client.stream.load().connected; }));
 }
 
-TEST_F(ConnectionTest, SaysAtOnceThatThereIsNoSuchHost) {
+TEST_F(ConnectionTest, ReportsAtOnceThatThereIsNoSuchHost) {
   TestClient client(io, clock, 7447, [](auto& s) { s.server.host = "no-such-host.invalid"; });
   ASSERT_TRUE(runUntil([&] { return !client.failure.empty(); }));
   EXPECT_EQ(client.failure, "there is no host of this name");
@@ -328,7 +328,7 @@ TEST_F(ConnectionTest, TwentyClientsGetEveryFrame) {
   EXPECT_EQ(server.broadcaster.counts().sent.dropped(), 0U);
 }
 
-TEST_F(ConnectionTest, HearsHowFarTheServerIsBeforeTheFirstFrame) {
+TEST_F(ConnectionTest, ReceivesTheProgressOfTheServerBeforeTheFirstFrame) {
   TestServer server(io, clock);
   TestClient early(io, clock, server.port());
   ASSERT_TRUE(runUntil([&] { return early.welcomes == 1; }));

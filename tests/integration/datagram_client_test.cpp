@@ -148,7 +148,7 @@ TEST_F(DatagramClientTest, UdpThatFailsInMidStreamIsReplacedByTcpAndTheStreamGoe
   EXPECT_EQ(client.lost.size(), 0U) << "the connection stands";
 }
 
-TEST_F(DatagramClientTest, AServerWithoutDatagramsIsToldOnce) {
+TEST_F(DatagramClientTest, ReportsAServerWithoutDatagramsOnce) {
   TestServer server(io, clock);
   TestClient client(io, clock, server.port());
   ASSERT_TRUE(runUntil([&] { return client.welcomes == 1; }));
@@ -172,7 +172,7 @@ TEST_F(DatagramClientTest, AGroupOnTheLoopbackIsJoined) {
 /// Somebody on the group's network who signs with a key of his own.
 class Forger {
  public:
-  /// `welcome`: anybody's, which tells the group's token.
+  /// `welcome`: of any viewer; it has the group's token.
   Forger(asio::io_context& io, const Welcome& welcome)
       : socket_(io, {asio::ip::address_v4::loopback(), 0}),
         group_(asio::ip::make_address(welcome.group->address), welcome.group->port),
@@ -270,7 +270,7 @@ TEST_F(DatagramClientTest, AFloodIsSeenThoughItsSecondEndsWithIt) {
   EXPECT_NE(client.news[0].find("somebody forges datagrams"), std::string::npos) << client.news[0];
 }
 
-TEST_F(DatagramClientTest, WhoCannotJoinGoesOnByUdpAndSaysSo) {
+TEST_F(DatagramClientTest, AClientThatCannotJoinUsesUdpAndReportsIt) {
   const auto server = serverOf(loopbackGroup("239.255.74.47"));
   if (!server) GTEST_SKIP() << why_no_group;
   TestClient client(io, clock, server->port(),

@@ -87,7 +87,7 @@ TEST_F(DatagramsTest, AllViewersGetTheSameBytesWithTheirOwnTokens) {
   }
 }
 
-TEST_F(DatagramsTest, NothingIsMadeForNobody) {
+TEST_F(DatagramsTest, MakesNoDatagramsWithoutSubscribers) {
   DatagramServer server(io, clock);
   auto viewer = viewerOf(server);
   EXPECT_FALSE(server.broadcaster.datagramsWanted()) << "it has not echoed";
@@ -179,7 +179,7 @@ TEST_F(DatagramsTest, CopiesGoOutWithTheFramesAfter) {
   for (std::uint64_t id = 1; id <= 6; ++id) EXPECT_EQ(once->udp.seen.at(id)[0], 1) << id;
 }
 
-TEST_F(DatagramsTest, NobodyCanPointTheStreamAtSomebodyElse) {
+TEST_F(DatagramsTest, AViewerCannotDirectTheStreamToAnotherHost) {
   DatagramServer server(io, clock);
   const auto honest = takerOf(server);
   const auto victim_of = viewerOf(server);  // has not echoed
@@ -226,9 +226,9 @@ TEST_F(DatagramsTest, AHundredPortsAndAFloodGetOneProbe) {
   }
   EXPECT_LE(takers, 1U) << "frames go to one port";
   // 101 echoes within a moment; where the machine dreams, two of them may be 0.1 s apart.
-  const std::uint64_t believed = server.echoes(server::AddressValidation::kBelieved) - 1;
-  EXPECT_GE(believed, 1U);
-  EXPECT_LE(datagrams, believed + server.sender->counts().viewers.sent);
+  const std::uint64_t validated = server.echoes(server::AddressValidation::kValidated) - 1;
+  EXPECT_GE(validated, 1U);
+  EXPECT_LE(datagrams, validated + server.sender->counts().viewers.sent);
   EXPECT_GT(server.echoes(server::AddressValidation::kTooSoon), 0U);
 }
 
@@ -345,7 +345,7 @@ TEST_F(DatagramsTest, TheGroupGetsEachDatagramOnce) {
   EXPECT_GE(one.probes, 1U) << "who joins learns whether full size gets through";
 }
 
-TEST_F(DatagramsTest, AGroupThatCannotBeIsToldInOneLine) {
+TEST_F(DatagramsTest, ReportsAnImpossibleGroupInOneLine) {
   const auto complaint = [&](const server::MulticastChoice& choice) -> std::string {
     try {
       server::MulticastGroup group(io, choice, 1);

@@ -120,7 +120,7 @@ TEST_F(HttpTest, RefusesWithTheStatusOfTheFault) {
   EXPECT_EQ(finalStatus("GET /health HTTP/1.0\r\n\r\n"), "200");
 }
 
-TEST_F(HttpTest, ClosesWhoIsTooSlow) {
+TEST_F(HttpTest, ClosesSlowConnections) {
   HttpPeer silent(io, http), slow(io, http), quick(io, http);
   slow.send("GET /heal");
   quick.send(get("/health"));

@@ -104,7 +104,7 @@ TEST_F(LossyLinkTest, DatagramsOfEachPeerComeFromAPortOfItsOwn) {
   EXPECT_EQ(echo.seen.size(), 3U) << "as behind a router that has forgotten it";
 }
 
-TEST_F(LossyLinkTest, DoesToDatagramsWhatItIsAskedTo) {
+TEST_F(LossyLinkTest, AppliesTheRequestedFaultsToDatagrams) {
   Echo echo(io, asio::ip::address_v4::loopback());
   LossyLink link(io, echo.acceptor.local_endpoint().port(), {.delay = milliseconds(10)});
   Peer peer(io, at(link.port()));
@@ -168,7 +168,7 @@ TEST_F(LossyLinkTest, WorksWithIpv6) {
 }
 
 /// hapticast-link itself.
-TEST_F(LossyLinkTest, TheProgramRelaysAndSaysWhatItDid) {
+TEST_F(LossyLinkTest, TheProgramRelaysAndReportsItsCounts) {
   Echo echo(io, asio::ip::address_v4::loopback());
   const std::string server = "127.0.0.1:" + std::to_string(echo.acceptor.local_endpoint().port());
   Process program({HAPTICAST_LINK_PROGRAM, "--listen", "127.0.0.1:0", "--server", server, "--delay",
@@ -204,7 +204,7 @@ TEST_F(LossyLinkTest, TheProgramRefusesWrongFlagsInOneLine) {
   for (const auto& flags : wrong) {
     Process program({HAPTICAST_LINK_PROGRAM, flags[0], flags[1]});
     EXPECT_EQ(program.wait(std::chrono::seconds(60)), 2);
-    EXPECT_EQ(countOf("\n", program.output()), 1U) << program.output();
+    EXPECT_EQ(countOccurrences("\n", program.output()), 1U) << program.output();
     EXPECT_NE(program.output().find(flags[0]), std::string::npos) << program.output();
   }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Clients as a user runs them, each at a server that lies. The client renders no force beyond the
+// Clients as a user runs them, each at a malicious server. The client renders no force beyond the
 // limits of the safety chain, and it logs the cause.
 #pragma once
 
@@ -14,22 +14,24 @@
 
 namespace hapticast::testing {
 
-struct Told {
-  const char* lie;
+struct ExpectedMessage {
+  const char* false_stream;
   const char* said;  ///< in the client's output; empty: nothing in particular
   const char* transport = "udp";
 };
 
 class ProgramsMaliciousTest : public ProgramsTest {
  protected:
-  /// Starts a server that tells a lie. Returns the address for its client.
-  using Serve = std::function<std::string(const Lie&)>;
-  /// Each lie to a client of its own, all at once.
-  void tell(std::span<const Told> told, const Serve& serve) const;
+  /// Starts a malicious server. Returns the address for its client.
+  using Serve = std::function<std::string(const FalseStream&)>;
+  /// Runs each false stream with a client of its own, all at once.
+  void runFalseStreams(std::span<const ExpectedMessage> expected, const Serve& serve) const;
   static void expectFloodReported(const std::string& summary, const std::string& output);
-  static const Lie& named(const std::string& name) {
-    const auto& all = lies();
-    return *std::find_if(all.begin(), all.end(), [&](const Lie& lie) { return lie.name == name; });
+  static const FalseStream& named(const std::string& name) {
+    const auto& all = falseStreams();
+    return *std::find_if(all.begin(), all.end(), [&](const FalseStream& false_stream) {
+      return false_stream.name == name;
+    });
   }
   void expectSafe(const std::string& name) const {
     const std::vector<LogRow> rows = readLog(path(name + ".csv"));
@@ -43,25 +45,27 @@ class ProgramsMaliciousTest : public ProgramsTest {
   }
 };
 
-inline void ProgramsMaliciousTest::tell(std::span<const Told> told, const Serve& serve) const {
+inline void ProgramsMaliciousTest::runFalseStreams(std::span<const ExpectedMessage> expected,
+                                                   const Serve& serve) const {
   const std::string hold = write("hold.csv", "0,0,0,25\n1,0,0,25\n1.5,0,0,4\n100,0,0,4\n");
   std::vector<std::unique_ptr<Process>> clients;
-  clients.reserve(told.size());
-  for (const Told& each : told) {
+  clients.reserve(expected.size());
+  for (const ExpectedMessage& each : expected) {
     clients.push_back(
-        startClient({serve(named(each.lie)), "--device", "virtual", "--hand", hold, "--log",
-                     path(std::string(each.lie) + ".csv"), "--fault-dir", path("faults"),
-                     "--seconds", "6", "--transport", each.transport, "--interface", "lo",
-                     "--summary", path(std::string(each.lie) + ".json")}));
+        startClient({serve(named(each.false_stream)), "--device", "virtual", "--hand", hold,
+                     "--log", path(std::string(each.false_stream) + ".csv"), "--fault-dir",
+                     path("faults"), "--seconds", "6", "--transport", each.transport, "--interface",
+                     "lo", "--summary", path(std::string(each.false_stream) + ".json")}));
   }
-  for (std::size_t i = 0; i < told.size(); ++i) {
-    EXPECT_EQ(clients[i]->wait(kSoon), 0) << told[i].lie << clients[i]->output();
-    EXPECT_NE(clients[i]->output().find(told[i].said), std::string::npos) << told[i].lie << ":\n"
-                                                                          << clients[i]->output();
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    EXPECT_EQ(clients[i]->wait(kSoon), 0) << expected[i].false_stream << clients[i]->output();
+    EXPECT_NE(clients[i]->output().find(expected[i].said), std::string::npos)
+        << expected[i].false_stream << ":\n"
+        << clients[i]->output();
     const std::string output = clients[i]->output();
     EXPECT_LE(std::count(output.begin(), output.end(), '\n'), 24) << output;
-    expectSafe(told[i].lie);
-    expectFloodReported(path(std::string(told[i].lie) + ".json"), output);
+    expectSafe(expected[i].false_stream);
+    expectFloodReported(path(std::string(expected[i].false_stream) + ".json"), output);
   }
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the network's thread does while the preparer's is busy.
+// The network thread works while the decode thread is busy.
 #include <atomic>
 #include <thread>
 
@@ -29,7 +29,7 @@ TEST_F(PreparationTest, PongsAreStampedWhileAFrameIsPrepared) {
   HeldClock busy;
   std::unique_ptr<client::Receiver> receiver;
   client::DecodeThread decode_thread(*pool, busy, Method::kHapticast, [&](const auto& frame) {
-    asio::post(io, [&receiver, frame] { receiver->prepared(frame); });
+    asio::post(io, [&receiver, frame] { receiver->addPrepared(frame); });
   });
   receiver = std::make_unique<client::Receiver>(decode_thread, stream, 1);
   client::Connection connection(

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Fourteen attacks on the real server while a hundred honest viewers watch: each is bounded, nobody
-// else is touched, the log stays readable, and memory (the system's, too) and file handles come
-// back.
+// Fourteen attacks on the real server while a hundred honest viewers receive: each is bounded, no
+// viewer else is touched, the log stays readable, and memory (the system's, too) and file handles
+// come back.
 #include <atomic>
 #include <fstream>
 #include <map>
@@ -20,7 +20,7 @@ using Peers = std::vector<std::unique_ptr<RawPeer>>;
 constexpr std::size_t kViewers = 100;
 constexpr int kPlaces = 160;
 
-/// What the system still keeps for the server's port: sockets that no process has any more, and
+/// Resources of the system for the server's port: sockets that no process has any more, and
 /// bytes that wait in the queues of all of them. Counted one by one in /proc/net/tcp: the system's
 /// sums belong to everybody on the machine.
 struct KeptBySystem {
@@ -353,13 +353,14 @@ TEST_F(ProgramsAttacksTest, AreAllBounded) {
   const double minutes =
       std::chrono::duration<double, std::ratio<60>>(std::chrono::steady_clock::now() - begin)
           .count();
-  EXPECT_LE(static_cast<double>(countOf("\n", server->output())), 3.0 + 20.0 * std::ceil(minutes))
+  EXPECT_LE(static_cast<double>(countOccurrences("\n", server->output())),
+            3.0 + 20.0 * std::ceil(minutes))
       << server->output();
   interrupt(*server);
 }
 
 /// As many viewers are asked for as the system has files for, and more.
-TEST_F(ProgramsAttacksTest, FewOpenFilesAreToldAndKeepNobodyWaiting) {
+TEST_F(ProgramsAttacksTest, ReportsAFewOpenFilesAndKeepsNoViewerWaiting) {
   const auto server = start(
       "/bin/sh", {"-c", "ulimit -n 150; exec \"$0\" \"$@\"", HAPTICAST_SERVER_PROGRAM, "--source",
                   "synthetic:still", "--loop", "--listen", "127.0.0.1:0", "--max-clients", "2000"});

@@ -86,7 +86,7 @@ TEST_F(ProgramsDeviceTest, ADriverThatMisbehavesInContactEndsAtZeroWithOneLine) 
     EXPECT_LE(trace->most_N, 3.3 + 1e-9) << "no watchdog of its own";
     EXPECT_EQ(client->output().find('\x1b'), std::string::npos);
     if (*fault.line != '\0') {
-      EXPECT_LE(countOf(fault.line, client->output()), 5U) << client->output();
+      EXPECT_LE(countOccurrences(fault.line, client->output()), 5U) << client->output();
     }
   }
   interrupt(*server);
@@ -165,7 +165,7 @@ TEST_F(ProgramsDeviceTest, TheListAsksEachDriverForAtMostTwoSeconds) {
             std::string::npos);
   const std::string failed = list("list_fails");
   EXPECT_NE(failed.find("the bus ?[31mis? off"), std::string::npos) << failed;
-  EXPECT_LE(countOf("serial number S1", list("crowd")), 32U);
+  EXPECT_LE(countOccurrences("serial number S1", list("crowd")), 32U);
 }
 
 /// Returns the C code of client/device/drivers.md.

@@ -161,7 +161,7 @@ void ProgramsDriversTest::misbehaveInContact(const std::string& device, const st
     EXPECT_LE(trace->most_N, 3.3 + 1e-9);
     EXPECT_EQ(client->output().find('\x1b'), std::string::npos);
     if (*fault.line != '\0') {
-      EXPECT_LE(countOf(fault.line, client->output()), 4U) << client->output();
+      EXPECT_LE(countOccurrences(fault.line, client->output()), 4U) << client->output();
     }
   }
   interrupt(*server);
@@ -318,11 +318,11 @@ TEST_F(ProgramsDriversTest, AnAbsentLibraryIsOneLineAndAutoStaysQuiet) {
       " was not found; install it or name it with --device-option library=FILE";
   const std::string dhd = "the library libdhd.so of Force Dimension's SDK" + remedy;
   const std::string touch = "the library libHD.so of OpenHaptics" + remedy;
-  EXPECT_EQ(countOf(dhd, run({"--device", "dhd", "--view", "off"}, kFailed)), 1U);
-  EXPECT_EQ(countOf(touch, run({"--device", "touch", "--view", "off"}, kFailed)), 1U);
+  EXPECT_EQ(countOccurrences(dhd, run({"--device", "dhd", "--view", "off"}, kFailed)), 1U);
+  EXPECT_EQ(countOccurrences(touch, run({"--device", "touch", "--view", "off"}, kFailed)), 1U);
   const std::string list = run({"--list-devices"}, 0);
-  EXPECT_EQ(countOf(dhd, list), 1U) << list;
-  EXPECT_EQ(countOf(touch, list), 1U) << list;
+  EXPECT_EQ(countOccurrences(dhd, list), 1U) << list;
+  EXPECT_EQ(countOccurrences(touch, list), 1U) << list;
   EXPECT_EQ(run({"--view", "off", "--seconds", "1"}, kFailed).find("library"), std::string::npos);
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // A gamepad as a person uses it, on SDL's own made-up pad: a real server streams a ball, the sticks
-// lead the tip to it, its motors tell of the touch. And what the programs say of a pad or a sound
-// device that is not there, and what of a touch is heard.
+// lead the tip to it, its motors render the touch. The programs report a missing pad or sound
+// device, and a touch is audible.
 #include <algorithm>
 #include <array>
 #include <functional>
@@ -143,10 +143,11 @@ TEST_F(ProgramsGamepadTest, ContactRumblesAReleaseAndThePlugStopItAndItComesBack
   interrupt(*server);
 }
 
-TEST_F(ProgramsGamepadTest, WithoutOneTheClientSaysSoAndEnds) {
+TEST_F(ProgramsGamepadTest, WithoutOneTheClientReportsSoAndEnds) {
   const auto client = startClient({"--device", "gamepad"});
   EXPECT_EQ(client->wait(kSoon), 1);
-  EXPECT_EQ(countOf("--device gamepad: none was found; is it plugged in?", client->output()), 1U)
+  EXPECT_EQ(
+      countOccurrences("--device gamepad: none was found; is it plugged in?", client->output()), 1U)
       << client->output();
 }
 
@@ -165,7 +166,7 @@ class ProgramsSoundTest : public ProgramsTest {
                                       [](const LogRow& row) { return row.force_N.norm() > 0.5; });
     return pushed > 500;
   }
-  /// What was heard, a number for each of SDL's buffers of 512: its loudest sample.
+  /// The recorded sound, a number for each of SDL's buffers of 512: its loudest sample.
   [[nodiscard]] std::vector<float> heard() const {
     std::ifstream in(path("heard.raw"), std::ios::binary);
     std::vector<float> loudness;
@@ -179,7 +180,7 @@ class ProgramsSoundTest : public ProgramsTest {
   }
 };
 
-TEST_F(ProgramsSoundTest, ATouchIsHeardAndNothingElse) {
+TEST_F(ProgramsSoundTest, OnlyATouchIsAudible) {
   const auto server = startServer({"--source", "synthetic:still", "--loop"});
   const auto client = listen("disk", addressOf(*server));
   EXPECT_TRUE(waitUntil(kSoon, [this] { return touched(); })) << client->output();
@@ -200,7 +201,7 @@ TEST_F(ProgramsSoundTest, WithoutASoundDeviceTheTouchGoesOn) {
       << client->output();
   EXPECT_TRUE(waitUntil(kSoon, [this] { return touched(); })) << client->output();
   interrupt(*client);
-  EXPECT_EQ(countOf("--sound", client->output()), 1U) << client->output();
+  EXPECT_EQ(countOccurrences("--sound", client->output()), 1U) << client->output();
   const auto rows = readLog(path("log.csv"));
   EXPECT_EQ(rows.back().force_N, Vec3(Vec3::Zero()));
   interrupt(*server);

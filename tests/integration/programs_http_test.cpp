@@ -79,7 +79,7 @@ TEST_F(ProgramsHttpTest, AServerThatWaitsForAViewerIsHealthyAndOpensNoOtherPort)
   interrupt(*waiting);
   const auto plain = startServer({"--source", makeClip("clip"), "--loop"});
   addressOf(*plain);
-  EXPECT_EQ(countOf("http", plain->output()), 0U) << plain->output();
+  EXPECT_EQ(countOccurrences("http", plain->output()), 0U) << plain->output();
   interrupt(*plain);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What bad input gets from the programs: one clear line, the right exit code, no crash.
+// Answers of the programs to bad input: one clear line, the right exit code, no crash.
 #include <algorithm>
 #include <random>
 #include <thread>
@@ -20,7 +20,7 @@ class ProgramsInputTest : public ProgramsTest {
     const auto ended = process.wait(kStart);
     const std::string text = process.output();
     EXPECT_EQ(ended, exit_code) << text;
-    EXPECT_EQ(countOf("\n", text), 1U) << text;
+    EXPECT_EQ(countOccurrences("\n", text), 1U) << text;
     for (const std::string& word : words) EXPECT_NE(text.find(word), std::string::npos) << text;
     for (const char c : text) EXPECT_TRUE(c == '\n' || static_cast<unsigned char>(c) >= 0x20);
     EXPECT_LT(text.size(), 600U) << text;
@@ -97,14 +97,14 @@ TEST_F(ProgramsInputTest, AddressesOfTheServer) {
   interrupt(*first);
 }
 
-TEST_F(ProgramsInputTest, AServerListensWhereItIsTold) {
+TEST_F(ProgramsInputTest, AServerListensAtItsAddress) {
   const std::string clip = makeClip("clip");
   const std::vector<std::pair<std::string, std::string>> forms = {
       {":0", "0.0.0.0:"}, {"0", "0.0.0.0:"}, {"localhost:0", "localhost:"}};
-  for (const auto& [given, told] : forms) {
+  for (const auto& [given, expected] : forms) {
     const auto server = startServer({"--source", clip, "--loop"}, given);
     const std::string address = addressOf(*server);
-    EXPECT_TRUE(address.starts_with(told)) << address;
+    EXPECT_TRUE(address.starts_with(expected)) << address;
     const auto client = startClient({address.substr(address.rfind(':') + 1)});
     EXPECT_TRUE(client->says("connected: ", kSoon)) << client->output();
     interrupt(*client);
@@ -181,14 +181,15 @@ TEST_F(ProgramsInputTest, ServersThatAreNotThere) {
   clientEnds({"no-such-host.invalid"}, 1, {"no-such-host.invalid:7447", "no host of this name"});
   const auto never = startClient({"127.0.0.1:1", "--seconds", "1.5", "--quiet"});
   EXPECT_EQ(never->wait(kSoon), 1);
-  EXPECT_EQ(countOf("waiting for a server at 127.0.0.1:1 (connection refused)", never->output()),
+  EXPECT_EQ(
+      countOccurrences("waiting for a server at 127.0.0.1:1 (connection refused)", never->output()),
+      1U)
+      << never->output();
+  EXPECT_EQ(countOccurrences("no server answered at 127.0.0.1:1 within 1.5 s (connection refused)",
+                             never->output()),
             1U)
       << never->output();
-  EXPECT_EQ(countOf("no server answered at 127.0.0.1:1 within 1.5 s (connection refused)",
-                    never->output()),
-            1U)
-      << never->output();
-  EXPECT_EQ(countOf("\n", never->output()), 2U) << never->output();
+  EXPECT_EQ(countOccurrences("\n", never->output()), 2U) << never->output();
 }
 
 TEST_F(ProgramsInputTest, AClientThatWaitsIsEndedBySignals) {
@@ -233,14 +234,14 @@ TEST_F(ProgramsInputTest, ClipsThatDoNotFit) {
   serverEnds({"--source", clip, "--segment", "source"}, 2, {"--segment source", "no mask"});
 }
 
-TEST_F(ProgramsInputTest, AClipWithNothingToTouchIsTold) {
+TEST_F(ProgramsInputTest, AClipWithNothingToTouchIsReported) {
   const std::string clip = makeClip("clip");
   std::filesystem::remove_all(clip + "/mask");
   const auto warning = [&](const cv::Mat& depth) {
     for (int i = 100; i < 106; ++i) setDepth(clip, i, depth);
     const auto server = startServer({"--source", clip, "--frames", "2", "--quiet"});
     EXPECT_EQ(server->wait(kStart), 0) << server->output();
-    EXPECT_EQ(countOf("\n", server->output()), 1U) << server->output();
+    EXPECT_EQ(countOccurrences("\n", server->output()), 1U) << server->output();
     return server->output();
   };
   cv::Mat depth = cv::Mat::zeros(96, 128, CV_16UC1);
@@ -258,11 +259,12 @@ TEST_F(ProgramsInputTest, FramesThatCannotBeReadAreLeftOut) {
   const auto server = startServer({"--source", clip, "--loop", "--frames", "20", "--quiet"});
   EXPECT_EQ(server->wait(kStart), 0) << server->output();
   const std::string text = server->output();
-  EXPECT_EQ(countOf("depth/102.png: is not a whole PNG, JPEG, TIFF, EXR, PGM or NPY image", text),
+  EXPECT_EQ(countOccurrences("depth/102.png: is not a whole PNG, JPEG, TIFF, EXR, PGM or NPY image",
+                             text),
             1U)
       << text;
-  EXPECT_EQ(countOf("depth/104.png: is 64x48", text), 1U) << text;
-  EXPECT_EQ(countOf("left out", text), 2U) << text;
+  EXPECT_EQ(countOccurrences("depth/104.png: is 64x48", text), 1U) << text;
+  EXPECT_EQ(countOccurrences("left out", text), 2U) << text;
 }
 
 TEST_F(ProgramsInputTest, AServerThatSkipsFramesStillStartsEachRoundWithTheFirst) {
@@ -344,7 +346,7 @@ TEST_F(ProgramsInputTest, PeersThatMisbehaveDoNotDisturbAViewer) {
   for (std::size_t i = 1; i < all.size(); ++i) ASSERT_EQ(all[i].id, all[i - 1].id + 1);
   EXPECT_FALSE(viewer.closed);
   const std::string text = server->output();
-  EXPECT_EQ(countOf("closing 127.0.0.1", text), 6U) << text;
+  EXPECT_EQ(countOccurrences("closing 127.0.0.1", text), 6U) << text;
   for (const char* reason : {"protocol version", "are allowed here", "no hello arrived in time"})
     EXPECT_NE(text.find(reason), std::string::npos) << text;
   interrupt(*server);

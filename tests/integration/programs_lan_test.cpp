@@ -106,9 +106,9 @@ TEST_F(ProgramsLanTest, ATakenNameGetsANumberAndAllAreListedClean) {
       << elsewhere->output();
 
   const std::string all = listed({std::string(kName) + "  at ", " #2  at ", " #3  at "});
-  EXPECT_EQ(countOf("\n", all), 3U) << all;
+  EXPECT_EQ(countOccurrences("\n", all), 3U) << all;
   EXPECT_NE(all.find("plays red ?[31m"), std::string::npos) << all;
-  EXPECT_EQ(countOf("\x1b", all), 0U) << all;
+  EXPECT_EQ(countOccurrences("\x1b", all), 0U) << all;
   EXPECT_NE(all.find(TwoHosts::kServer4), std::string::npos) << all;
   EXPECT_NE(all.find(TwoHosts::kViewerLink), std::string::npos) << all;
 
@@ -129,13 +129,13 @@ TEST_F(ProgramsLanTest, AServerIsFoundByNameAndNeverUsedUnnamed) {
       alone->says("servers on the LAN (HOST:PORT or mdns:NAME as argument selects one)", kSoon))
       << alone->output();
   EXPECT_TRUE(alone->says(std::string(kName) + "  at ", kSoon)) << alone->output();
-  EXPECT_EQ(countOf("connected: ", alone->output()), 0U) << alone->output();
+  EXPECT_EQ(countOccurrences("connected: ", alone->output()), 0U) << alone->output();
   interrupt(*alone);
   interrupt(*named);
   interrupt(*server);
 }
 
-TEST_F(ProgramsLanTest, ADaemonThatComesBackIsToldAgain) {
+TEST_F(ProgramsLanTest, AnnouncesAgainAfterTheDaemonComesBack) {
   const std::string announced = std::string("announced on the LAN as ") + kName;
   const auto server = announce(hosts_.server(), kName);
   ASSERT_TRUE(server->says(announced, kSoon)) << server->output();

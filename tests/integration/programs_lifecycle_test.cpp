@@ -18,7 +18,7 @@ constexpr std::size_t kClients = kFullSpeed ? 20 : 5;
 constexpr long kGrowth_kB = 16'384;
 constexpr double kPushed_N = 0.2;
 
-/// What a client has written with --summary; an empty object where it is none.
+/// The file that a client wrote with --summary; an empty object where it is none.
 nlohmann::json summaryIn(const std::string& file) {
   std::ifstream in(file);
   auto summary = nlohmann::json::parse(in, nullptr, /*allow_exceptions=*/false);
@@ -96,7 +96,7 @@ class ProgramsLifeTest : public ProgramsTest {
     while (quiet != rows.begin() && std::prev(quiet)->force_N == Vec3::Zero()) --quiet;
     return std::count_if(rows.begin(), quiet, [&](const LogRow& row) { return row.t_s > t_s; });
   }
-  /// Ends a client that feels a force; the force has to end first.
+  /// Ends a client that renders a force; the force has to end first.
   void interruptInForce(Process& client) const {
     ASSERT_TRUE(feelsForceAfter(0.0));
     interrupt(client);
@@ -138,7 +138,7 @@ TEST_F(ProgramsLifeTest, AKilledAndAStoppedViewerDoNotDisturbTheOthers) {
   // Dropped, when it has taken nothing or said nothing for long.
   EXPECT_TRUE(waitUntil(kSoon, [&] {
     (void)lastId();
-    return countOf("closing 127.0.0.1", server->output()) == 1;
+    return countOccurrences("closing 127.0.0.1", server->output()) == 1;
   })) << server->output();
   const long after_kB = server->residentMemory_kB();
   const std::uint64_t last = lastId();
@@ -166,7 +166,7 @@ TEST_F(ProgramsLifeTest, AKilledAndAStoppedViewerDoNotDisturbTheOthers) {
     EXPECT_EQ(summary["step_excess_max_N"], 0.0) << summary;
     EXPECT_EQ(summary["frames"]["lost"], 0) << summary;
     EXPECT_GE(summary["frames"]["received"], counted) << "client " << i;
-    EXPECT_EQ(countOf("connected: ", clients[i]->output()), 1U) << clients[i]->output();
+    EXPECT_EQ(countOccurrences("connected: ", clients[i]->output()), 1U) << clients[i]->output();
   }
   interrupt(*server);
 }
@@ -220,12 +220,12 @@ TEST_F(ProgramsLifeTest, AClientStartedBeforeItsServerWaitsForIt) {
   const auto server = startServer({"--source", clip, "--loop"}, address);
   EXPECT_TRUE(client->says("connected: clip, 128 x 96", kSoon))
       << "the clip's name without the server's folders: " << client->output();
-  EXPECT_EQ(countOf("waiting for", client->output()), 1U) << client->output();
+  EXPECT_EQ(countOccurrences("waiting for", client->output()), 1U) << client->output();
   interrupt(*client, SIGHUP);
   interrupt(*server);
 }
 
-TEST_F(ProgramsLifeTest, AStillClipIsFeltWithoutAThumpWhereItBeginsAgain) {
+TEST_F(ProgramsLifeTest, ARepeatedStillClipHasNoStepAtItsSeam) {
   const auto server = startServer({"--source", stillClip(25), "--loop"});
   const auto client = follow(addressOf(*server));
   ASSERT_TRUE(feelsForceAfter(0.0)) << client->output();
@@ -253,7 +253,7 @@ TEST_F(ProgramsLifeTest, AStillClipIsFeltWithoutAThumpWhereItBeginsAgain) {
   }
 }
 
-TEST_F(ProgramsLifeTest, AServerThatIsToldToEndSaysGoodbye) {
+TEST_F(ProgramsLifeTest, AStoppedServerSendsGoodbye) {
   const auto server = startServer({"--source", stillClip(), "--loop"});
   const auto client = follow(addressOf(*server));
   ASSERT_TRUE(feelsForceAfter(0.0)) << client->output();
@@ -275,7 +275,7 @@ TEST_F(ProgramsLifeTest, FilesThatVanishEndALoopWithOneLine) {
   const std::string last = text.substr(text.rfind('\n', text.size() - 2) + 1);
   EXPECT_NE(last.find("clip/rgb/10"), std::string::npos) << "the first that was missed: " << text;
   EXPECT_NE(last.find(".png: cannot be read"), std::string::npos) << text;
-  EXPECT_LE(countOf("cannot be read", text), 2U) << "the rest of the round, and the end";
+  EXPECT_LE(countOccurrences("cannot be read", text), 2U) << "the rest of the round, and the end";
 }
 
 TEST_F(ProgramsLifeTest, AServerThatWaitsPlaysForItsFirstViewer) {
@@ -287,11 +287,11 @@ TEST_F(ProgramsLifeTest, AServerThatWaitsPlaysForItsFirstViewer) {
       << "longer than the clip lasts";
   const auto client = startClient({address, "--summary", path("summary.json")});
   EXPECT_EQ(server->wait(kSoon), 0) << server->output();
-  EXPECT_EQ(countOf("waiting for the first viewer", server->output()), 1U);
+  EXPECT_EQ(countOccurrences("waiting for the first viewer", server->output()), 1U);
   interrupt(*client);
   // All of the clip, but for what a starved server says that it left out.
   const int received = summaryIn(path("summary.json"))["frames"].value("received", 0);
-  const bool skipped = countOf("frames skipped so far", server->output()) > 0;
+  const bool skipped = countOccurrences("frames skipped so far", server->output()) > 0;
   EXPECT_LE(received, skipped ? 5 : 6);
   EXPECT_GE(received, skipped ? 1 : 6) << server->output();
   const auto other = startServer({"--source", clip, "--wait-for-viewer"});
@@ -304,8 +304,8 @@ TEST_F(ProgramsLifeTest, TheFieldOfViewOverrulesTheClipWithALine) {
   (void)write("clip/meta.json", R"({"fov_deg": 60})");
   const auto server = startServer({"--source", clip, "--fov", "75", "--frames", "1"});
   EXPECT_EQ(server->wait(kStart), 0) << server->output();
-  EXPECT_EQ(countOf("--fov 75: replaces", server->output()), 1U) << server->output();
-  EXPECT_EQ(countOf("(60.0 degrees)", server->output()), 1U) << server->output();
+  EXPECT_EQ(countOccurrences("--fov 75: replaces", server->output()), 1U) << server->output();
+  EXPECT_EQ(countOccurrences("(60.0 degrees)", server->output()), 1U) << server->output();
 }
 
 TEST_F(ProgramsLifeTest, AClipWithoutLoopEndsTheServer) {

@@ -96,7 +96,7 @@ class ProgramsLiveTest : public ProgramsTest {
     return command;
   }
   /// Waits until the force of a later time than now is there, or is zero.
-  [[nodiscard]] bool feels(bool force) const {
+  [[nodiscard]] bool forceIs(bool force) const {
     const std::size_t before = readLog(path("log.csv")).size();
     return waitUntil(kSoon, [&] {
       const std::vector<LogRow> rows = readLog(path("log.csv"));
@@ -116,13 +116,13 @@ class ProgramsLiveTest : public ProgramsTest {
     ASSERT_FALSE(address.empty()) << server->output() << sender->output();
     const auto client = startClient(
         {address, "--hand", "follow", "--log", path("log.csv"), "--summary", path("summary.json")});
-    ASSERT_TRUE(feels(true)) << client->output() << server->output();
+    ASSERT_TRUE(forceIs(true)) << client->output() << server->output();
     disturb(sender);
     EXPECT_TRUE(server->says("no frames from ", kSoon)) << server->output();
-    EXPECT_TRUE(feels(false)) << client->output();
+    EXPECT_TRUE(forceIs(false)) << client->output();
     mend(sender, port);
     EXPECT_TRUE(server->says(" are back after ", kSoon)) << server->output();
-    EXPECT_TRUE(feels(true)) << client->output() << server->output();
+    EXPECT_TRUE(forceIs(true)) << client->output() << server->output();
     interrupt(*client);
     std::ifstream in(path("summary.json"));
     const auto summary = nlohmann::json::parse(in);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The client as a user runs it, and servers that lie to it over TCP, by datagrams and to a group:
-// nothing is felt that the log could not stand, and the user is told.
+// The client as a user runs it, and malicious servers over TCP, by datagrams and to a group:
+// the logged force keeps the limits, and the client reports the cause.
 #include <thread>
 
 #include "tests/integration/malicious_fixture.hpp"
@@ -11,11 +11,11 @@
 namespace hapticast::testing {
 namespace {
 
-/// Tells one lie to whoever comes, one viewer at a time.
-class LyingListener {
+/// Sends one false stream to each viewer, one viewer at a time.
+class MaliciousListener {
  public:
-  explicit LyingListener(const Lie& lie)
-      : server_(lie),
+  explicit MaliciousListener(const FalseStream& false_stream)
+      : server_(false_stream),
         acceptor_(io_, {asio::ip::address_v4::loopback(), 0}),
         udp_(io_, {asio::ip::address_v4::loopback(), 0}),
         group_(asio::ip::make_address("239.255.75.1"), udp_.local_endpoint().port()) {
@@ -99,20 +99,20 @@ class LyingListener {
 };
 
 /// Each client at a server of its own.
-class ProgramsLyingServerTest : public ProgramsMaliciousTest {
+class ProgramsMaliciousServerTest : public ProgramsMaliciousTest {
  protected:
-  void tellAll(std::span<const Told> told) {
-    tell(told, [this](const Lie& lie) {
-      return servers_.emplace_back(std::make_unique<LyingListener>(lie))->address();
+  void runAll(std::span<const ExpectedMessage> expected) {
+    runFalseStreams(expected, [this](const FalseStream& false_stream) {
+      return servers_.emplace_back(std::make_unique<MaliciousListener>(false_stream))->address();
     });
   }
 
  private:
-  std::vector<std::unique_ptr<LyingListener>> servers_;
+  std::vector<std::unique_ptr<MaliciousListener>> servers_;
 };
 
-TEST_F(ProgramsLyingServerTest, AreLimitedAndTheUserIsTold) {
-  tellAll(std::to_array<Told>({
+TEST_F(ProgramsMaliciousServerTest, AreLimitedAndReportedToTheUser) {
+  runAll(std::to_array<ExpectedMessage>({
       {"acceleration_1e8_described", "the client does not trust the stream any more"},
       {"acc_square_4hz_x", "no force from now on; restart the client"},
       {"clock_of_another_origin", "another server makes the stream from now on"},
@@ -124,8 +124,8 @@ TEST_F(ProgramsLyingServerTest, AreLimitedAndTheUserIsTold) {
   }));
 }
 
-TEST_F(ProgramsLyingServerTest, InDatagramsAreLimitedToo) {
-  tellAll(std::to_array<Told>({
+TEST_F(ProgramsMaliciousServerTest, InDatagramsAreLimitedToo) {
+  runAll(std::to_array<ExpectedMessage>({
       {"datagram_ids_max_first", "", "udp"},
       {"datagram_copies_contradict_in_turns", "", "udp"},
       {"datagram_half_sent", "", "udp"},
@@ -134,8 +134,8 @@ TEST_F(ProgramsLyingServerTest, InDatagramsAreLimitedToo) {
   }));
 }
 
-TEST_F(ProgramsLyingServerTest, ToTheGroupAreLimitedToo) {
-  tellAll(std::to_array<Told>({
+TEST_F(ProgramsMaliciousServerTest, ToTheGroupAreLimitedToo) {
+  runAll(std::to_array<ExpectedMessage>({
       {"datagram_honest", "", "multicast"},
       {"datagram_epoch_against_tcp", "", "multicast"},
       {"datagram_copies_contradict_in_turns", "", "multicast"},

@@ -24,11 +24,11 @@ struct GroupCase {
 };
 
 /// Takes the group's datagrams as they are on the cable.
-class HopWatch {
+class HopCounter {
  public:
-  HopWatch() = default;
-  HopWatch(asio::io_context& io, const asio::ip::address& group, std::uint16_t port,
-           const char* link) {
+  HopCounter() = default;
+  HopCounter(asio::io_context& io, const asio::ip::address& group, std::uint16_t port,
+             const char* link) {
     const bool v6 = group.is_v6();
     socket_ = std::make_unique<asio::ip::udp::socket>(io);
     socket_->open(v6 ? asio::ip::udp::v6() : asio::ip::udp::v4());
@@ -130,7 +130,7 @@ class ProgramsMulticastTest : public ProgramsTest, public ::testing::WithParamIn
              return row.penetration_mm > 0.0 && row.force_N != Vec3::Zero();
            }) >= 1000;
   }
-  /// A viewer that comes while others watch: what TCP brings it first.
+  /// A viewer that connects while others view: its first messages over TCP.
   CodedFrame firstFrameOfALateComer() const {
     const bool v6 = GetParam().v6;
     const auto peer = TwoHosts::madeOn(hosts_.viewer(), [&] {
@@ -153,9 +153,9 @@ class ProgramsMulticastTest : public ProgramsTest, public ::testing::WithParamIn
 
 TEST_P(ProgramsMulticastTest, FramesComeByTheGroupAndGoNoFurtherThanTheyMay) {
   const GroupCase& how = GetParam();
-  auto watch = TwoHosts::madeOn(hosts_.viewer(), [&] {
-    return std::make_unique<HopWatch>(io_, asio::ip::make_address(how.group), kGroupPort,
-                                      TwoHosts::kViewerLink);
+  auto hop_counter = TwoHosts::madeOn(hosts_.viewer(), [&] {
+    return std::make_unique<HopCounter>(io_, asio::ip::make_address(how.group), kGroupPort,
+                                        TwoHosts::kViewerLink);
   });
   const auto server = this->server();
   ASSERT_TRUE(server->says("listening on ", kStart)) << server->output();
@@ -163,7 +163,7 @@ TEST_P(ProgramsMulticastTest, FramesComeByTheGroupAndGoNoFurtherThanTheyMay) {
   std::vector<int> hops;
   EXPECT_TRUE(waitUntil(kSoon,
                         [&] {
-                          const auto more = watch->take();
+                          const auto more = hop_counter->take();
                           hops.insert(hops.end(), more.begin(), more.end());
                           return hops.size() >= 40;
                         }))

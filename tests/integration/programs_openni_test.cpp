@@ -66,7 +66,7 @@ TEST_F(ProgramsOpenniTest, AnUnpluggedCameraFadesTheForceAndComesBack) {
   EXPECT_TRUE(presses(away, 1000)) << client->output();
   interrupt(*client);
   interrupt(*server);
-  EXPECT_EQ(countOf("warning", server->output()), 1U) << server->output();
+  EXPECT_EQ(countOccurrences("warning", server->output()), 1U) << server->output();
   const auto summary = nlohmann::json::parse(std::ifstream(path("sum.json")));
   EXPECT_EQ(summary["step_excess_max_N"], 0.0);
   EXPECT_EQ(summary["frames"]["malformed"], 0);
@@ -90,7 +90,7 @@ TEST_F(ProgramsOpenniTest, AWrongStartIsOneLine) {
   camera_.order({{"plugged", 1}, {"color", 0}});
   const auto grey = startWithCamera({"openni:0", "--quiet"});
   EXPECT_EQ(grey->wait(kSoon), 2);
-  EXPECT_EQ(countOf("\n", grey->output()), 1U) << grey->output();
+  EXPECT_EQ(countOccurrences("\n", grey->output()), 1U) << grey->output();
 }
 
 }  // namespace

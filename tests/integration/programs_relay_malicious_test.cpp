@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The false streams of the tests pass from an origin that lies through nats-server and a real edge
-// to real clients, with the same result as from a server that lies.
+// The false streams of the tests pass from a malicious origin through nats-server and a real edge
+// to real clients, with the same result as from a malicious server.
 #include <thread>
 
 #include "common/build_options.hpp"
@@ -15,11 +15,12 @@
 namespace hapticast::testing {
 namespace {
 
-/// Tells one lie to all edges of a channel. Its signatures and heads are those of an honest origin.
-class LyingOrigin {
+/// Sends one false stream to all edges of a channel. Its signatures and heads are those of an
+/// honest origin.
+class MaliciousOrigin {
  public:
-  LyingOrigin(const Lie& lie, const server::NatsAddress& address)
-      : server_(lie),
+  MaliciousOrigin(const FalseStream& false_stream, const server::NatsAddress& address)
+      : server_(false_stream),
         channel_(address.channel),
         subjects_(address.channel),
         nats_("--publish", address, {}) {
@@ -42,14 +43,14 @@ class LyingOrigin {
   void onPing(std::span<const std::uint8_t> bytes, const std::string& reply) {
     const std::lock_guard lock(mutex_);
     const auto ping = decodeRelayPing(bytes);
-    // The stream begins with the first viewer, as that of a server that lies.
+    // The stream begins with the first viewer, as that of a malicious server.
     if (!begun_ && ping.ok() && ping.value().wants_datagrams) {
       begun_ = true;
       begin_ = clock_.now();
     }
     const auto answer = ping.ok() ? server_.answer({ping.value().t0}, now_s()) : std::nullopt;
     if (!answer) return;
-    const auto said = decode(*answer);  // a pong that cannot be sent lies too much
+    const auto said = decode(*answer);  // a pong that cannot be encoded is not sent
     if (!said.ok()) return;
     const Pong& pong = std::get<Pong>(said.value());
     publish(reply, RelayPong{pong.t0, pong.t1, pong.t2});
@@ -76,7 +77,8 @@ class LyingOrigin {
   void sendFrame(const Bytes& message) {
     RelayFrame frame;
     frame.id = number_ + 1;
-    // A lie by datagrams alone has nothing for TCP: the edge sends the viewers of TCP a repetition.
+    // A false stream by datagrams alone has nothing for TCP: the edge sends the viewers of TCP a
+    // repetition.
     static const Bytes kNothing = encode(Preparing{1.0});
     frame.delta = std::make_shared<const Bytes>(message.empty() ? kNothing : message);
     auto bodies = server_.takeDatagrams();
@@ -108,7 +110,7 @@ class LyingOrigin {
   std::jthread thread_;  // last: it uses the others
 };
 
-class ProgramsLyingOriginTest : public ProgramsMaliciousTest {
+class ProgramsMaliciousOriginTest : public ProgramsMaliciousTest {
  protected:
   void SetUp() override {
     if (!kHasRelays) GTEST_SKIP() << "this build has no libnats";
@@ -116,12 +118,12 @@ class ProgramsLyingOriginTest : public ProgramsMaliciousTest {
     std::filesystem::create_directories(path("nats"));
     nats_ = std::make_unique<NatsServer>(path("nats"), "");
   }
-  void tellAll(std::span<const Told> told) {
-    tell(told, [this](const Lie& lie) {
-      const auto address = *server::parseNatsAddress(nats_->channel(lie.name));
-      edges_.push_back(startServer({"--source", nats_->channel(lie.name)}));
+  void runAll(std::span<const ExpectedMessage> expected) {
+    runFalseStreams(expected, [this](const FalseStream& false_stream) {
+      const auto address = *server::parseNatsAddress(nats_->channel(false_stream.name));
+      edges_.push_back(startServer({"--source", nats_->channel(false_stream.name)}));
       EXPECT_TRUE(edges_.back()->says("waiting for an origin", kSoon));
-      origins_.push_back(std::make_unique<LyingOrigin>(lie, address));
+      origins_.push_back(std::make_unique<MaliciousOrigin>(false_stream, address));
       return addressOf(*edges_.back());
     });
     for (const auto& edge : edges_) interrupt(*edge);
@@ -130,11 +132,11 @@ class ProgramsLyingOriginTest : public ProgramsMaliciousTest {
  private:
   std::unique_ptr<NatsServer> nats_;
   std::vector<std::unique_ptr<Process>> edges_;
-  std::vector<std::unique_ptr<LyingOrigin>> origins_;
+  std::vector<std::unique_ptr<MaliciousOrigin>> origins_;
 };
 
-TEST_F(ProgramsLyingOriginTest, IsLimitedAndTheUserIsTold) {
-  tellAll(std::to_array<Told>({
+TEST_F(ProgramsMaliciousOriginTest, IsLimitedAndReportedToTheUser) {
+  runAll(std::to_array<ExpectedMessage>({
       {"acceleration_1e8_described", "the client does not trust the stream any more"},
       {"acc_square_4hz_x", "no force from now on; restart the client"},
       {"id_max_once", "jumps of the frame ids"},
@@ -145,8 +147,8 @@ TEST_F(ProgramsLyingOriginTest, IsLimitedAndTheUserIsTold) {
   }));
 }
 
-TEST_F(ProgramsLyingOriginTest, InDatagramsIsLimitedToo) {
-  tellAll(std::to_array<Told>({
+TEST_F(ProgramsMaliciousOriginTest, InDatagramsIsLimitedToo) {
+  runAll(std::to_array<ExpectedMessage>({
       {"datagram_ids_max_first", ""},
       {"datagram_copies_contradict_in_turns", ""},
       {"datagram_half_sent", ""},

@@ -89,14 +89,15 @@ TEST_F(ProgramsRelayTest, AStandbyTakesOverAndTheViewersStayConnected) {
   const auto udp = startViewer(address, "udp");
   const auto tcp = startViewer(address, "tcp", {"--transport", "tcp"});
   EXPECT_TRUE(framesArrive("udp") && framesArrive("tcp"));
-  EXPECT_EQ(countOf("active (term", second->output()), 0U);
+  EXPECT_EQ(countOccurrences("active (term", second->output()), 0U);
   first->signal(SIGKILL);
   EXPECT_TRUE(second->says("active (term", kSoon)) << second->output();
   EXPECT_TRUE(edge->says("another origin sends from now on", kSoon)) << edge->output();
   EXPECT_TRUE(framesArrive("udp") && framesArrive("tcp"));
   for (Process* client : {udp.get(), tcp.get()}) {
-    EXPECT_EQ(countOf("trying again", client->output()), 0U) << client->output();
-    EXPECT_EQ(countOf("another server makes the stream", client->output()), 1U) << client->output();
+    EXPECT_EQ(countOccurrences("trying again", client->output()), 0U) << client->output();
+    EXPECT_EQ(countOccurrences("another server makes the stream", client->output()), 1U)
+        << client->output();
   }
   (void)endViewer(*udp, "udp");
   (void)endViewer(*tcp, "tcp");
@@ -116,7 +117,7 @@ TEST_F(ProgramsRelayTest, AnEdgeWithoutOriginKeepsItsViewersUntilOneSends) {
   origin = startOrigin();
   EXPECT_TRUE(edge->says("an origin sends again", kSoon)) << edge->output();
   EXPECT_TRUE(framesArrive("wait"));
-  EXPECT_EQ(countOf("trying again", client->output()), 0U) << client->output();
+  EXPECT_EQ(countOccurrences("trying again", client->output()), 0U) << client->output();
   (void)endViewer(*client, "wait");
   interrupt(*edge);
   interrupt(*origin);
@@ -138,30 +139,30 @@ TEST_F(ProgramsRelayTest, ANatsServerMayRestart) {
   interrupt(*origin);
 }
 
-TEST_F(ProgramsRelayTest, MessagesOfStrangersHarmNobody) {
+TEST_F(ProgramsRelayTest, IgnoresMessagesOfUnauthorisedSenders) {
   const auto origin = startOrigin();
   const auto edge = startEdge();
   const auto client = startViewer(addressOf(*edge), "stranger");
   EXPECT_TRUE(framesArrive("stranger"));
   const server::Subjects subjects("lab");
-  server::NatsConnection stranger("--publish", *server::parseNatsAddress(nats_->channel("lab")),
-                                  {});
+  server::NatsConnection unauthorised("--publish", *server::parseNatsAddress(nats_->channel("lab")),
+                                      {});
   const std::vector<std::uint8_t> noise(700'000, std::uint8_t{0x5a});
   for (int i = 0; i < 40; ++i) {
     for (const std::string& subject : {subjects.state, subjects.frames, subjects.pings}) {
-      (void)stranger.publish(subject, noise);
-      (void)stranger.publish(subject, {});
+      (void)unauthorised.publish(subject, noise);
+      (void)unauthorised.publish(subject, {});
     }
   }
   const auto forged = encodeRelay("lab", {std::uint64_t{1} << 61U, 5, 1}, RelayPong{},
                                   [](auto /*bytes*/) { return Signature{}; });
-  (void)stranger.publish(subjects.state, splitRelay(forged, 1, 100'000).front());
+  (void)unauthorised.publish(subjects.state, splitRelay(forged, 1, 100'000).front());
   EXPECT_TRUE(origin->says("it ignores heartbeats: they are no states", kSoon)) << origin->output();
   EXPECT_TRUE(edge->says("bytes that are not a piece of a relayed message", kSoon))
       << edge->output();
   EXPECT_TRUE(framesArrive("stranger"));
-  EXPECT_LE(countOf("a message was dropped", edge->output()), 8U) << "the log is limited";
-  EXPECT_EQ(countOf("standby", origin->output()), 0U) << origin->output();
+  EXPECT_LE(countOccurrences("a message was dropped", edge->output()), 8U) << "the log is limited";
+  EXPECT_EQ(countOccurrences("standby", origin->output()), 0U) << origin->output();
   EXPECT_EQ(endViewer(*client, "stranger")["frames"]["resyncs"], 0);
   interrupt(*edge);
   interrupt(*origin);

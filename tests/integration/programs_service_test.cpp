@@ -15,9 +15,9 @@ namespace hapticast::testing {
 namespace {
 
 /// A viewer, and the stiffness in its newest frame. Values of the test are exact in 32 bits.
-class Watcher {
+class SystemdSocket {
  public:
-  Watcher(asio::io_context& io, const std::string& address)
+  SystemdSocket(asio::io_context& io, const std::string& address)
       : peer_(io, static_cast<std::uint16_t>(std::stoi(address.substr(address.rfind(':') + 1)))) {
     peer_.send(Hello{kProtocolVersion, "reload", false, true});
   }
@@ -63,13 +63,13 @@ class ReportSocket {
   ReportSocket& operator=(const ReportSocket&) = delete;
 
   /// Whether `text` arrives `times` times before a deadline.
-  bool hears(const std::string& text, std::size_t times = 1) {
+  bool receives(const std::string& text, std::size_t times = 1) {
     return waitUntil(kSoon, [&] {
       std::array<char, 1024> message{};
       for (ssize_t size = 0;
            (size = ::recv(socket_, message.data(), message.size(), MSG_DONTWAIT)) > 0;)
         all_.append(message.data(), static_cast<std::size_t>(size)).append("\n");
-      return countOf(text, all_) >= times;
+      return countOccurrences(text, all_) >= times;
     });
   }
   [[nodiscard]] const std::string& all() const { return all_; }
@@ -87,7 +87,7 @@ class ProgramsServiceTest : public ProgramsTest {
 TEST_F(ProgramsServiceTest, AViewerGetsTheNewMaterialAndAFileWithAnErrorChangesNothing) {
   const std::string config = write("server.conf", "stiffness = 0.5\nmass = 0.2\n");
   const auto server = startServer({"--source", "synthetic:bounce", "--loop", "--config", config});
-  Watcher viewer(io, addressOf(*server));
+  SystemdSocket viewer(io, addressOf(*server));
   ASSERT_TRUE(viewer.sees(0.5));
 
   write("server.conf", "stiffness = 0.75\nmax-clients = 2\n");
@@ -107,22 +107,22 @@ TEST_F(ProgramsServiceTest, AViewerGetsTheNewMaterialAndAFileWithAnErrorChangesN
   interrupt(*server);
 }
 
-TEST_F(ProgramsServiceTest, SystemdHearsOfStartReloadAndEndAndThatThePipelineLives) {
+TEST_F(ProgramsServiceTest, SystemdReceivesStartReloadEndAndTheWatchdogsSign) {
   ReportSocket systemd(path("notify"));
   const auto server =
       start("/usr/bin/env",
             {"NOTIFY_SOCKET=" + path("notify"), "WATCHDOG_USEC=400000", HAPTICAST_SERVER_PROGRAM,
              "--source", "synthetic:still", "--wait-for-viewer", "--listen", "127.0.0.1:0"});
-  EXPECT_TRUE(systemd.hears("READY=1\nSTATUS=synthetic:still: listening on 127.0.0.1:"))
+  EXPECT_TRUE(systemd.receives("READY=1\nSTATUS=synthetic:still: listening on 127.0.0.1:"))
       << systemd.all() << server->output();
   ASSERT_TRUE(server->says("waiting for the first viewer", kStart)) << server->output();
-  const std::size_t before = countOf("WATCHDOG=1\n", systemd.all());
-  EXPECT_TRUE(systemd.hears("WATCHDOG=1\n", before + 5)) << "while no viewer is there";
+  const std::size_t before = countOccurrences("WATCHDOG=1\n", systemd.all());
+  EXPECT_TRUE(systemd.receives("WATCHDOG=1\n", before + 5)) << "while no viewer is there";
   server->signal(SIGHUP);
-  EXPECT_TRUE(systemd.hears("RELOADING=1\nMONOTONIC_USEC=")) << systemd.all();
-  EXPECT_TRUE(systemd.hears("READY=1\n", 2)) << systemd.all();
+  EXPECT_TRUE(systemd.receives("RELOADING=1\nMONOTONIC_USEC=")) << systemd.all();
+  EXPECT_TRUE(systemd.receives("READY=1\n", 2)) << systemd.all();
   interrupt(*server, SIGTERM);
-  EXPECT_TRUE(systemd.hears("STOPPING=1\n")) << systemd.all();
+  EXPECT_TRUE(systemd.receives("STOPPING=1\n")) << systemd.all();
 }
 
 TEST_F(ProgramsServiceTest, LinesForTheJournalHaveNoTime) {

@@ -93,8 +93,8 @@ TEST_F(ProgramsTlsTest, AnAuthorityDecidesWhereTheUserNamesOne) {
     interrupt(*server);
   }
   const auto own = startTlsServer({"--tls", "auto"});
-  const auto stranger = startViewer("hapticasts://" + addressOf(*own), trust);
-  expectRefusal(*stranger, "the server's certificate is not valid: ");
+  const auto unknown_viewer = startViewer("hapticasts://" + addressOf(*own), trust);
+  expectRefusal(*unknown_viewer, "the server's certificate is not valid: ");
   interrupt(*own);
   const auto server = startTlsServer(with("good"));
   const auto viewer = startViewer("hapticasts://" + addressOf(*server), trust);

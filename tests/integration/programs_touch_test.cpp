@@ -97,8 +97,8 @@ class ProgramsTouchTest : public ProgramsTest {
     EXPECT_EQ(rows.front().t_s, 0.0) << "the first tick";
     EXPECT_EQ(rows.back().force_N, Vec3::Zero()) << "left with a force";
 
-    // How much of it was interpolated is timing, so it is told, not judged: a busy machine skips
-    // frames and brings others late.
+    // How much of it was interpolated is timing, so it is printed, not checked: a busy machine
+    // skips frames and brings others late.
     std::cout << name << ": " << contact << " contact ticks, "
               << 100.0 * number("contact_lookup.interpolated") / contact << " % interpolated, "
               << number("max_force_N") << " N at most, " << number("late_ticks")
@@ -182,7 +182,7 @@ TEST_F(ProgramsTouchTest, ThesisOnBothSides) {
             {"--method", "thesis"});
 }
 
-TEST_F(ProgramsTouchTest, AThesisClientSaysWhatItCannotSwitchOnAnotherServer) {
+TEST_F(ProgramsTouchTest, AThesisClientReportsTheStagesThatAnotherServerDoes) {
   const auto server = startServer({"--source", makeClip("clip"), "--loop"});
   const auto client = startClient({addressOf(*server), "--method", "thesis"});
   EXPECT_TRUE(client->says("connected: ", kSoon)) << client->output();
@@ -192,7 +192,7 @@ TEST_F(ProgramsTouchTest, AThesisClientSaysWhatItCannotSwitchOnAnotherServer) {
   interrupt(*client);
   const auto ours = startClient({addressOf(*server)});
   EXPECT_TRUE(ours->says("connected: ", kSoon)) << ours->output();
-  EXPECT_EQ(countOf("thesis", ours->output()), 0U) << ours->output();
+  EXPECT_EQ(countOccurrences("thesis", ours->output()), 0U) << ours->output();
   interrupt(*ours);
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The window as a person uses it, on SDL's display for machines without one: a real server streams
-// a ball, pointer and keys come as SDL's events, the force is felt through the mouse.
+// a ball, pointer and keys come as SDL's events, the force acts on the mouse.
 #include "client/view/window/window.hpp"
 
 #include <cstdlib>
@@ -20,10 +20,10 @@ using client::TickReport;
 using client::ViewerWindow;
 
 /// The real window, and somebody who sits before it: `each_turn` looks and acts.
-class Watched final : public client::View {
+class TestView final : public client::View {
  public:
   using EachTurn = std::function<void(ViewerWindow& window, const TickReport& report)>;
-  Watched(EachTurn each_turn, TickReport& last) : each_turn_(std::move(each_turn)), last_(last) {}
+  TestView(EachTurn each_turn, TickReport& last) : each_turn_(std::move(each_turn)), last_(last) {}
   void onPicture(VideoFrame picture, const Workspace& workspace) override {
     window_.onPicture(std::move(picture), workspace);
   }
@@ -67,7 +67,7 @@ void wheel(float notches) {
   SDL_PushEvent(&event);
 }
 
-/// A story told in steps: each waits for something, then does something.
+/// A story in steps: each waits for something, then does something.
 class Story {
  public:
   struct Step {
@@ -109,8 +109,8 @@ class ProgramsWindowTest : public ProgramsTest {
     setenv("SDL_VIDEODRIVER", "dummy", 1);
     setenv("SDL_RENDER_DRIVER", "software", 1);
   }
-  /// The story, told to a client of this server; its summary.
-  nlohmann::json tell(Story& story, const std::string& address) {
+  /// Plays the story with a client of this server. Returns its summary.
+  nlohmann::json playStory(Story& story, const std::string& address) {
     client::Settings settings;
     const auto colon = address.rfind(':');
     settings.server = {address.substr(0, colon),
@@ -118,7 +118,7 @@ class ProgramsWindowTest : public ProgramsTest {
     settings.summary_file = path("summary.json");
     settings.quiet = true;
     client::Views views;
-    views.push_back(std::make_unique<Watched>(
+    views.push_back(std::make_unique<TestView>(
         [&story](ViewerWindow& window, const TickReport& report) { story.goOn(window, report); },
         last));
     const SteadyClock clock;
@@ -152,7 +152,7 @@ Vec2 drawnArrow(const cv::Mat& pixels, const client::ScenePlace& place, const Ve
   return farthest;
 }
 
-TEST_F(ProgramsWindowTest, TheMousePressesIntoTheBallPausesFeelsItAndGoesOn) {
+TEST_F(ProgramsWindowTest, TheMousePressesIntoTheBallPausesTouchesItAndGoesOn) {
   const auto server = startServer({"--source", "synthetic:bounce", "--loop"});
   const std::string address = addressOf(*server);
   LocalTime since{};
@@ -213,7 +213,7 @@ TEST_F(ProgramsWindowTest, TheMousePressesIntoTheBallPausesFeelsItAndGoesOn) {
         }},
        {"contact once more", [](const TickReport& r) { return r.contact || !r.over_object; },
         [](ViewerWindow&, const TickReport&) { Story::end(); }}});
-  const auto summary = tell(story, address);
+  const auto summary = playStory(story, address);
   EXPECT_EQ(summary["step_excess_max_N"], 0.0);
   EXPECT_LE(summary["max_force_N"], 3.3 + 1e-9);
   EXPECT_EQ(last.force_N, Vec3(Vec3::Zero())) << "closed in contact";
@@ -254,14 +254,15 @@ TEST_F(ProgramsWindowTest, ADisplayThatEndsLetsTheForceDown) {
   const auto client = start("/usr/bin/env", {"-u", "SDL_VIDEODRIVER", "DISPLAY=" + display.name(),
                                              HAPTICAST_CLIENT_PROGRAM, addressOf(*server), "--view",
                                              "on", "--device", "virtual", "--log", log});
-  const auto feels = [&] {
+  const auto contactForceActs = [&] {
     const auto rows = readLog(log);
     return !rows.empty() && rows.back().force_N.norm() > 0.5;
   };
-  ASSERT_TRUE(waitUntil(kSoon, feels)) << client->output();
+  ASSERT_TRUE(waitUntil(kSoon, contactForceActs)) << client->output();
   display.end();
   EXPECT_EQ(client->wait(kSoon), 1) << client->output();
-  EXPECT_EQ(countOf("the window closed: the display ended or removed it", client->output()), 1U)
+  EXPECT_EQ(
+      countOccurrences("the window closed: the display ended or removed it", client->output()), 1U)
       << client->output();
   const auto rows = readLog(log);
   ASSERT_FALSE(rows.empty());
@@ -296,7 +297,8 @@ TEST_F(ProgramsWindowTest, AWindowThatIsRemovedFromOutsideEndsTheClient) {
   ASSERT_TRUE(client->says("connected: ", kSoon)) << client->output();
   EXPECT_EQ(Process({HAPTICAST_PYTHON, "-c", kRemoveWindows, display.name()}).wait(kSoon), 0);
   EXPECT_EQ(client->wait(kSoon), 1) << client->output();
-  EXPECT_EQ(countOf("the window closed: the display ended or removed it", client->output()), 1U)
+  EXPECT_EQ(
+      countOccurrences("the window closed: the display ended or removed it", client->output()), 1U)
       << client->output();
   interrupt(*server);
 }

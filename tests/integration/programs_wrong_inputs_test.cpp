@@ -34,7 +34,7 @@ std::string replaced(std::string text, const std::string& what, const std::strin
   return text;
 }
 
-/// What a program said, without the time and the level in front of each line.
+/// The output of a program, without the time and the level in front of each line.
 std::string formatLines(const std::string& output) {
   static const std::regex kFront(R"(^[0-9]{2}:[0-9]{2}:[0-9]{2}\.[0-9]{3} (warning|error) )",
                                  std::regex::multiline);

@@ -60,7 +60,7 @@ TEST_F(ServerTest, PongsHaveTheErrorOfTheServersClock) {
   EXPECT_EQ(pong(2).error, Duration(limits::kClockError_ns)) << "what a message may have";
 }
 
-TEST_F(ServerTest, WhoJoinsGetsTheWholeLastFrameAtOnce) {
+TEST_F(ServerTest, ANewViewerGetsTheWholeLastFrameAtOnce) {
   TestServer server(io, clock);
   const auto first = viewer(server);
   server.publish(1, 8, false);
@@ -78,7 +78,7 @@ TEST_F(ServerTest, WhoJoinsGetsTheWholeLastFrameAtOnce) {
   EXPECT_TRUE(late->all<CodedFrame>()[0].objects[0].relief);
 }
 
-TEST_F(ServerTest, SendsVideoToThoseWhoWantIt) {
+TEST_F(ServerTest, SendsVideoToViewersThatRequestIt) {
   TestServer server(io, clock);
   const auto blind = viewer(server);
   EXPECT_FALSE(server.broadcaster.videoWanted());
@@ -179,7 +179,7 @@ TEST_F(ServerTest, RefusesAFloodOfMessages) {
   EXPECT_EQ(farewell(*peer).code, ErrorCode::kUnexpected);
 }
 
-TEST_F(ServerTest, ClosesConnectionsThatSayNothing) {
+TEST_F(ServerTest, ClosesSilentConnections) {
   server::StreamSettings settings;
   settings.hello_deadline = milliseconds(100);
   settings.idle_timeout = milliseconds(300);
@@ -205,7 +205,7 @@ TEST_F(ServerTest, RefusesMoreClientsThanItHasPlacesFor) {
   (void)viewer(server);
 }
 
-TEST_F(ServerTest, ASlowReaderLosesFramesAndItsPlaceAndNobodyElseDoes) {
+TEST_F(ServerTest, OnlyASlowReaderLosesFramesAndItsPlace) {
   server::StreamSettings settings;
   settings.write_timeout = milliseconds(500);
   TestServer server(io, clock, settings);
@@ -229,7 +229,7 @@ TEST_F(ServerTest, ASlowReaderLosesFramesAndItsPlaceAndNobodyElseDoes) {
   EXPECT_EQ(server.broadcaster.counts().timed_out, 1U);
 }
 
-TEST_F(ServerTest, FramesThatAreTooLargeAreLeftOutAndToldOnce) {
+TEST_F(ServerTest, FramesThatAreTooLargeAreLeftOutAndReportedOnce) {
   TestServer server(io, clock);
   RawPeer peer(io, server.port());
   peer.send(Hello{kProtocolVersion, "", false, true});
@@ -272,7 +272,7 @@ TEST_F(ServerTest, AFrameThatDatagramsDoNotCarryStillGoesByTcp) {
       "warning a frame of 0 kB, more than datagrams carry: the server sends it by TCP only\n");
 }
 
-TEST_F(ServerTest, WhatPilesUpWhileItIsBusyIsReplacedByWhatIsNewer) {
+TEST_F(ServerTest, ReplacesQueuedFramesByNewerOnesWhileBusy) {
   TestServer server(io, clock);
   const auto peer = viewer(server);
   for (std::uint64_t id = 1; id <= 10; ++id) server.publish(id);
@@ -334,7 +334,7 @@ TEST_F(ServerTest, TakesFramesFromAnotherThread) {
   pipeline.join();
 }
 
-TEST_F(ServerTest, SaysGoodbyeAndRunsOutOfWork) {
+TEST_F(ServerTest, SendsGoodbyeAndRunsOutOfWork) {
   TestServer server(io, clock);
   const auto peer = viewer(server);
   server.stop();

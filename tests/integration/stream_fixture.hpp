@@ -144,7 +144,7 @@ struct TestClient {
   TestClient(asio::io_context& io, const Clock& clock, std::uint16_t port,
              const std::function<void(client::ConnectionSettings&)>& change = {})
       : decode_thread(*pool, clock, Method::kHapticast,
-                      [this](const client::PreparedFrame& frame) { receiver.prepared(frame); }),
+                      [this](const client::PreparedFrame& frame) { receiver.addPrepared(frame); }),
         connection(io, clock, settings(port, change), receiver, events()) {
     connection.start();
   }

@@ -149,18 +149,18 @@ TEST_F(OpenniCamera, WrongFramesAreLeftOut) {
   const auto source = openSource("openni:", 0.0);
   ASSERT_TRUE(testing::readLive(*source));
   const LogLines log;
-  for (const auto& [lie, value] : std::map<std::string, int>{
+  for (const auto& [false_stream, value] : std::map<std::string, int>{
            {"lie_width", 1 << 30}, {"lie_bytes", 1000}, {"lie_stride", -384}}) {
-    order({{lie, value}});
+    order({{false_stream, value}});
     // The frames are left out until they are whole again.
-    std::thread mend([this, lie = lie] {
+    std::thread mend([this, false_stream = false_stream] {
       std::this_thread::sleep_for(std::chrono::milliseconds(300));
-      order({{lie, 0}});
+      order({{false_stream, 0}});
     });
     for (int i = 0; i < 3; ++i) {
       const auto frame = testing::readLive(*source);
       ASSERT_TRUE(frame);
-      EXPECT_EQ(frame->depth.at<float>(48, 64), 880.0F) << lie;
+      EXPECT_EQ(frame->depth.at<float>(48, 64), 880.0F) << false_stream;
     }
     mend.join();
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// All the lies (lies_messages.cpp, lies_slices.cpp, lies_datagrams.cpp, lies_scene.cpp).
+// The list of all false streams (adversarial_{messages,slices,datagrams,scene}.cpp).
 #include <iterator>
 #include <utility>
 
@@ -10,12 +10,12 @@ namespace hapticast::testing {
 namespace {
 
 template <class... More>
-void append(Lies& to, More&&... more) {
+void append(FalseStreams& to, More&&... more) {
   (std::move(more.begin(), more.end(), std::back_inserter(to)), ...);
 }
 
-Lies all() {
-  Lies all;
+FalseStreams all() {
+  FalseStreams all;
   append(all, floats(), structure(), slices(), datagrams(), order(), geometry(), motion(),
          material());
   return all;
@@ -23,8 +23,8 @@ Lies all() {
 
 }  // namespace
 
-const std::vector<Lie>& lies() {
-  static const Lies kAll = all();
+const std::vector<FalseStream>& falseStreams() {
+  static const FalseStreams kAll = all();
   return kAll;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Lies in what datagrams say before their payload, and in which payload stands behind it: every one
-// of them is signed, as a server that lies has the key.
+// False streams with wrong datagram headers, or with the payload of another datagram. Every one
+// of them is signed, because a malicious server has the key.
 #include <stdexcept>
 #include <utility>
 
@@ -11,7 +11,7 @@ namespace hapticast::testing {
 
 namespace {
 
-using Part = PartsTelling::Part;
+using Part = OutgoingDatagrams::Part;
 
 /// A plateau that needs several datagrams, the same in every frame, so that it is coded once.
 std::shared_ptr<const Relief> bumpy(double height_mm) {
@@ -25,10 +25,10 @@ std::shared_ptr<const Relief> bumpy(double height_mm) {
   return relief;
 }
 
-void showsBumps(Telling& t) { t.shows(bumpy(10.0)); }
+void setBumps(OutgoingFrame& t) { t.setRelief(bumpy(10.0)); }
 
 /// Its parts, as if another frame of that height stood behind the same header.
-std::vector<Part> partsAt(const PartsTelling& t, double height_mm) {
+std::vector<Part> partsAt(const OutgoingDatagrams& t, double height_mm) {
   CodedFrame other = t.frame;
   HapticObject object;
   object.relief = bumpy(height_mm);
@@ -36,13 +36,13 @@ std::vector<Part> partsAt(const PartsTelling& t, double height_mm) {
   auto& relief = coded_reliefs[height_mm];
   if (!relief) relief = coded(object).relief;
   other.objects.front().relief = relief;
-  return PartsTelling::partsOf(other);
+  return OutgoingDatagrams::partsOf(other);
 }
 
 /// From the 30th frame on.
 template <class Change>
 auto parted(Change change) {
-  return [change](PartsTelling& t) {
+  return [change](OutgoingDatagrams& t) {
     if (t.n < 30) return;
     if (t.parts.size() < 4) throw std::logic_error("the plateau has to be in several datagrams");
     change(t);
@@ -50,184 +50,200 @@ auto parted(Change change) {
 }
 template <class Change>
 auto headed(Change change) {
-  return parted([change](PartsTelling& t) {
+  return parted([change](OutgoingDatagrams& t) {
     for (Part& part : t.parts) change(part.header, t);
   });
 }
 
-Lie lie(const char* name, Verdict verdict, std::function<void(PartsTelling&)> tell_parts,
-        bool on_tcp = false) {
+FalseStream false_stream(const char* name, Verdict verdict,
+                         std::function<void(OutgoingDatagrams&)> alter_datagrams,
+                         bool on_tcp = false) {
   return {.name = std::string("datagram_") + name,
           .hand = kHold,
           .verdict = verdict,
-          .tell = showsBumps,
-          .tell_parts = std::move(tell_parts),
+          .alter = setBumps,
+          .alter_datagrams = std::move(alter_datagrams),
           .on_tcp = on_tcp};
 }
 
 // --- how many parts, and which
 
-Lies counts() {
+FalseStreams counts() {
   return {
-      lie("honest", kHarmless, [](PartsTelling&) {}),
-      lie("parts_differ", kHarmless, headed([](DatagramHeader& header, PartsTelling&) {
-            header.parts = static_cast<std::uint16_t>(header.parts + header.part % 2);
-          })),
-      lie("parts_65535", kHarmless,
-          headed([](DatagramHeader& header, PartsTelling&) { header.parts = 65'535; })),
-      lie("part_65534", kHarmless, headed([](DatagramHeader& header, PartsTelling&) {
-            header.parts = 65'535;
-            header.part = static_cast<std::uint16_t>(65'534 - header.part);
-          })),
-      lie("part_beyond", kRefused, headed([](DatagramHeader& header, PartsTelling&) {
-            header.part = static_cast<std::uint16_t>(header.part + header.parts);
-          })),
-      lie("parts_too_few", kRefused,
-          headed([](DatagramHeader& header, PartsTelling&) { header.parts = 2; })),
-      lie("half_sent", kHarmless,
-          parted([](PartsTelling& t) { t.parts.resize(t.parts.size() / 2); })),
-      lie("only_heads", kHarmless, parted([](PartsTelling& t) { t.parts.resize(1); })),
-      lie("never_heads", kHarmless,
-          parted([](PartsTelling& t) { t.parts.erase(t.parts.begin()); })),
-      lie("probes", kHarmless, parted([](PartsTelling& t) {
-            const Part probe{{t.parts.front().header.stream, 0, 0, {}, 0, 0},
-                             Bytes(kMostPieceBytes + kSealBytes)};
-            t.parts.insert(t.parts.begin(), 150, probe);
-          })),
-      lie("short_probes", kRefused, parted([](PartsTelling& t) {
-            t.parts.push_back({{t.parts.front().header.stream, 0, 0, {}, 0, 0}, {}});
-          })),
-      lie("another_stream", kRefused,
-          headed([](DatagramHeader& header, PartsTelling&) { header.stream += header.part; })),
+      false_stream("honest", kHarmless, [](OutgoingDatagrams&) {}),
+      false_stream("parts_differ", kHarmless,
+                   headed([](DatagramHeader& header, OutgoingDatagrams&) {
+                     header.parts = static_cast<std::uint16_t>(header.parts + header.part % 2);
+                   })),
+      false_stream("parts_65535", kHarmless, headed([](DatagramHeader& header, OutgoingDatagrams&) {
+                     header.parts = 65'535;
+                   })),
+      false_stream("part_65534", kHarmless, headed([](DatagramHeader& header, OutgoingDatagrams&) {
+                     header.parts = 65'535;
+                     header.part = static_cast<std::uint16_t>(65'534 - header.part);
+                   })),
+      false_stream("part_beyond", kRefused, headed([](DatagramHeader& header, OutgoingDatagrams&) {
+                     header.part = static_cast<std::uint16_t>(header.part + header.parts);
+                   })),
+      false_stream("parts_too_few", kRefused,
+                   headed([](DatagramHeader& header, OutgoingDatagrams&) { header.parts = 2; })),
+      false_stream("half_sent", kHarmless,
+                   parted([](OutgoingDatagrams& t) { t.parts.resize(t.parts.size() / 2); })),
+      false_stream("only_heads", kHarmless,
+                   parted([](OutgoingDatagrams& t) { t.parts.resize(1); })),
+      false_stream("never_heads", kHarmless,
+                   parted([](OutgoingDatagrams& t) { t.parts.erase(t.parts.begin()); })),
+      false_stream("probes", kHarmless, parted([](OutgoingDatagrams& t) {
+                     const Part probe{{t.parts.front().header.stream, 0, 0, {}, 0, 0},
+                                      Bytes(kMostPieceBytes + kSealBytes)};
+                     t.parts.insert(t.parts.begin(), 150, probe);
+                   })),
+      false_stream("short_probes", kRefused, parted([](OutgoingDatagrams& t) {
+                     t.parts.push_back({{t.parts.front().header.stream, 0, 0, {}, 0, 0}, {}});
+                   })),
+      false_stream(
+          "another_stream", kRefused,
+          headed([](DatagramHeader& header, OutgoingDatagrams&) { header.stream += header.part; })),
   };
 }
 
 // --- ids, epochs, times
 
-Lies places() {
+FalseStreams places() {
   constexpr std::uint64_t kJump = 2400;  // as far as ids may go from one to the next
   return {
-      lie("times_differ", kHarmless, headed([](DatagramHeader& header, PartsTelling& t) {
+      false_stream(
+          "times_differ", kHarmless, headed([](DatagramHeader& header, OutgoingDatagrams& t) {
             header.media_time += fromSeconds(std::uniform_real_distribution(-1.0, 1.0)(t.random));
           })),
-      lie("times_jump", kHarmless, headed([](DatagramHeader& header, PartsTelling& t) {
-            header.media_time += fromSeconds(t.n % 2 == 0 ? 1.0 : -1.0);
-          })),
-      lie("times_30_y_differ", kHarmless, headed([](DatagramHeader& header, PartsTelling&) {
-            header.media_time += fromSeconds(header.part % 2 == 0 ? 9.4e8 : -9.4e8);
-          })),
-      lie("times_292_y", kRefused, headed([](DatagramHeader& header, PartsTelling&) {
-            header.media_time = MediaTime(Duration::max());
-          })),
-      lie("times_against_tcp", kHarmless, headed([](DatagramHeader& header, PartsTelling&) {
-            header.frame += 1;  // before TCP brings it
-            header.media_time += fromSeconds(1.0);
-          }),
-          true),
-      lie("epoch_differs", kHarmless, headed([](DatagramHeader& header, PartsTelling& t) {
-            header.epoch = static_cast<std::uint32_t>(t.random());
-          })),
-      lie("epoch_of_each_frame", kLimited, headed([](DatagramHeader& header, PartsTelling& t) {
-            header.epoch = static_cast<std::uint32_t>(t.n);
-          })),
-      lie("epoch_against_tcp", kHarmless, headed([](DatagramHeader& header, PartsTelling& t) {
-            header.frame += 1;
-            header.epoch = static_cast<std::uint32_t>(t.n);
-          }),
-          true),
-      lie("ids_race", kHarmless, headed([=](DatagramHeader& header, PartsTelling& t) {
-            header.frame = (t.n - 28) * kJump;
-          })),
-      lie("ids_race_each", kHarmless, headed([=](DatagramHeader& header, PartsTelling& t) {
-            header.frame = ((t.n - 28) * t.parts.size() + header.part) * kJump;
-          })),
-      lie("ids_huge", kHarmless,
-          headed([](DatagramHeader& header, PartsTelling& t) { header.frame = t.random(); })),
-      lie(
+      false_stream("times_jump", kHarmless,
+                   headed([](DatagramHeader& header, OutgoingDatagrams& t) {
+                     header.media_time += fromSeconds(t.n % 2 == 0 ? 1.0 : -1.0);
+                   })),
+      false_stream("times_30_y_differ", kHarmless,
+                   headed([](DatagramHeader& header, OutgoingDatagrams&) {
+                     header.media_time += fromSeconds(header.part % 2 == 0 ? 9.4e8 : -9.4e8);
+                   })),
+      false_stream("times_292_y", kRefused, headed([](DatagramHeader& header, OutgoingDatagrams&) {
+                     header.media_time = MediaTime(Duration::max());
+                   })),
+      false_stream("times_against_tcp", kHarmless,
+                   headed([](DatagramHeader& header, OutgoingDatagrams&) {
+                     header.frame += 1;  // before TCP brings it
+                     header.media_time += fromSeconds(1.0);
+                   }),
+                   true),
+      false_stream("epoch_differs", kHarmless,
+                   headed([](DatagramHeader& header, OutgoingDatagrams& t) {
+                     header.epoch = static_cast<std::uint32_t>(t.random());
+                   })),
+      false_stream("epoch_of_each_frame", kLimited,
+                   headed([](DatagramHeader& header, OutgoingDatagrams& t) {
+                     header.epoch = static_cast<std::uint32_t>(t.n);
+                   })),
+      false_stream("epoch_against_tcp", kHarmless,
+                   headed([](DatagramHeader& header, OutgoingDatagrams& t) {
+                     header.frame += 1;
+                     header.epoch = static_cast<std::uint32_t>(t.n);
+                   }),
+                   true),
+      false_stream("ids_race", kHarmless, headed([=](DatagramHeader& header, OutgoingDatagrams& t) {
+                     header.frame = (t.n - 28) * kJump;
+                   })),
+      false_stream("ids_race_each", kHarmless,
+                   headed([=](DatagramHeader& header, OutgoingDatagrams& t) {
+                     header.frame = ((t.n - 28) * t.parts.size() + header.part) * kJump;
+                   })),
+      false_stream("ids_huge", kHarmless, headed([](DatagramHeader& header, OutgoingDatagrams& t) {
+                     header.frame = t.random();
+                   })),
+      false_stream(
           "ids_max_first", kHarmless,
-          [](PartsTelling& t) {
+          [](OutgoingDatagrams& t) {
             if (t.n > 0) return;
             for (Part& part : t.parts) part.header.frame = ~std::uint64_t{0};
           },
           true),
-      lie("ids_wrap", kHarmless,
-          [](PartsTelling& t) {
-            for (Part& part : t.parts) part.header.frame += ~std::uint64_t{40};
-          }),
-      lie("ids_backwards", kHarmless,
-          [](PartsTelling& t) {
-            for (Part& part : t.parts) part.header.frame = 1'000'000 - t.n;
-          }),
-      lie("ids_late", kHarmless, headed([](DatagramHeader& header, PartsTelling& t) {
-            header.frame -= header.part == 0 ? 0 : t.random() % 30;
-          })),
-      lie("ids_ahead_of_tcp", kHarmless, headed([](DatagramHeader& header, PartsTelling&) {
-            header.frame += 2000;  // so that TCP's are taken for late ones
-          }),
-          true),
+      false_stream("ids_wrap", kHarmless,
+                   [](OutgoingDatagrams& t) {
+                     for (Part& part : t.parts) part.header.frame += ~std::uint64_t{40};
+                   }),
+      false_stream("ids_backwards", kHarmless,
+                   [](OutgoingDatagrams& t) {
+                     for (Part& part : t.parts) part.header.frame = 1'000'000 - t.n;
+                   }),
+      false_stream("ids_late", kHarmless, headed([](DatagramHeader& header, OutgoingDatagrams& t) {
+                     header.frame -= header.part == 0 ? 0 : t.random() % 30;
+                   })),
+      false_stream("ids_ahead_of_tcp", kHarmless,
+                   headed([](DatagramHeader& header, OutgoingDatagrams&) {
+                     header.frame += 2000;  // so that TCP's are taken for late ones
+                   }),
+                   true),
   };
 }
 
 // --- payloads that do not belong there
 
-Lies payloads() {
+FalseStreams payloads() {
   return {
-      lie("slices_of_another_frame", kHarmless, parted([](PartsTelling& t) {
-            const std::vector<Part> others = partsAt(t, 20.0);
-            for (std::size_t i = 1; i < std::min(others.size(), t.parts.size()); i += 2)
-              t.parts[i].payload = others[i].payload;
-          })),
-      lie("slices_twice", kRefused,
-          parted([](PartsTelling& t) { t.parts[2].payload = t.parts[1].payload; })),
-      lie("copies_contradict", kHarmless, parted([](PartsTelling& t) {
-            for (const Part& part : partsAt(t, 20.0)) t.parts.push_back(part);
-          })),
-      lie("copies_contradict_in_turns", kLimited, parted([](PartsTelling& t) {
-            std::vector<Part> others = partsAt(t, 10.0 + 10.0 * static_cast<double>(t.n % 2));
-            others.insert(others.end(), t.parts.begin(), t.parts.end());
-            t.parts = std::move(others);
-          })),
-      lie("two_heads", kRefused,
-          parted([](PartsTelling& t) { t.parts[1].payload = t.parts[0].payload; })),
-      lie("head_of_another", kHarmless, parted([](PartsTelling& t) {
-            CodedFrame other = t.frame;
-            other.objects.front().id = 2;
-            t.parts.front().payload = PartsTelling::partsOf(other).front().payload;
-          })),
-      lie("17_objects", kRefused, parted([](PartsTelling& t) {
-            for (std::size_t i = 1; i < t.parts.size(); ++i) {
-              CodedFrame other = t.frame;
-              other.objects.assign(16, other.objects.front());
-              for (CodedObject& each : other.objects) {
-                each.id = static_cast<std::uint32_t>(i * 100 + other.objects.size());
-                each.relief = nullptr;
-                each.changed_in_frame = 0;
-                each.id += static_cast<std::uint32_t>(&each - other.objects.data());
-              }
-              t.parts[i].payload = PartsTelling::partsOf(other).front().payload;
-            }
-          })),
-      lie("heads_to_come", kHarmless, parted([](PartsTelling& t) {
-            // The field behind the objects: sixteen of them, of which one comes.
-            t.parts.front().payload.insert(t.parts.front().payload.end(), {0x28, 0x10});
-          })),
-      lie("noise", kRefused, parted([](PartsTelling& t) {
-            for (Part& part : t.parts) {
-              for (auto& byte : part.payload) byte = static_cast<std::uint8_t>(t.random());
-            }
-          })),
-      lie("empty", kHarmless, parted([](PartsTelling& t) {
-            for (Part& part : t.parts) part.payload.clear();
-          })),
+      false_stream("slices_of_another_frame", kHarmless, parted([](OutgoingDatagrams& t) {
+                     const std::vector<Part> others = partsAt(t, 20.0);
+                     for (std::size_t i = 1; i < std::min(others.size(), t.parts.size()); i += 2)
+                       t.parts[i].payload = others[i].payload;
+                   })),
+      false_stream("slices_twice", kRefused,
+                   parted([](OutgoingDatagrams& t) { t.parts[2].payload = t.parts[1].payload; })),
+      false_stream("copies_contradict", kHarmless, parted([](OutgoingDatagrams& t) {
+                     for (const Part& part : partsAt(t, 20.0)) t.parts.push_back(part);
+                   })),
+      false_stream("copies_contradict_in_turns", kLimited, parted([](OutgoingDatagrams& t) {
+                     std::vector<Part> others =
+                         partsAt(t, 10.0 + 10.0 * static_cast<double>(t.n % 2));
+                     others.insert(others.end(), t.parts.begin(), t.parts.end());
+                     t.parts = std::move(others);
+                   })),
+      false_stream("two_heads", kRefused,
+                   parted([](OutgoingDatagrams& t) { t.parts[1].payload = t.parts[0].payload; })),
+      false_stream("head_of_another", kHarmless, parted([](OutgoingDatagrams& t) {
+                     CodedFrame other = t.frame;
+                     other.objects.front().id = 2;
+                     t.parts.front().payload = OutgoingDatagrams::partsOf(other).front().payload;
+                   })),
+      false_stream("17_objects", kRefused, parted([](OutgoingDatagrams& t) {
+                     for (std::size_t i = 1; i < t.parts.size(); ++i) {
+                       CodedFrame other = t.frame;
+                       other.objects.assign(16, other.objects.front());
+                       for (CodedObject& each : other.objects) {
+                         each.id = static_cast<std::uint32_t>(i * 100 + other.objects.size());
+                         each.relief = nullptr;
+                         each.changed_in_frame = 0;
+                         each.id += static_cast<std::uint32_t>(&each - other.objects.data());
+                       }
+                       t.parts[i].payload = OutgoingDatagrams::partsOf(other).front().payload;
+                     }
+                   })),
+      false_stream("heads_to_come", kHarmless, parted([](OutgoingDatagrams& t) {
+                     // The field behind the objects: sixteen of them, of which one comes.
+                     t.parts.front().payload.insert(t.parts.front().payload.end(), {0x28, 0x10});
+                   })),
+      false_stream("noise", kRefused, parted([](OutgoingDatagrams& t) {
+                     for (Part& part : t.parts) {
+                       for (auto& byte : part.payload) byte = static_cast<std::uint8_t>(t.random());
+                     }
+                   })),
+      false_stream("empty", kHarmless, parted([](OutgoingDatagrams& t) {
+                     for (Part& part : t.parts) part.payload.clear();
+                   })),
   };
 }
 
 }  // namespace
 
-Lies datagrams() {
-  Lies all = counts();
-  for (Lie& each : places()) all.push_back(std::move(each));
-  for (Lie& each : payloads()) all.push_back(std::move(each));
+FalseStreams datagrams() {
+  FalseStreams all = counts();
+  for (FalseStream& each : places()) all.push_back(std::move(each));
+  for (FalseStream& each : payloads()) all.push_back(std::move(each));
   return all;
 }
 

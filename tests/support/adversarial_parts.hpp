@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What lies are made of: shapes, waves, grids.
+// Parts of false streams: shapes, waves, grids.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,7 @@
 
 namespace hapticast::testing {
 
-using Lies = std::vector<Lie>;
+using FalseStreams = std::vector<FalseStream>;
 inline constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 inline constexpr double kHuge = 3.4e38;
@@ -58,16 +58,16 @@ std::shared_ptr<Relief> shape(Height height_mm) {
   return relief;
 }
 
-/// The whole plateau at this height, its position with it and, if told, its speed.
-inline void moveTo(Telling& telling, double height_mm, double velocity_mm_s = 0.0) {
-  telling.shows(plate(height_mm));
-  telling.motion().position_mm.z() = height_mm;
-  telling.motion().velocity_mm_s.z() = velocity_mm_s;
+/// The whole plateau at this height, its position with it and, if given, its speed.
+inline void moveTo(OutgoingFrame& outgoing, double height_mm, double velocity_mm_s = 0.0) {
+  outgoing.setRelief(plate(height_mm));
+  outgoing.motion().position_mm.z() = height_mm;
+  outgoing.motion().velocity_mm_s.z() = velocity_mm_s;
 }
 
-/// Up and down as it says it does: consistent, and meant to shake.
+/// Up and down with consistent velocities. It may shake the hand.
 inline auto heave(double hz, double amplitude_mm) {
-  return [=](Telling& t) {
+  return [=](OutgoingFrame& t) {
     const double w = 2.0 * std::numbers::pi * hz;
     moveTo(t, 10.0 + amplitude_mm * wave(t.t_s, hz), amplitude_mm * w * std::cos(w * t.t_s));
     t.motion().acceleration_mm_s2.z() = -amplitude_mm * w * w * wave(t.t_s, hz);
@@ -86,14 +86,14 @@ inline std::shared_ptr<MotionGrid> gridOf(const PixelRect& rect,
   return grid;
 }
 
-// The lies by what they lie about, in the order of lies().
-Lies floats();
-Lies structure();
-Lies slices();
-Lies datagrams();
-Lies order();
-Lies geometry();
-Lies motion();
-Lies material();
+// The false streams by subject, in the order of falseStreams().
+FalseStreams floats();
+FalseStreams structure();
+FalseStreams slices();
+FalseStreams datagrams();
+FalseStreams order();
+FalseStreams geometry();
+FalseStreams motion();
+FalseStreams material();
 
 }  // namespace hapticast::testing

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A lying server and the hands that feel it, in virtual time.
+// A malicious server and scripted hands at its stream, in virtual time.
 #pragma once
 
 #include "tests/support/malicious_server.hpp"
@@ -45,9 +45,9 @@ inline HandScript handOf(testing::AdversarialRun hand) {
   return {HandKind::kPress, {}};
 }
 
-/// What a liar did to a viewer.
+/// Result of a false stream at a viewer.
 struct AdversarialRun {
-  Felt felt;
+  ForceTrace trace;
   TickReport last;
   ReceiverCounts counts;
 
@@ -57,10 +57,10 @@ struct AdversarialRun {
     constexpr std::uint32_t kLimits =
         bit(kImplausible) | bit(kTank) | bit(kSlew) | bit(kPassivity) | bit(kSurfaceSpeed) |
         bit(kDisarmed) | bit(kStiffness) | bit(kDamping) | bit(kResidue) | bit(kThermal);
-    return felt.ticksWith(kLimits);
+    return trace.ticksWith(kLimits);
   }
   [[nodiscard]] testing::Verdict verdict() const {
-    if (felt.refused + felt.rejected > 0) return testing::Verdict::kRefused;
+    if (trace.refused + trace.rejected > 0) return testing::Verdict::kRefused;
     if (last.halt == Halt::kTrustLost) return testing::Verdict::kTrustLost;
     return limitedTicks() > kFew ? testing::Verdict::kLimited : testing::Verdict::kHarmless;
   }
@@ -78,20 +78,20 @@ struct AdversarialRun {
  private:
   static constexpr std::ptrdiff_t kFew = 20;  // a stream that ends makes some
 };
-/// For so long a light hand feels it. `nailed`: the tip cannot move.
-inline AdversarialRun lieTo(const testing::Lie& lie, double seconds,
-                            const Hand& hand = Hand::light(), bool nailed = false,
-                            std::optional<double> datagram_loss = std::nullopt) {
+/// Runs a false stream for `seconds` at a light hand. `nailed`: the tip cannot move.
+inline AdversarialRun runFalseStream(const testing::FalseStream& false_stream, double seconds,
+                                     const Hand& hand = Hand::light(), bool nailed = false,
+                                     std::optional<double> datagram_loss = std::nullopt) {
   RendererSettings renderer;
   PlantProfile plant;
-  const HandScript script = handOf(lie.hand);
+  const HandScript script = handOf(false_stream.hand);
   auto viewer = std::make_unique<VirtualViewer>(renderer, plant, hand, nailed ? nullptr : &script);
   if (nailed) viewer->nail({0.1, 0.1, 8.0});
   if (datagram_loss) viewer->byDatagrams(*datagram_loss);
-  testing::MaliciousServer server(lie);
+  testing::MaliciousServer server(false_stream);
   AdversarialRun out;
   out.last = runSession(server, *viewer, seconds);
-  out.felt = std::move(viewer->felt);
+  out.trace = std::move(viewer->trace);
   out.counts = viewer->counts();
   return out;
 }

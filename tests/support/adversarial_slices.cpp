@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Lies in the slices of a relief: first bytes that contradict each other, and codes that mean
-// something else than heights of this object.
+// False streams with wrong slices of a relief: first bytes that contradict each other, and codes
+// that mean something else than heights of this object.
 #include <stdexcept>
 
 #include "tests/support/adversarial_parts.hpp"
@@ -11,7 +11,7 @@ namespace hapticast::testing {
 namespace {
 
 /// The plateau's slices in pieces, so that there are several.
-CodedFrame pieces(const Telling& t) {
+CodedFrame pieces(const OutgoingFrame& t) {
   HapticFrame frame = t.frame;
   frame.objects.front().relief = shape([](double x, double y) {
     return 10.0 + 0.3 * std::sin(23.0 * x * y) + 0.1 * std::cos(90.0 * x);
@@ -22,7 +22,7 @@ CodedFrame pieces(const Telling& t) {
 
 /// From the 30th frame on every frame's slices are changed, and it is sent so.
 auto sliced(void (*change)(CodedRelief&, std::mt19937_64&)) {
-  return [change](Telling& t) {
+  return [change](OutgoingFrame& t) {
     if (t.n < 30) return;
     CodedFrame frame = pieces(t);
     CodedRelief relief = *frame.objects.front().relief;
@@ -47,7 +47,7 @@ void noise(CodedRelief& relief, std::mt19937_64& random) {
 
 }  // namespace
 
-Lies slices() {
+FalseStreams slices() {
   return {
       {"slices_none", kHold, kRefused, sliced([](auto& relief, auto&) { relief.slices.clear(); })},
       {"slices_empty", kHold, kRefused,
@@ -80,7 +80,7 @@ Lies slices() {
        })},
       {"slices_swapped_places", kHold, kHarmless, sliced([](auto& relief, auto& random) {
          const std::size_t other = 1 + random() % (relief.slices.size() - 1);
-         // Where they lie stays; what they say goes with the other.
+         // Their places stay; their contents are those of the other.
          for (std::size_t i = 7; i < std::min(relief.slices[0].size(), relief.slices[other].size());
               ++i)
            std::swap(relief.slices[0][i], relief.slices[other][i]);

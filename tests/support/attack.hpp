@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// A stream that attacks the room: real frames through the pool under a virtual clock. The tip is
-// held still, so the hand explains nothing: whatever the stream does, the force may change by S per
-// tick and no more. That bound knows nothing of the chain's own meter.
+// A stream that attacks the renderer: real frames through the pool under a virtual clock. The tip
+// is held still, so the hand explains no step: the force may change by S per tick and no more. That
+// bound does not use the chain's own meter.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -40,7 +40,7 @@ inline PlayObject plateAt(double height_mm, std::uint32_t id = 1, double slope =
   return makeObject(id, field.get(), {0.0, 0.0, height_mm});
 }
 
-/// The room, a stream and a tip that stands still in the device frame.
+/// The renderer, a stream and a tip that stands still in the device frame.
 class Attack {
  public:
   explicit Attack(const RendererSettings& renderer_settings, double tip_height_mm = 8.0)
@@ -133,8 +133,8 @@ class Attack {
 };
 
 /// Devices, surfaces, interpolations, methods, delays of 0-5 ticks.
-inline std::vector<RendererSettings> everyRoom() {
-  std::vector<RendererSettings> rooms;
+inline std::vector<RendererSettings> listRendererSettings() {
+  std::vector<RendererSettings> all_settings;
   for (const char* profile : {"omni", "falcon"}) {
     for (const SurfaceKind surface :
          {SurfaceKind::kProxy, SurfaceKind::kNormal, SurfaceKind::kPerturbed}) {
@@ -144,16 +144,16 @@ inline std::vector<RendererSettings> everyRoom() {
           if (method == Method::kThesis && interpolation != Interpolation::kHermite) continue;
           RendererSettings renderer;
           renderer.profile = loadDeviceProfile(profile);
-          renderer.profile.delay_ticks = static_cast<int>(rooms.size() % 6);
+          renderer.profile.delay_ticks = static_cast<int>(all_settings.size() % 6);
           renderer.surface = surface;
           renderer.interpolation = interpolation;
           renderer.method = method;
-          rooms.push_back(renderer);
+          all_settings.push_back(renderer);
         }
       }
     }
   }
-  return rooms;
+  return all_settings;
 }
 
 }  // namespace hapticast::client

@@ -27,14 +27,14 @@ inline PlantProfile omni(double stiffness_N_mm, int delay_ticks, double friction
 /// another law in its place).
 class ChainFixture {
  public:
-  ChainFixture(const DeviceProfile& told, const PlantProfile& real, const Hand& hand,
+  ChainFixture(const DeviceProfile& assumed, const PlantProfile& real, const Hand& hand,
                const SafetyLinks& links = {})
       : device(real, hand, clock),
-        motion(told),
-        chain(told, links),
-        logged_(told),
+        motion(assumed),
+        chain(assumed, links),
+        logged_(assumed),
         real_delay_ticks_(real.delay_ticks) {
-    stiffness_N_mm = told.stiffness_N_mm;
+    stiffness_N_mm = assumed.stiffness_N_mm;
   }
 
   const SafetyOutput& step(Duration period = Duration(1'000'000)) {
@@ -105,13 +105,13 @@ class ChainFixture {
   double max_step_N = 0.0;
   double max_force_N = 0.0;
   bool finite = true;
-  std::array<std::uint64_t, kInterferenceNames.size()> interferences{};
+  std::array<std::uint64_t, kSafetyActionNames.size()> safety_actions{};
   void clear() {
     max_excess_N = max_true_excess_N = max_step_N = max_force_N = 0.0;
-    interferences.fill(0);
+    safety_actions.fill(0);
   }
   [[nodiscard]] std::uint64_t count(SafetyAction which) const {
-    return interferences[static_cast<std::size_t>(which)];
+    return safety_actions[static_cast<std::size_t>(which)];
   }
 
  private:
@@ -145,8 +145,8 @@ class ChainFixture {
     max_step_N = std::max(max_step_N, (out.force_N - before_N).norm());
     max_force_N = std::max(max_force_N, out.force_N.norm());
     finite = finite && out.force_N.allFinite();
-    for (std::size_t i = 0; i < interferences.size(); ++i) {
-      interferences[i] += (out.interferences >> i) & 1U;
+    for (std::size_t i = 0; i < safety_actions.size(); ++i) {
+      safety_actions[i] += (out.safety_actions >> i) & 1U;
     }
   }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A viewer's end of the datagrams, made by hand: echoes, takes what comes, believes only what is
+// A viewer's end of the datagrams: echoes, receives, accepts only datagrams that are
 // signed, and joins it.
 #pragma once
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Frames for tests of the real-time room: reliefs from functions, sent through a FramePool as a
+// Frames for tests of the real-time renderer: reliefs from functions, sent through a FramePool as a
 // receiver would.
 #pragma once
 
@@ -69,7 +69,7 @@ inline PlayFrame makeFrame(std::uint32_t epoch, std::uint64_t id, double time_s,
   return frame;
 }
 
-/// What the receiver does: false when the loop holds every slot.
+/// The receiver's part: false when the loop holds every slot.
 inline bool send(FramePool& pool, const PlayFrame& frame) {
   FramePool::Index index = 0;
   if (!pool.acquire(index)) return false;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a bad network does to what is sent through it, decided packet by packet: pure, seeded, time
+// A bad network, decided packet by packet: pure, seeded, time
 // is an argument, so that the same link can stand between sockets (lossy_link.hpp) and under a
 // virtual clock. Thread: one per link.
 #pragma once
@@ -51,7 +51,7 @@ struct LinkCounts {
   bool operator==(const LinkCounts&) const = default;
 };
 
-/// What all that go the same way share: its rate and its counts.
+/// Shared by all packets of one direction: its rate and its counts.
 struct LinkWay {
   LinkProfile profile;
   LinkCounts counts;

@@ -11,7 +11,7 @@ using asio::ip::tcp;
 using asio::ip::udp;
 constexpr auto kPoll = std::chrono::milliseconds(1);
 constexpr std::size_t kChunkBytes = 16U << 10U;
-constexpr std::size_t kMostWaitingBytes = 4U << 20U;  // beyond it the sender feels it
+constexpr std::size_t kMostWaitingBytes = 4U << 20U;  // beyond it the sender has to wait
 constexpr int kPortsTried = 20;
 
 udp::endpoint sameNumber(const tcp::endpoint& endpoint) {

@@ -29,12 +29,12 @@ const char* verdictName(Verdict verdict) noexcept {
   return "harmless";
 }
 
-void Telling::shows(std::shared_ptr<const Relief> relief) {
+void OutgoingFrame::setRelief(std::shared_ptr<const Relief> relief) {
   object().relief = std::move(relief);
   object().changed_in_frame = frame.id;
 }
 
-std::vector<PartsTelling::Part> PartsTelling::partsOf(const CodedFrame& frame) {
+std::vector<OutgoingDatagrams::Part> OutgoingDatagrams::partsOf(const CodedFrame& frame) {
   std::vector<Bytes> payloads = packFrame(frame);
   std::vector<Part> parts;
   parts.reserve(payloads.size());
@@ -47,11 +47,11 @@ std::vector<PartsTelling::Part> PartsTelling::partsOf(const CodedFrame& frame) {
   return parts;
 }
 
-double Telling::between(double low, double high) {
+double OutgoingFrame::between(double low, double high) {
   return std::uniform_real_distribution(low, high)(random);
 }
 
-MaliciousServer::MaliciousServer(const Lie& lie) : lie_(lie) {}
+MaliciousServer::MaliciousServer(const FalseStream& false_stream) : false_stream_(false_stream) {}
 
 void MaliciousServer::offers(std::uint16_t datagram_port, DatagramGroup group) {
   port_ = datagram_port;
@@ -61,18 +61,18 @@ void MaliciousServer::offers(std::uint16_t datagram_port, DatagramGroup group) {
 Bytes MaliciousServer::welcome() {
   next_ = 0;
   Welcome welcome;
-  if (lie_.tell_parts || signed_) {
+  if (false_stream_.alter_datagrams || signed_) {
     welcome.stream = kStream;
     welcome.verifying_key = key_.verifyingKey();
   }
-  if (lie_.tell_parts) {
+  if (false_stream_.alter_datagrams) {
     welcome.datagram_token = kToken;
     welcome.datagram_port = port_;
     welcome.group = group_;
   }
-  welcome.description.name = lie_.name;
-  welcome.description.fps = kLiarsFps;
-  if (lie_.announce) lie_.announce(welcome.description);
+  welcome.description.name = false_stream_.name;
+  welcome.description.fps = kFalseStreamFps;
+  if (false_stream_.announce) false_stream_.announce(welcome.description);
   return encode(welcome);
 }
 
@@ -91,21 +91,21 @@ HapticFrame MaliciousServer::honestFrame(double t_s) const {
 
 std::vector<Bytes> MaliciousServer::messages(double until_s) {
   std::vector<Bytes> out;
-  for (; static_cast<double>(next_) / kLiarsFps <= until_s; ++next_) {
-    const double t_s = static_cast<double>(next_) / kLiarsFps;
-    Telling telling{t_s, next_, random_, honestFrame(t_s)};
-    lie_.tell(telling);
-    if (telling.silent) continue;
-    if (telling.description) out.push_back(encode(*telling.description));
-    if (lie_.tell_parts) {
-      const CodedFrame frame = coder_.code(telling.frame, kFinestSlices);
-      lieInParts(t_s, frame);
-      if (lie_.on_tcp) out.push_back(encodeFrame(frame));
+  for (; static_cast<double>(next_) / kFalseStreamFps <= until_s; ++next_) {
+    const double t_s = static_cast<double>(next_) / kFalseStreamFps;
+    OutgoingFrame outgoing{t_s, next_, random_, honestFrame(t_s)};
+    false_stream_.alter(outgoing);
+    if (outgoing.silent) continue;
+    if (outgoing.description) out.push_back(encode(*outgoing.description));
+    if (false_stream_.alter_datagrams) {
+      const CodedFrame frame = coder_.code(outgoing.frame, kFinestSlices);
+      alterDatagrams(t_s, frame);
+      if (false_stream_.on_tcp) out.push_back(encodeFrame(frame));
       continue;
     }
     const Bytes bytes =
-        telling.bytes ? *telling.bytes : encodeFrame(coder_.code(telling.frame, kFinestSlices));
-    out.insert(out.end(), static_cast<std::size_t>(telling.copies), bytes);
+        outgoing.bytes ? *outgoing.bytes : encodeFrame(coder_.code(outgoing.frame, kFinestSlices));
+    out.insert(out.end(), static_cast<std::size_t>(outgoing.copies), bytes);
   }
   return out;
 }
@@ -114,10 +114,10 @@ Bytes MaliciousServer::encodeFrame(const CodedFrame& frame) {
   return signed_ ? *encodeSigned(frame, kStream, key_) : encode(frame);
 }
 
-void MaliciousServer::lieInParts(double t_s, const CodedFrame& frame) {
-  PartsTelling telling{t_s, next_, random_, frame, PartsTelling::partsOf(frame)};
-  lie_.tell_parts(telling);
-  for (const PartsTelling::Part& part : telling.parts)
+void MaliciousServer::alterDatagrams(double t_s, const CodedFrame& frame) {
+  OutgoingDatagrams outgoing{t_s, next_, random_, frame, OutgoingDatagrams::partsOf(frame)};
+  false_stream_.alter_datagrams(outgoing);
+  for (const OutgoingDatagrams::Part& part : outgoing.parts)
     datagrams_.push_back(signedBody(part.header, part.payload, key_));
 }
 
@@ -126,11 +126,11 @@ std::vector<Bytes> MaliciousServer::takeDatagrams() { return std::exchange(datag
 Bytes MaliciousServer::probe() { return probeBody(kStream, key_); }
 
 std::optional<Bytes> MaliciousServer::answer(const Ping& ping, double now_s) const {
-  if (!lie_.answers) return std::nullopt;
+  if (!false_stream_.answers) return std::nullopt;
   const double media_s = kMediaBegin_s + now_s;
-  const MediaTime told =
-      lie_.clock != nullptr ? mediaTime(lie_.clock(media_s)) : mediaTime(media_s);
-  return encode(Pong{ping.t0, told, told});
+  const MediaTime pong_time =
+      false_stream_.clock != nullptr ? mediaTime(false_stream_.clock(media_s)) : mediaTime(media_s);
+  return encode(Pong{ping.t0, pong_time, pong_time});
 }
 
 }  // namespace hapticast::testing

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-// A server that lies, its lies as data. Each begins with an honest stream, a plateau of 10 mm that
-// rests in the middle of the picture at 25 frames a second, and says what it does to it. Messages
-// leave as bytes, datagrams signed: a server that lies has the key. Arithmetic only: times are
-// arguments, nothing here has a thread or a socket.
+// False streams as data: each row has the messages that a malicious server sends and the expected
+// verdict. Each begins with an honest stream: a plateau of 10 mm that
+// rests in the middle of the picture at 25 frames a second. Messages
+// leave as bytes, and datagrams are signed: a malicious server has the key. Times are
+// arguments. No threads, no sockets.
 #pragma once
 
 #include <cstdint>
@@ -22,21 +23,21 @@ namespace hapticast::testing {
 
 using Bytes = std::vector<std::uint8_t>;
 
-inline constexpr double kLiarsFps = 25.0;
+inline constexpr double kFalseStreamFps = 25.0;
 inline constexpr PixelRect kPlateau_px{260, 180, 120, 120};  ///< +-15 mm about the middle
 inline constexpr float kPlateau_mm = 10.0F;
 
-/// What has to become of a lie. Each includes that the force is finite, at most the peak, steps no
-/// more than the chain allows, and ends.
+/// Expected result of a false stream. Each includes that the force is finite, at most the peak,
+/// steps no more than the chain allows, and ends.
 enum class Verdict : std::uint8_t {
-  kRefused,    ///< messages or objects were not taken
-  kLimited,    ///< felt, but cut down; that it may cost the trust in the end is a matter of time
-  kTrustLost,  ///< felt for a while, then the force is zero until it is re-armed
-  kHarmless,   ///< nothing of it needed a limit
+  kRefused,    ///< messages or objects are rejected
+  kLimited,    ///< rendered within limits; a long run may lose the trust
+  kTrustLost,  ///< rendered for a while, then the force is zero until it is re-armed
+  kHarmless,   ///< needs no limit
 };
 const char* verdictName(Verdict verdict) noexcept;
 
-/// The hands that feel it.
+/// Motion of the scripted hand.
 enum class AdversarialRun : std::uint8_t {
   kHold,     ///< wants to be 6 mm under the plateau
   kShallow,  ///< 2.5 mm under it
@@ -46,8 +47,8 @@ enum class AdversarialRun : std::uint8_t {
   kTap,      ///< 6 mm under it, up and down by 4 mm seven times a second
 };
 
-/// A frame that is about to be sent, honest until the lie has changed it.
-struct Telling {
+/// A frame before it is sent. The false stream changes it.
+struct OutgoingFrame {
   double t_s;       ///< since the connection
   std::uint64_t n;  ///< frames before it on this connection
   std::mt19937_64& random;
@@ -60,14 +61,14 @@ struct Telling {
   [[nodiscard]] HapticObject& object() { return frame.objects.front(); }
   [[nodiscard]] Motion& motion() { return object().motion; }
   [[nodiscard]] Material& material() { return object().material; }
-  /// The plateau as another relief; told as one that has changed.
-  void shows(std::shared_ptr<const Relief> relief);
+  /// Replaces the plateau by `relief`, marked as changed.
+  void setRelief(std::shared_ptr<const Relief> relief);
   /// Uniform.
   [[nodiscard]] double between(double low, double high);
 };
 
-/// A frame's datagrams that are about to be signed and sent, honest until the lie has changed them.
-struct PartsTelling {
+/// A frame's datagrams before they are signed and sent. The false stream changes them.
+struct OutgoingDatagrams {
   struct Part {
     DatagramHeader header;
     Bytes payload;
@@ -78,33 +79,33 @@ struct PartsTelling {
   CodedFrame frame;
   std::vector<Part> parts;  ///< in the order in which they are sent
 
-  /// The parts of a frame as an honest server packs it, under this telling's stream.
+  /// The parts of a frame as an honest server packs it, under this frame's stream.
   [[nodiscard]] static std::vector<Part> partsOf(const CodedFrame& frame);
 };
 
 /// A pong's time on the server's clock, from the true one, s.
-using ClockLie = double (*)(double true_s);
+using FalseClock = double (*)(double true_s);
 
-struct Lie {
+struct FalseStream {
   std::string name;
   AdversarialRun hand = AdversarialRun::kHold;
   Verdict verdict = Verdict::kLimited;
-  std::function<void(Telling&)> tell;
+  std::function<void(OutgoingFrame&)> alter;
   std::function<void(StreamDescription&)> announce = nullptr;
-  ClockLie clock = nullptr;  ///< null: an honest one
-  bool answers = true;       ///< pings
-  /// Frames go by datagrams, and are lied about there; null: they go over TCP.
-  std::function<void(PartsTelling&)> tell_parts = nullptr;
-  bool on_tcp = false;  ///< and over TCP, as `tell` left them
+  FalseClock clock = nullptr;  ///< null: an honest one
+  bool answers = true;         ///< pings
+  /// Changes the datagrams of a frame; null: frames go over TCP.
+  std::function<void(OutgoingDatagrams&)> alter_datagrams = nullptr;
+  bool on_tcp = false;  ///< and over TCP, as `alter` changed them
 };
 
-/// All of them.
-const std::vector<Lie>& lies();
+/// All false streams.
+const std::vector<FalseStream>& falseStreams();
 
 class MaliciousServer {
  public:
-  /// `lie` outlives it.
-  explicit MaliciousServer(const Lie& lie);
+  /// `false_stream` outlives it.
+  explicit MaliciousServer(const FalseStream& false_stream);
 
   static constexpr std::uint64_t kToken = 0xabcdef0123456789;
 
@@ -122,16 +123,16 @@ class MaliciousServer {
   [[nodiscard]] std::vector<Bytes> takeDatagrams();
   /// The body of an honest probe.
   [[nodiscard]] Bytes probe();
-  [[nodiscard]] bool byDatagrams() const { return lie_.tell_parts != nullptr; }
+  [[nodiscard]] bool byDatagrams() const { return false_stream_.alter_datagrams != nullptr; }
   /// The answer to a ping, if one is given.
   [[nodiscard]] std::optional<Bytes> answer(const Ping& ping, double now_s) const;
 
  private:
   [[nodiscard]] Bytes encodeFrame(const CodedFrame& frame);
   [[nodiscard]] HapticFrame honestFrame(double t_s) const;
-  void lieInParts(double t_s, const CodedFrame& frame);
+  void alterDatagrams(double t_s, const CodedFrame& frame);
 
-  const Lie& lie_;
+  const FalseStream& false_stream_;
   FrameCoder coder_;
   SigningKey key_{KeyBytes{17}};
   bool signed_ = false;

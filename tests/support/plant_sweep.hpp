@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The battery that every wall has to stand: approach at 0.2 m/s, an impact, hold 1 N, press
-// slowly to 2.5 N, hold, release. What a hand, or none, feels at rest after it.
+// The sweep of tests for every wall: approach at 0.2 m/s, an impact, hold 1 N, press
+// slowly to 2.5 N, hold, release. Then measure at rest, with and without a hand.
 #pragma once
 
 #include <algorithm>
@@ -21,16 +21,15 @@ inline constexpr std::array<NamedHand, 5> kHands = {{{"light", Hand::light()},
                                                      {"firm-grip", Hand::firmGrip()},
                                                      {"none", Hand::none()}}};
 
-/// The battery's device: Omni class with a clamp of 8 N (a stronger device's, so that it does not
+/// The sweep's device: Omni class with a clamp of 8 N (a stronger device's, so that it does not
 /// hide swings) and motors that stay cold.
-inline PlantProfile batteryProfile(double stiffness_N_mm, int delay_ticks,
-                                   double friction_N = 0.0) {
+inline PlantProfile sweepProfile(double stiffness_N_mm, int delay_ticks, double friction_N = 0.0) {
   PlantProfile profile = omni(stiffness_N_mm, delay_ticks, friction_N);
   profile.peak_N = profile.continuous_N = 8.0;
   return profile;
 }
 
-struct BatteryResult {
+struct SweepResult {
   double residual_mm = 0.0;  ///< worst peak-to-peak of the two holds
   double noise_N = 0.0;      ///< rms of the force about its mean in the holds
   double kept = 0.0;     ///< rendered stiffness: force over depth in the second hold, of K asked
@@ -51,7 +50,7 @@ class StaticRegionFilter {
     depth_mm_ += rig.wall_mm - z_mm;
     ++ticks_;
   }
-  void into(BatteryResult& result, double stiffness_N_mm) const {
+  void into(SweepResult& result, double stiffness_N_mm) const {
     result.residual_mm = std::max(result.residual_mm, high_mm_ - low_mm_);
     const double mean_N = sum_N_ / ticks_;
     result.noise_N =
@@ -69,7 +68,7 @@ class StaticRegionFilter {
 };
 
 /// `quick`: holds of a third of their length.
-inline BatteryResult battery(ChainFixture& rig, const Hand& hand, bool quick = false) {
+inline SweepResult sweepPlant(ChainFixture& rig, const Hand& hand, bool quick = false) {
   const bool free = hand.stiffness_N_m == 0.0;
   const double soft_mm = free ? 0.0 : 1e3 / hand.stiffness_N_m;
   const double stretch_mm = soft_mm + 1.0 / rig.renderedStiffness_N_mm();
@@ -83,7 +82,7 @@ inline BatteryResult battery(ChainFixture& rig, const Hand& hand, bool quick = f
     else
       rig.device.setTarget({0.0, 0.0, std::min(from_mm, 20.0) - force_N * stretch_mm});
   };
-  BatteryResult result;
+  SweepResult result;
   const double before_mJ = rig.true_work_mJ;
   for (int i = 0; i < 100; ++i) {  // the impact
     if (!free) want(0.0, 20.0 - 0.2 * i);

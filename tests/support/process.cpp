@@ -73,9 +73,9 @@ bool Process::says(const std::string& text, std::chrono::seconds deadline, std::
   bool ended = false;
   (void)waitUntil(deadline, [&] {
     ended = !running();  // before the look at the output, so that its last words count
-    return countOf(text, output()) >= times || ended;
+    return countOccurrences(text, output()) >= times || ended;
   });
-  return countOf(text, output()) >= times;
+  return countOccurrences(text, output()) >= times;
 }
 
 std::optional<int> Process::wait(std::chrono::seconds deadline) {
@@ -112,7 +112,7 @@ bool waitUntil(std::chrono::seconds deadline, const std::function<bool()>& done)
   return true;
 }
 
-std::size_t countOf(const std::string& text, const std::string& where) {
+std::size_t countOccurrences(const std::string& text, const std::string& where) {
   std::size_t count = 0;
   for (std::size_t at = where.find(text); at != std::string::npos; at = where.find(text, at + 1))
     ++count;

@@ -45,6 +45,6 @@ class Process {
 bool waitUntil(std::chrono::seconds deadline, const std::function<bool()>& done);
 
 /// How often `text` stands in `where`.
-std::size_t countOf(const std::string& text, const std::string& where);
+std::size_t countOccurrences(const std::string& text, const std::string& where);
 
 }  // namespace hapticast::testing

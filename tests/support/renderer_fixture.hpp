@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A stage for the room under a virtual clock: a stream of a bouncing or still dome, a virtual
+// A stage for the renderer under a virtual clock: a stream of a bouncing or still dome, a virtual
 // device, a scripted hand. It has no thread of its own.
 #pragma once
 
@@ -49,7 +49,7 @@ class RendererFixture {
     }
   }
 
-  /// What the receiver does in this millisecond: a frame every 40 ms. Outside the room.
+  /// The receiver's part in this millisecond: a frame every 40 ms.
   void receive() {
     const std::int64_t frame_ns = 1'000'000'000 / kFps;
     while (streaming && next_frame_ * frame_ns <= clock.now().time_since_epoch().count()) {

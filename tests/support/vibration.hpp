@@ -38,7 +38,7 @@ class Above50Hz {
   bool first_ = true;
 };
 
-/// Those of the battery, a bare hand of 50 g held stiffly and loosely: seven with none.
+/// Those of the sweep, a bare hand of 50 g held stiffly and loosely: seven with none.
 inline const std::vector<NamedHand>& quietHands() {
   static const std::vector<NamedHand> all = {kHands[0],
                                              kHands[1],
@@ -78,10 +78,10 @@ struct Press {
   int hold_ticks = 3000;
 };
 
-/// `told` is what the chain knows of the device, `real` the device.
-inline Silence pressSteadily(const DeviceProfile& told, const PlantProfile& real, const Hand& hand,
-                             const Press& press = {}) {
-  ChainFixture rig(told, real, hand, {.latency_watch = false});
+/// `assumed` is what the chain knows of the device, `real` the device.
+inline Silence pressSteadily(const DeviceProfile& assumed, const PlantProfile& real,
+                             const Hand& hand, const Press& press = {}) {
+  ChainFixture rig(assumed, real, hand, {.oscillation_detector = false});
   rig.wall_mm = press.wall_mm;
   const bool free = hand.stiffness_N_m == 0.0;
   const double stretch_mm =

@@ -11,7 +11,7 @@ namespace hapticast::testing {
 
 class VirtualPad {
  public:
-  /// How strongly its motors turn, as they were told last.
+  /// How strongly its motors turn, by the last command.
   struct Motors {
     std::uint16_t low = 0;
     std::uint16_t high = 0;

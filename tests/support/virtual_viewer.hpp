@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// A viewer in virtual time: what comes as bytes goes through the client's own decoder, receiver,
-// preparer and room to a virtual device in a hand, and what the hand feels is reckoned here, from
-// forces sent and the way truly made, by none of the client's counters.
+// A viewer in virtual time. Bytes go through the client's own decoder, receiver,
+// decode thread and renderer to a virtual device in a hand. The force at the hand is computed from
+// the sent forces and the true motion, without the client's counters.
 #pragma once
 
 #include <algorithm>
@@ -26,8 +26,8 @@
 
 namespace hapticast::client {
 
-/// What was felt, tick by tick.
-struct Felt {
+/// The rendered force, tick by tick.
+struct ForceTrace {
   bool finite = true;
   double max_force_N = 0.0;
   double max_rise_N = 0.0;  ///< from tick to tick
@@ -35,7 +35,7 @@ struct Felt {
   double step_excess_N = 0.0;      ///< by the chain's own meter
   double max_unexplained_N = 0.0;  ///< step beyond K_max |dx| + B |dv| of the tip
   std::vector<double> work_mJ;     ///< into the hand, up to each tick
-  std::vector<std::uint32_t> interferences;
+  std::vector<std::uint32_t> safety_actions;
   std::vector<bool> contact;
   std::uint64_t refused = 0;   ///< messages
   std::uint64_t rejected = 0;  ///< objects, and slices of them
@@ -45,7 +45,7 @@ struct Felt {
 
   /// Ticks in which any of these acted.
   [[nodiscard]] std::ptrdiff_t ticksWith(std::uint32_t any) const {
-    return std::count_if(interferences.begin(), interferences.end(),
+    return std::count_if(safety_actions.begin(), safety_actions.end(),
                          [=](std::uint32_t each) { return (each & any) != 0; });
   }
   /// Largest over any `seconds`; over all of them where it is longer.
@@ -81,7 +81,7 @@ class VirtualViewer {
         device_(plant, hand, clock_),
         delay_(static_cast<std::size_t>(plant.delay_ticks)),
         decode_thread_(*pool_, clock_, settings_.method,
-                       [this](const PreparedFrame& frame) { receiver_.prepared(frame); }),
+                       [this](const PreparedFrame& frame) { receiver_.addPrepared(frame); }),
         receiver_(decode_thread_, stream_, 1),
         renderer_(std::make_unique<HapticRenderer>(settings_, *pool_, stream_, user_, nullptr)),
         nailed_(script == nullptr) {
@@ -93,7 +93,7 @@ class VirtualViewer {
   bool receive(std::span<const std::uint8_t> payload) {
     auto message = decode(payload);
     if (message.ok() && take(std::move(message).value())) return true;
-    ++felt.refused;
+    ++trace.refused;
     disconnect();
     return false;
   }
@@ -134,7 +134,7 @@ class VirtualViewer {
     user_.store(wishes_);
   }
 
-  /// A millisecond passes, then the room ticks.
+  /// A millisecond passes, then the renderer ticks.
   const TickReport& tick() {
     clock_.advance(kTickPeriod);
     receiver_.release(clock_.now());
@@ -150,8 +150,8 @@ class VirtualViewer {
     DeviceState state = nailed_ ? DeviceState{nail_mm_, 0, clock_.now(), DeviceStatus::kOk}
                                 : device_.exchange(sent_N, renderer_->report());
     const TickReport& report = renderer_->tick(clock_.now(), state);
-    reckon(report, sent_N, nailed_ ? Vec3(Vec3::Zero()) : device_.truePosition_mm() - from_mm,
-           device_.trueVelocity_mm_s() - speed_mm_s, state.position_mm);
+    recordForce(report, sent_N, nailed_ ? Vec3(Vec3::Zero()) : device_.truePosition_mm() - from_mm,
+                device_.trueVelocity_mm_s() - speed_mm_s, state.position_mm);
     return report;
   }
   /// Leads the hand: `target` gives its target (nominal mm) at a play time (s). The tip is free.
@@ -167,11 +167,11 @@ class VirtualViewer {
   void nail(const Vec3& nominal_mm) { nail_mm_ = mapping().toDevice(nominal_mm); }
 
   /// Frames that come over TCP are handed on as datagrams, in any order. This share of them is
-  /// lost, and of those that come as such. (Signatures change nothing of that: the server that lies
+  /// lost, and of those that come as such. (Signatures change nothing of that: the malicious server
   /// has the key.)
   void byDatagrams(double loss) { datagram_loss_ = loss; }
 
-  Felt felt;
+  ForceTrace trace;
 
  private:
   [[nodiscard]] DeviceMapping mapping() const {
@@ -184,8 +184,8 @@ class VirtualViewer {
     while (decode_thread_.step()) {
     }
     const ReceiverCounts& counts = receiver_.counts();
-    felt.rejected = counts.reliefs_rejected + counts.slices_refused + counts.malformed +
-                    (verifier_ ? verifier_->counts().foreign : 0);
+    trace.rejected = counts.reliefs_rejected + counts.slices_refused + counts.malformed +
+                     (verifier_ ? verifier_->counts().foreign : 0);
   }
   void takeParts(const CodedFrame& frame) {
     std::vector<std::vector<std::uint8_t>> parts = packFrame(frame);
@@ -237,12 +237,12 @@ class VirtualViewer {
     return true;
   }
 
-  void reckon(const TickReport& report, const Vec3& sent_N, const Vec3& way_mm,
-              const Vec3& speed_change_mm_s, const Vec3& counted_mm) {
+  void recordForce(const TickReport& report, const Vec3& sent_N, const Vec3& way_mm,
+                   const Vec3& speed_change_mm_s, const Vec3& counted_mm) {
     for (std::size_t i = sent_N_.size() - 1; i > 0; --i) sent_N_[i] = sent_N_[i - 1];
     sent_N_[0] = sent_N;
-    const double before_mJ = felt.work_mJ.empty() ? 0.0 : felt.work_mJ.back();
-    felt.work_mJ.push_back(before_mJ + sent_N_[delay_].dot(way_mm));
+    const double before_mJ = trace.work_mJ.empty() ? 0.0 : trace.work_mJ.back();
+    trace.work_mJ.push_back(before_mJ + sent_N_[delay_].dot(way_mm));
     const double step_N = (report.force_N - sent_N).norm();
     const DeviceProfile& profile = settings_.profile;
     const double stiffest_N_mm = 3.0 * profile.stiffness_N_mm;
@@ -251,18 +251,18 @@ class VirtualViewer {
                                         std::sqrt(stiffest_N_mm * 1e3 * profile.mass_kg) * 1e-3 *
                                             (speed_change_mm_s.norm() + profile.count_mm);
     counted_mm_ = counted_mm;
-    felt.finite = felt.finite && report.force_N.allFinite();
-    felt.max_force_N = std::max(felt.max_force_N, report.force_N.norm());
+    trace.finite = trace.finite && report.force_N.allFinite();
+    trace.max_force_N = std::max(trace.max_force_N, report.force_N.norm());
     const bool rises = report.force_N.norm() > sent_N.norm();
-    double& most_N = rises ? felt.max_rise_N : felt.max_fall_N;
+    double& most_N = rises ? trace.max_rise_N : trace.max_fall_N;
     most_N = std::max(most_N, step_N);
-    felt.step_excess_N = std::max(felt.step_excess_N, report.step_excess_N);
-    felt.max_unexplained_N = std::max(felt.max_unexplained_N, step_N - hand_N);
-    felt.interferences.push_back(report.interferences);
-    felt.contact.push_back(report.contact);
-    felt.last_force_N = report.force_N.norm();
-    felt.max_trust_score_ticks = std::max(felt.max_trust_score_ticks, report.trust_score_ticks);
-    felt.metered_mJ = report.work.user_mJ();
+    trace.step_excess_N = std::max(trace.step_excess_N, report.step_excess_N);
+    trace.max_unexplained_N = std::max(trace.max_unexplained_N, step_N - hand_N);
+    trace.safety_actions.push_back(report.safety_actions);
+    trace.contact.push_back(report.contact);
+    trace.last_force_N = report.force_N.norm();
+    trace.max_trust_score_ticks = std::max(trace.max_trust_score_ticks, report.trust_score_ticks);
+    trace.metered_mJ = report.work.user_mJ();
   }
 
   ManualClock clock_;

@@ -10,7 +10,7 @@
 
 namespace hapticast::testing {
 
-/// What an emulated node is and does from now on.
+/// Properties and behaviour of an emulated node.
 struct NodeOrders {
   bool plugged = true;
   bool delivers = true;
@@ -18,7 +18,7 @@ struct NodeOrders {
   std::uint32_t width_px = 64;
   std::uint32_t height_px = 48;
   std::uint32_t gap_bytes = 0;   ///< behind each row
-  std::uint32_t used_bytes = 0;  ///< bytesused, where it lies; 0: the truth
+  std::uint32_t used_bytes = 0;  ///< bytesused, if it is false; 0: the true number
 };
 
 inline constexpr const char* kColorNode = "/dev/video-test-color";

@@ -79,10 +79,10 @@ class Falcon {
     force_N_ = force_N;
     FalconNews event;
     while (link_.popEvent(event)) {
-      if (std::exchange(life_, event.life) != event.life) pilot_.lost();
+      if (std::exchange(life_, event.life) != event.life) pilot_.onLost();
       pilot_.onReply(event.reply, event.at);
     }
-    if (!link_.there()) pilot_.lost();
+    if (!link_.there()) pilot_.onLost();
     logPhase();
     const DeviceState reading = pilot_.state();
     state.status = static_cast<std::int32_t>(reading.status);

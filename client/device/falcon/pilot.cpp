@@ -81,7 +81,7 @@ void FalconPilot::rejectPosition() noexcept {
   homed_replies_ = 0;
 }
 
-void FalconPilot::lost() noexcept {
+void FalconPilot::onLost() noexcept {
   phase_ = Phase::kAway;
   homed_replies_ = 0;
   rejected_ = 0;
@@ -104,14 +104,14 @@ DeviceState FalconPilot::state() noexcept {
   return state;
 }
 
-std::uint8_t FalconPilot::lights() const noexcept {
+std::uint8_t FalconPilot::computeLights() const noexcept {
   if (phase_ == Phase::kReady) return FalconLight::kGreen;
   return phase_ == Phase::kOutside ? FalconLight::kBlue : FalconLight::kRed;
 }
 
 FalconRequest FalconPilot::request(const Vec3& force_N, LocalTime now) noexcept {
   FalconRequest request;
-  request.lights = lights();
+  request.lights = computeLights();
   if (forget_ > 0) {
     --forget_;
     request.homing = false;

@@ -45,7 +45,7 @@ class FalconPilot {
   /// Processes one reply of the device, which arrived at the time `at`.
   void onReply(const FalconReply& reply, LocalTime at) noexcept;
   /// Marks the position as unknown. Call it when the connection was lost, and when it has returned.
-  void lost() noexcept;
+  void onLost() noexcept;
   /// Returns the reading for the loop. In the phase kReady, its status is kOk with a new position,
   /// and kNoData without one. In another phase, its status is kLost if the device was ready before,
   /// else kNoData.
@@ -65,7 +65,7 @@ class FalconPilot {
   void home(const FalconReply& reply, LocalTime at) noexcept;
   bool processReply(const FalconReply& reply, LocalTime at) noexcept;
   void rejectPosition() noexcept;
-  [[nodiscard]] std::uint8_t lights() const noexcept;
+  [[nodiscard]] std::uint8_t computeLights() const noexcept;
 
   double gain_;
   Phase phase_ = Phase::kAway;

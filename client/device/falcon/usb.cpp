@@ -78,7 +78,7 @@ std::string readSerial(libusb_device* device, libusb_device_handle* handle) {
 /// Calls visit(device, handle or null, result of the opening) for every Falcon until `visit`
 /// returns true.
 template <class Visit>
-void eachFalcon(libusb_context* context, Visit visit) {
+void forEachFalcon(libusb_context* context, Visit visit) {
   libusb_device** raw = nullptr;
   const auto count = libusb_get_device_list(context, &raw);
   if (count < 0) fail("USB cannot be used", static_cast<int>(count));
@@ -97,7 +97,7 @@ void eachFalcon(libusb_context* context, Visit visit) {
 std::vector<FalconFound> findFalcons() {
   const std::unique_ptr<libusb_context, ContextEnd> context(newContext());
   std::vector<FalconFound> found;
-  eachFalcon(context.get(), [&](libusb_device* device, const Handle& handle, int code) {
+  forEachFalcon(context.get(), [&](libusb_device* device, const Handle& handle, int code) {
     if (code == LIBUSB_SUCCESS) {
       const int claimed = libusb_claim_interface(handle.get(), kInterface);
       found.push_back({readSerial(device, handle.get()),
@@ -138,7 +138,7 @@ void FalconUsb::release() noexcept {
 
 void FalconUsb::claim(const std::string& serial) {
   std::string problem = "none was found on USB: is it plugged in, and its power supply too?";
-  eachFalcon(context_, [&](libusb_device* device, Handle& handle, int code) {
+  forEachFalcon(context_, [&](libusb_device* device, Handle& handle, int code) {
     if (code != LIBUSB_SUCCESS) {
       problem = errorText(code);
       return false;
@@ -201,7 +201,7 @@ void FalconUsb::prepare(Transfer& transfer, bool incoming) {
   if (transfer.usb == nullptr) fail("libusb cannot allocate a transfer", LIBUSB_ERROR_NO_MEM);
   const auto done = [](libusb_transfer* usb) {
     auto& its = *static_cast<Transfer*>(usb->user_data);
-    its.owner->completed(its);
+    its.owner->onCompleted(its);
   };
   const std::size_t length = incoming ? transfer.buffer.size() : FalconFrame{}.size();
   libusb_fill_bulk_transfer(transfer.usb, handle_, incoming ? kIn : kOut, transfer.buffer.data(),
@@ -224,7 +224,7 @@ bool FalconUsb::queue(Transfer& transfer) noexcept {
   return false;
 }
 
-void FalconUsb::completed(Transfer& transfer) {
+void FalconUsb::onCompleted(Transfer& transfer) {
   const libusb_transfer& usb = *transfer.usb;
   const auto status = usb.status;
   if (status == LIBUSB_TRANSFER_COMPLETED) {

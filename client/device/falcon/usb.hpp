@@ -91,7 +91,7 @@ class FalconUsb {
   void claim(const std::string& serial);
   void prepare(Transfer& transfer, bool incoming);
   bool queue(Transfer& transfer) noexcept;
-  void completed(Transfer& transfer);
+  void onCompleted(Transfer& transfer);
   void clearStalls();
   void release() noexcept;
 

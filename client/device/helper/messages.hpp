@@ -44,10 +44,6 @@ bool sendMessage(int socket, const HelperMessage& message) noexcept;
 /// for another form.
 std::optional<HelperMessage> parseMessage(std::string_view bytes);
 
-/// Returns the message in `bytes`. Texts become one line of printable characters. Returns nullopt
-/// for another form.
-std::optional<HelperMessage> parseMessage(std::string_view bytes);
-
 /// Result of receiveMessage().
 struct Received {
   bool ended = false;  ///< the other side has ended

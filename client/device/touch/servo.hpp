@@ -48,7 +48,8 @@ class Servo {
   /// 50 ms. Switches the motors off if there is none. Returns true if the device received zero.
   /// Thread: any.
   bool commandZero() noexcept;
-  /// Switches the motors on or off, also without frames. Thread: any.
+  /// Switches the motors on or off, also while the maker's library calls no servo callback. Thread:
+  /// any.
   void switchMotors(bool on) noexcept;
   /// Returns true if the motors are switched on. Thread: any.
   [[nodiscard]] bool motorsOn() const noexcept { return motors_on_; }

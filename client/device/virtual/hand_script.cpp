@@ -31,7 +31,7 @@ constexpr double kSlideDepth_mm = 1.0;
 constexpr double kSlideSpeed_mm_s = 20.0;
 constexpr double kSlideReach_mm = 6.0;
 
-Vec3 limited(const Vec3& v, double longest) noexcept {
+Vec3 limitLength(const Vec3& v, double longest) noexcept {
   const double length = v.norm();
   return length > longest ? Vec3(v * (longest / length)) : v;
 }
@@ -49,7 +49,7 @@ Vec3 HandScript::next(const TickReport& report, const Vec3& start_mm) noexcept {
   }
   if (kind_ == HandKind::kFile) return fromFile(toSeconds(report.time - begin_));
   const Vec3 carried_mm_s = report.object_present
-                                ? limited(report.object_velocity_mm_s, kObjectSpeed_mm_s)
+                                ? limitLength(report.object_velocity_mm_s, kObjectSpeed_mm_s)
                                 : Vec3(Vec3::Zero());
   moveTowards(goal(report), carried_mm_s);
   return target_mm_;
@@ -64,11 +64,11 @@ Vec3 HandScript::goal(const TickReport& report) noexcept {
   if (kind_ == HandKind::kPress) return pressGoal(report);
   if (kind_ == HandKind::kSlide) return slideGoal(report);
   return {report.object_centre_mm.x(), report.object_centre_mm.y(),
-          report.object_centre_height_mm - depthFor_mm(kFollow_N, report.mapping.scale)};
+          report.object_centre_height_mm - computeDepth_mm(kFollow_N, report.mapping.scale)};
 }
 
 /// Returns the depth of the target below the surface. Surface and hand are springs in series.
-double HandScript::depthFor_mm(double force_N, double scale) const noexcept {
+double HandScript::computeDepth_mm(double force_N, double scale) const noexcept {
   return force_N * (1.0 / stiffness_.surface_N_mm + 1.0 / stiffness_.hand_N_mm) / scale;
 }
 
@@ -78,7 +78,7 @@ void HandScript::enter(Phase phase) noexcept {
 }
 
 Vec3 HandScript::pressGoal(const TickReport& report) noexcept {
-  const double deepest_mm = depthFor_mm(kPush_N, report.mapping.scale);
+  const double deepest_mm = computeDepth_mm(kPush_N, report.mapping.scale);
   const Vec2& centre_mm = report.object_centre_mm;
   const double above_mm = target_mm_.z() - report.object_centre_height_mm;
   const double aside_mm = (target_mm_.head<2>() - centre_mm).norm();
@@ -116,7 +116,7 @@ Vec3 HandScript::slideGoal(const TickReport& report) noexcept {
   const double force_N = stiffness_.surface_N_mm * kSlideDepth_mm * report.mapping.scale;
   const double height_mm =
       report.over_object ? report.height_at_hip_mm : report.object_centre_height_mm;
-  return {place_mm.x(), place_mm.y(), height_mm - depthFor_mm(force_N, report.mapping.scale)};
+  return {place_mm.x(), place_mm.y(), height_mm - computeDepth_mm(force_N, report.mapping.scale)};
 }
 
 /// Moves towards the goal as fast as possible without overshoot, plus the velocity of the goal.
@@ -129,7 +129,7 @@ void HandScript::moveTowards(const Vec3& goal_mm, const Vec3& goal_velocity_mm_s
         {kSpeed_mm_s, std::sqrt(kAcceleration_mm_s2 * distance_mm), kGain_per_s * distance_mm});
     wanted_mm_s += path_mm * (speed_mm_s / distance_mm);
   }
-  velocity_mm_s_ += limited(wanted_mm_s - velocity_mm_s_, kAcceleration_mm_s2 * kTick_s);
+  velocity_mm_s_ += limitLength(wanted_mm_s - velocity_mm_s_, kAcceleration_mm_s2 * kTick_s);
   target_mm_ += velocity_mm_s_ * kTick_s;
 }
 
@@ -152,7 +152,7 @@ constexpr double kFarthest_mm = 1000.0;
   throw std::runtime_error(file + ":" + std::to_string(line) + ": " + what);
 }
 
-std::runtime_error unreadable(const std::string& file) {
+std::runtime_error makeUnreadableError(const std::string& file) {
   return std::runtime_error(file +
                             ": cannot be read (allowed are press, slide, follow or a file of "
                             "t_s,x_mm,y_mm,z_mm rows)" +
@@ -174,8 +174,8 @@ bool parseRow(std::string_view text, std::array<double, 4>& row) {
   return at == end;
 }
 
-HandTarget checked(const std::array<double, 4>& row, const std::vector<HandTarget>& before,
-                   const std::string& file, std::size_t line) {
+HandTarget checkTarget(const std::array<double, 4>& row, const std::vector<HandTarget>& before,
+                       const std::string& file, std::size_t line) {
   if (!(row[0] >= 0.0 && row[0] <= kLatest_s)) fail(file, line, "t_s is not from 0 to 86400");
   if (!before.empty() && row[0] <= before.back().t_s) fail(file, line, "t_s does not rise");
   const Vec3 position_mm(row[1], row[2], row[3]);
@@ -188,7 +188,7 @@ HandTarget checked(const std::array<double, 4>& row, const std::vector<HandTarge
 
 std::vector<HandTarget> loadHandTargets(const std::string& file) {
   std::ifstream in(file);
-  if (!in) throw unreadable(file);
+  if (!in) throw makeUnreadableError(file);
   return readHandTargets(in, file);
 }
 
@@ -205,10 +205,10 @@ std::vector<HandTarget> readHandTargets(std::istream& in, const std::string& fil
     std::array<double, 4> row{};
     if (!parseRow(text, row)) fail(file, line, "a row is four numbers: t_s,x_mm,y_mm,z_mm");
     if (targets.size() == kMostRows) fail(file, line, "more than a million rows");
-    targets.push_back(checked(row, targets, file, line));
+    targets.push_back(checkTarget(row, targets, file, line));
   }
   if (!in.eof()) {
-    if (in.bad()) throw unreadable(file);
+    if (in.bad()) throw makeUnreadableError(file);
     fail(file, line + 1, "longer than 256 characters");
   }
   if (targets.empty()) throw std::runtime_error(file + ": no rows of t_s,x_mm,y_mm,z_mm");

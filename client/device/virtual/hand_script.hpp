@@ -54,7 +54,7 @@ class HandScript {
   Vec3 goal(const TickReport& report) noexcept;
   Vec3 pressGoal(const TickReport& report) noexcept;
   Vec3 slideGoal(const TickReport& report) noexcept;
-  double depthFor_mm(double force_N, double scale) const noexcept;
+  double computeDepth_mm(double force_N, double scale) const noexcept;
   void moveTowards(const Vec3& goal_mm, const Vec3& goal_velocity_mm_s) noexcept;
   Vec3 fromFile(double t_s) noexcept;
   void enter(Phase phase) noexcept;

@@ -32,7 +32,7 @@ EdgeSample ReliefProbe::edge(const Vec2& q_mm) noexcept {
   return relief_->now(edge_);
 }
 
-bool ReliefProbe::masked(const Vec2& q_mm) noexcept {
+bool ReliefProbe::isMasked(const Vec2& q_mm) noexcept {
   if (edge_known_) {
     // No new sample if the stored sample is farther from the edge than the point is from the stored
     // sample.

@@ -42,7 +42,7 @@ class ReliefProbe {
   [[nodiscard]] EdgeSample edge(const Vec2& q_mm) noexcept;
   /// Returns true if `q_mm` lies inside the mask at play time. The call may read and store an edge
   /// sample.
-  [[nodiscard]] bool masked(const Vec2& q_mm) noexcept;
+  [[nodiscard]] bool isMasked(const Vec2& q_mm) noexcept;
   /// Stores `height` as the sample at `q_mm`.
   void keep(const Vec2& q_mm, const Height& height) noexcept;
   /// Returns the speed (mm/s) at which the mask's edge moves outwards because of its change of

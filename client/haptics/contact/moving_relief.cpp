@@ -12,14 +12,14 @@ namespace {
 constexpr double kRim_px = 3.0;
 
 /// Returns a gradient, turned from the frame's axes to the object's axes.
-Vec2 rotatedBack(const Vec2& turn, const Vec2& gradient) noexcept {
+Vec2 rotateBack(const Vec2& turn, const Vec2& gradient) noexcept {
   return {turn.x() * gradient.x() + turn.y() * gradient.y(),
           turn.x() * gradient.y() - turn.y() * gradient.x()};
 }
 
 }  // namespace
 
-bool MovingRelief::Frame::same(const PlayObject& object) const noexcept {
+bool MovingRelief::Frame::isSame(const PlayObject& object) const noexcept {
   return field == object.field && position_mm == object.motion.position_mm &&
          angle_rad == object.motion.angle_rad;
 }
@@ -40,7 +40,7 @@ BlendedHeight MovingRelief::Frame::height(const Vec2& q_mm) const noexcept {
   const double c = rotation_rad.x();
   const double s = rotation_rad.y();
   const double mixed = 2.0 * c * s * at.bend_xy;
-  return {at.height_mm - position_mm.z(), rotatedBack(rotation_rad, at.gradient),
+  return {at.height_mm - position_mm.z(), rotateBack(rotation_rad, at.gradient),
           c * c * at.bend_xx + s * s * at.bend_yy + mixed,
           (c * c - s * s) * at.bend_xy + c * s * (at.bend_yy - at.bend_xx),
           s * s * at.bend_xx + c * c * at.bend_yy - mixed};
@@ -48,10 +48,10 @@ BlendedHeight MovingRelief::Frame::height(const Vec2& q_mm) const noexcept {
 
 EdgeSample MovingRelief::Frame::edge(const Vec2& q_mm) const noexcept {
   const EdgeSample at = field->edge(toImage(q_mm));
-  return {at.distance_mm, rotatedBack(rotation_rad, at.gradient)};
+  return {at.distance_mm, rotateBack(rotation_rad, at.gradient)};
 }
 
-bool MovingRelief::Frame::aside(const Vec2& a_mm, const Vec2& b_mm) const noexcept {
+bool MovingRelief::Frame::isAside(const Vec2& a_mm, const Vec2& b_mm) const noexcept {
   const Vec2 a = toImage(a_mm);
   const Vec2 b = toImage(b_mm);
   const PixelRect& rect = field->rect();
@@ -71,7 +71,7 @@ bool MovingRelief::update(const InterpolatedObject& object, const Workspace& wor
   blend_ = second != nullptr ? object.blend : 0.0;
   blend_rate_1_s_ = second != nullptr ? object.blend_rate_1_s : 0.0;
   const bool two = second != nullptr;
-  if (first_.same(*first) && two == two_ && (!two || second_.same(*second))) return false;
+  if (first_.isSame(*first) && two == two_ && (!two || second_.isSame(*second))) return false;
   first_.set(*first, workspace);
   two_ = two;
   highest_mm_ = first_.field->highest_mm() - first_.position_mm.z();
@@ -121,8 +121,8 @@ double MovingRelief::rate_mm_s(const Edges& pair) const noexcept {
   return two_ ? (pair.second.distance_mm - pair.first.distance_mm) * blend_rate_1_s_ : 0.0;
 }
 
-bool MovingRelief::aside(const Vec2& a_mm, const Vec2& b_mm) const noexcept {
-  return first_.aside(a_mm, b_mm) && (!two_ || second_.aside(a_mm, b_mm));
+bool MovingRelief::isAside(const Vec2& a_mm, const Vec2& b_mm) const noexcept {
+  return first_.isAside(a_mm, b_mm) && (!two_ || second_.isAside(a_mm, b_mm));
 }
 
 }  // namespace hapticast::client

@@ -60,7 +60,7 @@ class MovingRelief {
   [[nodiscard]] double highest_mm() const noexcept { return highest_mm_; }
   /// Returns true if the segment from `a_mm` to `b_mm` certainly does not cross the mask. False
   /// means that it may cross the mask.
-  [[nodiscard]] bool aside(const Vec2& a_mm, const Vec2& b_mm) const noexcept;
+  [[nodiscard]] bool isAside(const Vec2& a_mm, const Vec2& b_mm) const noexcept;
   /// Returns the smaller side of a pixel, mm.
   [[nodiscard]] double pixel_mm() const noexcept { return pixel_mm_; }
 
@@ -76,14 +76,14 @@ class MovingRelief {
     Vec2 v = Vec2::Zero();
     Vec2 rotation_rad = Vec2::UnitX();  // cosine and sine of angle_rad
 
-    [[nodiscard]] bool same(const PlayObject& object) const noexcept;
+    [[nodiscard]] bool isSame(const PlayObject& object) const noexcept;
     void set(const PlayObject& object, const Workspace& workspace) noexcept;
     [[nodiscard]] Vec2 toImage(const Vec2& q_mm) const noexcept {
       return origin_px + Vec2(u.dot(q_mm), v.dot(q_mm));
     }
     [[nodiscard]] BlendedHeight height(const Vec2& q_mm) const noexcept;
     [[nodiscard]] EdgeSample edge(const Vec2& q_mm) const noexcept;
-    [[nodiscard]] bool aside(const Vec2& a_mm, const Vec2& b_mm) const noexcept;
+    [[nodiscard]] bool isAside(const Vec2& a_mm, const Vec2& b_mm) const noexcept;
   };
 
   // The relief is a blend of both frames if two_ is set; otherwise only first_ counts.

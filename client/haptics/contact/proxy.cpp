@@ -28,7 +28,7 @@ void Proxy::restart(bool faded) noexcept {
 bool Proxy::clear(const MovingRelief& relief, const Vec3& hip_mm) noexcept {
   if (!valid_ || kind_ != Kind::kFree) return false;
   if (std::min(at_mm_.z(), hip_mm.z()) <= relief.highest_mm() &&
-      !relief.aside(at_mm_.head<2>(), hip_mm.head<2>())) {
+      !relief.isAside(at_mm_.head<2>(), hip_mm.head<2>())) {
     return false;
   }
   at_mm_ = hip_mm;
@@ -72,7 +72,7 @@ ProxyTouch Proxy::update(const MovingRelief& relief, const ProxyTick& tick) noex
 // --- Samples and places.
 
 bool Proxy::isSolid(const Vec3& point_mm) noexcept {
-  if (point_mm.z() > probe_.relief().highest_mm() || !probe_.masked(point_mm.head<2>()))
+  if (point_mm.z() > probe_.relief().highest_mm() || !probe_.isMasked(point_mm.head<2>()))
     return false;
   const Vec2 q_mm = point_mm.head<2>();
   const Height height = probe_.height(q_mm);
@@ -88,7 +88,7 @@ void Proxy::placeOn(const Vec2& q_mm, const Height& height) noexcept {
 
 // --- Result of the tick.
 
-Vec3 Proxy::normalHere() noexcept {
+Vec3 Proxy::computeNormal() noexcept {
   if (kind_ == Kind::kWall) {
     const Vec2 outwards = -probe_.edge(at_mm_.head<2>()).gradient;
     const double length = outwards.norm();
@@ -116,7 +116,7 @@ ProxyTouch Proxy::finish() noexcept {
     offset_mm_ *= 1.0 - kFade;
   }
   if (offset_mm_.squaredNorm() < kForgotten_mm * kForgotten_mm) offset_mm_ = Vec3::Zero();
-  ProxyTouch touch{.contact = true, .normal = normalHere()};
+  ProxyTouch touch{.contact = true, .normal = computeNormal()};
   // The hand retreats faster than the offset fades: shorten the offset, so that the force does not
   // pull.
   const double pull_mm = std::min(0.0, (path_mm - offset_mm_).dot(touch.normal));
@@ -162,7 +162,7 @@ void Proxy::resolvePenetration() noexcept {
 
 void Proxy::resolveTop() noexcept {
   const Vec2 q_mm = at_mm_.head<2>();
-  if (!probe_.masked(q_mm)) {
+  if (!probe_.isMasked(q_mm)) {
     kind_ = Kind::kFree;
     return;
   }
@@ -218,7 +218,7 @@ bool Proxy::pushOut(int moves, double longest_mm) noexcept {
   for (int i = 0; i < moves; ++i) {
     const EdgeSample edge = probe_.edge(at_mm_.head<2>());
     if (edge.distance_mm <= 0.0 && edge.distance_mm > -2.0 * kOutside_mm) break;
-    at_mm_.head<2>() += limited(stepToEdge(edge), longest_mm);
+    at_mm_.head<2>() += limitStep(stepToEdge(edge), longest_mm);
   }
   const EdgeSample edge = probe_.edge(at_mm_.head<2>());
   return edge.distance_mm <= 0.0 || edge.gradient.squaredNorm() > kFlatEdge * kFlatEdge;
@@ -250,7 +250,7 @@ void Proxy::castRay() noexcept {
 /// Finds the crossing between the two points, through the edge or through the relief.
 void Proxy::enter(Vec3 outside_mm, const Vec3& inside_mm) noexcept {
   moved_ = true;
-  if (probe_.masked(outside_mm.head<2>())) {
+  if (probe_.isMasked(outside_mm.head<2>())) {
     enterFromAbove(outside_mm, inside_mm);
     return;
   }

@@ -82,7 +82,7 @@ class Proxy {
   [[nodiscard]] bool isSolid(const Vec3& point_mm) noexcept;
   void placeOn(const Vec2& q_mm, const Height& height) noexcept;
   ProxyTouch finish() noexcept;
-  [[nodiscard]] Vec3 normalHere() noexcept;
+  [[nodiscard]] Vec3 computeNormal() noexcept;
 
   // proxy.cpp: reactions to changes of the surface, and free motion.
   void resolvePenetration() noexcept;
@@ -134,16 +134,13 @@ class Proxy {
   bool done_ = false;
 };
 
-// Helpers that the free motion and the contact motion of the proxy share. Only
-// client/haptics/contact uses them.
-// Thread: loop, real-time (rules: client/haptics/README.md, section 1).
-
+// Used in client/haptics/contact only. Thread: loop, real-time.
 constexpr double kLookAhead_px = 0.5;  // length of a small step; it skips no detail of 1 px
 // Distance of a proxy at a wall from the mask's edge, on the outside.
 constexpr double kOutside_mm = 1e-3;
 
 /// Returns `step_mm`, shortened to a length of at most `longest_mm`.
-inline Vec2 limited(const Vec2& step_mm, double longest_mm) noexcept {
+inline Vec2 limitStep(const Vec2& step_mm, double longest_mm) noexcept {
   const double length_mm = step_mm.norm();
   return length_mm > longest_mm ? Vec2(step_mm * (longest_mm / length_mm)) : step_mm;
 }

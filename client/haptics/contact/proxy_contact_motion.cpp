@@ -40,7 +40,7 @@ Metric tangentPlane(const Vec2& g) noexcept {
 }
 
 /// Adds only the curvature of a valley: the largest eigenvalue, if positive, along its vector.
-Metric bentUpwards(Metric metric, const BlendedHeight& at, double depth_mm) noexcept {
+Metric bendUpwards(Metric metric, const BlendedHeight& at, double depth_mm) noexcept {
   const double half = 0.5 * (at.bend_xx - at.bend_yy);
   const double root = std::sqrt(half * half + at.bend_xy * at.bend_xy);
   const double largest = 0.5 * (at.bend_xx + at.bend_yy) + root;
@@ -65,11 +65,11 @@ Vec2 newtonStep(const BlendedHeight& at, const Vec3& path_mm) noexcept {
   Metric metric = {plane.xx + depth_mm * at.bend_xx, plane.xy + depth_mm * at.bend_xy,
                    plane.yy + depth_mm * at.bend_yy};
   const double least = 0.25 * (1.0 + at.gradient.squaredNorm());
-  if (metric.xx <= 0.0 || metric.determinant() < least) metric = bentUpwards(plane, at, depth_mm);
+  if (metric.xx <= 0.0 || metric.determinant() < least) metric = bendUpwards(plane, at, depth_mm);
   return metric.solve(descent(at, path_mm));
 }
 
-double lengthOnPlane(const Vec2& step_mm, const Vec2& gradient) noexcept {
+double computeLengthOnPlane(const Vec2& step_mm, const Vec2& gradient) noexcept {
   const double rise_mm = gradient.dot(step_mm);
   return std::sqrt(step_mm.squaredNorm() + rise_mm * rise_mm);
 }
@@ -98,11 +98,11 @@ void Proxy::slideOnTop() noexcept {
     return;
   }
   const Vec2 step_mm = newtonStep(here.now, path_mm);
-  if (lengthOnPlane(step_mm, gradient) < kConverged_mm) {
+  if (computeLengthOnPlane(step_mm, gradient) < kConverged_mm) {
     done_ = true;
     return;
   }
-  stepOnTop(here, limited(step_mm, kStep_px * probe_.relief().pixel_mm()));
+  stepOnTop(here, limitStep(step_mm, kStep_px * probe_.relief().pixel_mm()));
 }
 
 /// Leaves the relief towards the HIP if that path is free. Returns true if the proxy left.
@@ -124,7 +124,7 @@ bool Proxy::detach(const Vec3& path_mm) noexcept {
 bool Proxy::fallsOff(const Height& here, const Vec2& step_mm, Height& there) noexcept {
   const Vec2 q_mm = at_mm_.head<2>() + step_mm;
   const double tangent_mm = at_mm_.z() + here.now.gradient.dot(step_mm);
-  if (probe_.masked(q_mm)) {
+  if (probe_.isMasked(q_mm)) {
     there = probe_.height(q_mm);
     const double fall_mm = tangent_mm - there.now.height_mm;
     if (!(fall_mm > kFall_mm + kFallShare * step_mm.norm())) return false;
@@ -185,10 +185,10 @@ double Proxy::share(double length_mm, double depth_mm) noexcept {
 /// Moves the proxy along the tangent plane as far as friction allows.
 void Proxy::applyFriction(const Height& here, Vec2 step_mm, double depth_mm) noexcept {
   const Vec2 gradient = here.now.gradient;
-  const double part = share(lengthOnPlane(step_mm, gradient), depth_mm);
-  step_mm = limited(part * step_mm, kStep_px * probe_.relief().pixel_mm());
+  const double part = share(computeLengthOnPlane(step_mm, gradient), depth_mm);
+  step_mm = limitStep(part * step_mm, kStep_px * probe_.relief().pixel_mm());
   done_ = true;
-  if (lengthOnPlane(step_mm, gradient) < kConverged_mm) return;
+  if (computeLengthOnPlane(step_mm, gradient) < kConverged_mm) return;
   for (int i = 0; i <= kShrinks && done_; ++i, step_mm *= kShrink) {
     Height there;
     done_ = !fallsOff(here, step_mm, there) && !accept(at_mm_.head<2>() + step_mm, there);
@@ -244,9 +244,9 @@ void Proxy::slideOnWall() noexcept {
 /// Steps along the edge and by one Newton step back to it, unless that leads away from the HIP.
 void Proxy::stepAlongWall(const Vec2& along_mm) noexcept {
   const Vec2 q_mm = at_mm_.head<2>();
-  const Vec2 step_mm = limited(along_mm, kStep_px * probe_.relief().pixel_mm());
+  const Vec2 step_mm = limitStep(along_mm, kStep_px * probe_.relief().pixel_mm());
   const Vec2 beside_mm = q_mm + step_mm;
-  const Vec2 to_mm = beside_mm + limited(stepToEdge(probe_.edge(beside_mm)), step_mm.norm());
+  const Vec2 to_mm = beside_mm + limitStep(stepToEdge(probe_.edge(beside_mm)), step_mm.norm());
   if ((hip_mm_.head<2>() - to_mm).norm() < (hip_mm_.head<2>() - q_mm).norm()) {
     at_mm_.head<2>() = to_mm;
   } else {

@@ -23,7 +23,7 @@ double coefficient(double given) noexcept {
   return given > 0.0 ? std::min(given, kMostFriction) : 0.0;  // NaN counts as 0
 }
 
-Vec3 rotated(const Vec3& v, double c, double s) noexcept {
+Vec3 rotate(const Vec3& v, double c, double s) noexcept {
   return {c * v.x() - s * v.y(), s * v.x() + c * v.y(), v.z()};
 }
 
@@ -50,10 +50,10 @@ struct Sum {
     const bool turns = object.angle_rad != 0.0;
     const double c = turns ? std::cos(object.angle_rad) : 1.0;
     const double s = turns ? std::sin(object.angle_rad) : 0.0;
-    const Vec3 displacement_mm = rotated(touch.displacement_mm, c, s);
+    const Vec3 displacement_mm = rotate(touch.displacement_mm, c, s);
     const double length_mm = displacement_mm.norm();
     const double weight = length_mm + kWeight_mm;
-    const Vec3 arm_mm = rotated(at_mm, c, s);
+    const Vec3 arm_mm = rotate(at_mm, c, s);
     const double turn = object.angular_velocity_rad_s;
     contact.contact = true;
     contact.displacement_mm += displacement_mm;  // final for a single object
@@ -61,8 +61,8 @@ struct Sum {
       directions[count] = displacement_mm / length_mm;
       lengths_mm[count++] = length_mm;
     }
-    normals += weight * rotated(touch.normal, c, s);
-    velocities += weight * (object.velocity_mm_s + rotated(touch.shape_velocity_mm_s, c, s) +
+    normals += weight * rotate(touch.normal, c, s);
+    velocities += weight * (object.velocity_mm_s + rotate(touch.shape_velocity_mm_s, c, s) +
                             turn * Vec3(-arm_mm.y(), arm_mm.x(), 0.0));
     weights += weight;
     if (length_mm <= longest_mm) return;
@@ -139,7 +139,7 @@ ProxySurface::ProxySlot* ProxySurface::isKnown(std::uint64_t key) noexcept {
 }
 
 /// Returns the slot that was unused for longest. There are as many slots as objects in a scene.
-ProxySurface::ProxySlot& ProxySurface::unused() noexcept {
+ProxySurface::ProxySlot& ProxySurface::findUnused() noexcept {
   return *std::min_element(tied_.begin(), tied_.end(),
                            [](const ProxySlot& a, const ProxySlot& b) { return a.tick < b.tick; });
 }
@@ -185,7 +185,7 @@ void ProxySurface::updateObject(ProxySlot& tied, const InterpolatedObject& objec
   const Vec3 arm_mm = hip_mm - object.position_mm;
   const bool turns = object.angle_rad != 0.0;
   const Vec3 own_mm =
-      turns ? rotated(arm_mm, std::cos(object.angle_rad), -std::sin(object.angle_rad)) : arm_mm;
+      turns ? rotate(arm_mm, std::cos(object.angle_rad), -std::sin(object.angle_rad)) : arm_mm;
   const bool jumped = was_there && poseJumped(tied, object, arm_mm.head<2>().norm(), elapsed_s);
   tied.key = makeKey(*object.before);
   tied.tick = tick_;
@@ -219,7 +219,7 @@ void ProxySurface::gather(const Scene& scene, const Vec3& hip_mm,
     }
   }
   for (std::size_t i = 0; i < arrived_count; ++i) {
-    updateObject(unused(), *arrived[i], hip_mm, workspace, elapsed_s);
+    updateObject(findUnused(), *arrived[i], hip_mm, workspace, elapsed_s);
   }
 }
 

@@ -82,7 +82,7 @@ class ProxySurface {
   };
 
   [[nodiscard]] ProxySlot* isKnown(std::uint64_t key) noexcept;
-  [[nodiscard]] ProxySlot& unused() noexcept;
+  [[nodiscard]] ProxySlot& findUnused() noexcept;
   static bool poseJumped(const ProxySlot& tied, const InterpolatedObject& object, double arm_mm,
                          double elapsed_s) noexcept;
   void gather(const Scene& scene, const Vec3& hip_mm, const Workspace& workspace) noexcept;

@@ -76,7 +76,7 @@ const HipEstimate& HipEstimator::update(const DeviceState& state) noexcept {
   }
   last_time_ = state.time;
   estimate_.position_mm = state.position_mm;
-  estimate_.ahead = observer_.ahead(sent_, delay_ticks_);
+  estimate_.ahead = observer_.predictAhead(sent_, delay_ticks_);
   return estimate_;
 }
 

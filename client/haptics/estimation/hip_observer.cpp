@@ -116,7 +116,7 @@ void HipObserver::correct(int axis, double residual_mm, double slowest_rad_s) no
   hand_mm_s2_[axis] += o * o * o / (kTick_s * kTick_s) * residual_mm;
 }
 
-HipState HipObserver::ahead(const SentForces& sent, int delay_ticks) const noexcept {
+HipState HipObserver::predictAhead(const SentForces& sent, int delay_ticks) const noexcept {
   HipState tip = tip_;
   for (int ticks = delay_ticks; ticks >= 1; --ticks) predict(tip, sent.ago(ticks));
   // A push without a motion (a nailed HIP, a very stiff hand) must not become a predicted motion.

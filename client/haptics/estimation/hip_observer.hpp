@@ -89,7 +89,7 @@ class HipObserver {
   /// Returns the predicted state at the time when a force sent now acts, plus
   /// kPredictionMargin_ticks. `sent` has the forces sent so far. `delay_ticks` (0..5) is the delay
   /// from a position to its force.
-  [[nodiscard]] HipState ahead(const SentForces& sent, int delay_ticks) const noexcept;
+  [[nodiscard]] HipState predictAhead(const SentForces& sent, int delay_ticks) const noexcept;
 
  private:
   void predict(HipState& tip, const Vec3& force_N) const noexcept;

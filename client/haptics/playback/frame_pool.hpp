@@ -21,11 +21,8 @@
 
 namespace hapticast::client {
 
-// The reliefs of one frame, for the views. They exist only while the loop may still play the frame.
-// Thread: any.
-
-/// Weak references to the reliefs of one frame. A reference expires when the loop needs the frame
-/// no more.
+/// Weak references to the reliefs of one frame, for the views. A reference expires when the loop
+/// needs the frame no more. Thread: any.
 struct PlayableReliefs {
   MediaTime media_time;
   std::vector<std::weak_ptr<const HeightField>> reliefs;  ///< one for each object
@@ -120,9 +117,9 @@ class FramePool {
   [[nodiscard]] std::size_t bytes() const noexcept {
     std::size_t sum = 0;
     for (std::size_t i = 0; i < kSlots * kMaxObjects; ++i) {
-      const HeightField* const field = fieldAt(i);
+      const HeightField* const field = findField(i);
       bool counted = field == nullptr;
-      for (std::size_t k = i; !counted && k-- > 0;) counted = fieldAt(k) == field;
+      for (std::size_t k = i; !counted && k-- > 0;) counted = findField(k) == field;
       if (!counted) sum += field->bytes();
     }
     return sum;
@@ -149,7 +146,7 @@ class FramePool {
       empty_[empty_count_++] = released;
     }
   }
-  [[nodiscard]] const HeightField* fieldAt(std::size_t i) const noexcept {
+  [[nodiscard]] const HeightField* findField(std::size_t i) const noexcept {
     return slots_[i / kMaxObjects].fields[i % kMaxObjects].get();
   }
 

@@ -71,7 +71,7 @@ Largest findLargest(const ObjectHistory& seen, Step step, Rate rate) noexcept {
 
 }  // namespace
 
-PlausibilityBounds boundsFrom(const ObjectHistory& seen) noexcept {
+PlausibilityBounds computePlausibilityBounds(const ObjectHistory& seen) noexcept {
   // A relief that is declared unchanged has not moved, whatever position the frame states.
   const auto moved = [&](std::size_t i) noexcept {
     return seen.object[i]->field != seen.object[i + 1]->field;

@@ -36,6 +36,6 @@ struct ObjectHistory {
   std::array<double, kFrames - 1> interval_s{};
 };
 /// Returns the bounds that the frames in `seen` support.
-PlausibilityBounds boundsFrom(const ObjectHistory& seen) noexcept;
+PlausibilityBounds computePlausibilityBounds(const ObjectHistory& seen) noexcept;
 
 }  // namespace hapticast::client

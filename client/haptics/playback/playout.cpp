@@ -12,13 +12,13 @@ constexpr Duration kLongestDelay{10'000'000'000};
 // Keeps a sum of three times within 64 bits, for any value of a server's clock.
 constexpr Duration kLargestOffset{std::int64_t{1} << 61};
 
-Duration bounded(Duration value, Duration limit) noexcept {
+Duration clampTo(Duration value, Duration limit) noexcept {
   return std::clamp(value, -limit, limit);
 }
 
 /// Moves `value` towards `target` by at most `budget`, and reduces `budget` by the step.
 void approach(Duration& value, Duration target, Duration& budget) noexcept {
-  const Duration step = bounded(target - value, budget);
+  const Duration step = clampTo(target - value, budget);
   value += step;
   budget -= std::max(step, -step);
 }
@@ -26,7 +26,7 @@ void approach(Duration& value, Duration target, Duration& budget) noexcept {
 
 MediaTime Playout::advance(LocalTime now, const StreamTiming& stream, bool in_contact,
                            const UserControls& user) noexcept {
-  const Duration local = bounded(now.time_since_epoch(), kLargestOffset);
+  const Duration local = clampTo(now.time_since_epoch(), kLargestOffset);
   const bool restart =
       stream.connected && (!running_ || resync_ || stream.first_epoch != first_epoch_);
   if (!restart && !running_) return last_play_;
@@ -37,8 +37,8 @@ MediaTime Playout::advance(LocalTime now, const StreamTiming& stream, bool in_co
     running_ = true;
     resync_ = false;
     first_epoch_ = stream.first_epoch;
-    const Duration offset = bounded(stream.clock_offset, kLargestOffset / 2) -
-                            bounded(stream.pipeline_latency, kLongestDelay);
+    const Duration offset = clampTo(stream.clock_offset, kLargestOffset / 2) -
+                            clampTo(stream.pipeline_latency, kLongestDelay);
     const Duration delay = std::clamp(stream.playout_delay_target, Duration{0}, kLongestDelay);
     // Without a force the budget exceeds any distance between two offsets.
     Duration budget = in_contact && !restart ? elapsed / kRateDivisor : Duration::max();

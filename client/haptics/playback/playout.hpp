@@ -12,11 +12,9 @@
 
 namespace hapticast::client {
 
-// Timing of the stream: one of the two inputs of the loop from other threads. The other one is
-// UserControls.
-// Thread: network (writer), loop (reader of the latest value).
-
-/// Times and limits of the stream. The struct owns no memory.
+/// Times and limits of the stream: one of the two inputs of the loop from other threads. The other
+/// one is UserControls. The struct owns no memory. Thread: network (writer), loop (reader of the
+/// latest value).
 struct StreamTiming {
   bool connected = false;  ///< the welcome of the server has arrived, and its clock is synchronised
   /// First client-side epoch of this connection. The loop drops frames of earlier epochs.

@@ -17,8 +17,7 @@ constexpr double kPlausible_mm = 4.0;
 constexpr double kPlausible_rad = 0.5;
 
 /// Returns the impacts of `object` strictly inside (0, interval_s).
-VelocityJumps kinksWithin(const PlayObject& object, MediaTime from_time,
-                          double interval_s) noexcept {
+VelocityJumps findKinks(const PlayObject& object, MediaTime from_time, double interval_s) noexcept {
   VelocityJumps kinks;
   for (std::size_t i = 0; i < std::min(object.impact_count, kMaxImpacts); ++i) {
     const double time_s = secondsBetween(from_time, object.impacts[i].time);
@@ -100,8 +99,8 @@ HermitePath::HermitePath(const PlayObject& from, const PlayObject& to, MediaTime
   const Motion& a = from.motion;
   const Motion& b = to.motion;
   // The later frame describes the interval best; both frames may list the impact.
-  kinks_ = kinksWithin(to, from_time, interval_s);
-  if (kinks_.count == 0) kinks_ = kinksWithin(from, from_time, interval_s);
+  kinks_ = findKinks(to, from_time, interval_s);
+  if (kinks_.count == 0) kinks_ = findKinks(from, from_time, interval_s);
   kinks_ = plausible(kinks_, b.velocity_mm_s - a.velocity_mm_s);
 
   path_ = {a.position_mm, a.velocity_mm_s, b.position_mm - kinks_.displacement(interval_s),
@@ -146,7 +145,7 @@ Pose deadReckonedPose(const PlayObject& from, MediaTime from_time, double limit_
                       double time_s) noexcept {
   Pose pose = restingPose(from.motion);
   const double carried_s = std::min(time_s, limit_s);
-  const VelocityJumps kinks = kinksWithin(from, from_time, limit_s);
+  const VelocityJumps kinks = findKinks(from, from_time, limit_s);
   pose.position_mm += from.motion.velocity_mm_s * carried_s + kinks.displacement(carried_s);
   pose.angle_rad += from.motion.angular_velocity_rad_s * carried_s;
   if (time_s >= limit_s) {

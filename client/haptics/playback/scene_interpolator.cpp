@@ -51,7 +51,7 @@ Blend computeBlend(double time_s, double interval_s, double rate_1_s, double alo
   return {std::clamp((time_s - from_s) * rate_1_s, 0.0, 1.0), rate_1_s};
 }
 
-void areResting(InterpolatedObject& object) noexcept {
+void stop(InterpolatedObject& object) noexcept {
   object.velocity_mm_s.setZero();
   object.acceleration_mm_s2.setZero();
   object.angular_velocity_rad_s = 0.0;
@@ -62,7 +62,7 @@ double extrapolationLimit_s(const StreamTiming& stream) noexcept {
   return std::clamp(2.0 * toSeconds(stream.frame_interval), 0.0, kLongestExtrapolation_s);
 }
 
-Lookup kindWithoutNext(double time_s, double limit_s) noexcept {
+Lookup classifyWithoutNext(double time_s, double limit_s) noexcept {
   if (time_s <= limit_s) return Lookup::kExtrapolated;
   return time_s <= kLongestHold_s ? Lookup::kHeld : Lookup::kStale;
 }
@@ -215,7 +215,7 @@ void SceneInterpolator::computeBounds(std::size_t before, const PlayFrame* next)
     for (std::size_t k = 0; k < frames.size(); ++k) {
       seen.object[k] = findObject(frames[k], makeKey(frame(before).objects[i]));
     }
-    pair_.plausibility[i] = boundsFrom(seen);
+    pair_.plausibility[i] = computePlausibilityBounds(seen);
   }
 }
 
@@ -233,7 +233,7 @@ void SceneInterpolator::fillScene(std::size_t before, MediaTime play_time,
   alone_id_ = now.id;
   if (!has_next) alone_s_ = std::max(time_s, 0.0);
 
-  scene_.kind = has_next ? Lookup::kInterpolated : kindWithoutNext(time_s, limit_s);
+  scene_.kind = has_next ? Lookup::kInterpolated : classifyWithoutNext(time_s, limit_s);
   scene_.jumped = !played_ || now.epoch != scene_.epoch;
   scene_.epoch = now.epoch;
   scene_.object_count = objectCount(now);
@@ -243,7 +243,7 @@ void SceneInterpolator::fillScene(std::size_t before, MediaTime play_time,
   const Moment moment{now.media_time, time_s, interval_s, limit_s, blend.value, blend.rate_1_s};
   for (std::size_t i = 0; i < scene_.object_count; ++i) {
     placeObject(i, now.objects[i], moment);
-    if (user.paused) areResting(scene_.objects[i]);
+    if (user.paused) stop(scene_.objects[i]);
     scene_.objects[i].appeared = scene_.jumped || !wasThere(now.objects[i]);
   }
   frame_count_ = scene_.object_count;

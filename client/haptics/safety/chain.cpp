@@ -99,14 +99,14 @@ SafetyOutput SafetyChain::step(const SafetyInput& in) noexcept {
   last_ = now;
   geometry_ = geometry;
   if (geometry.contact) wall_N_mm_ = now.local_stiffness_N_mm;
-  countTrust(out.interferences, scene_jumped);
+  countTrust(out.safety_actions, scene_jumped);
   return out;
 }
 
 /// A hand in a stiff wall causes slowed steps as well: only those of the stream cost trust.
-void SafetyChain::countTrust(std::uint32_t interferences, bool scene_jumped) noexcept {
-  if (!stream_stepped_) interferences &= ~bit(SafetyAction::kSlew);
-  trust_.add(interferences, scene_jumped);
+void SafetyChain::countTrust(std::uint32_t safety_actions, bool scene_jumped) noexcept {
+  if (!stream_stepped_) safety_actions &= ~bit(SafetyAction::kSlew);
+  trust_.add(safety_actions, scene_jumped);
 }
 
 /// Determines the cause of a halt. Returns true if the halt begins in this tick.
@@ -126,21 +126,21 @@ bool SafetyChain::halts(const SafetyInput& in, SafetyOutput& out) noexcept {
 Vec3 SafetyChain::limitStep(StepState& now, const Vec3& static_N, bool measurement_jumped,
                             SafetyOutput& out) noexcept {
   const MotionExplainedStep possible =
-      measurement_jumped ? MotionExplainedStep{} : stepPossibleByHand(now, last_);
+      measurement_jumped ? MotionExplainedStep{} : computeStepPossibleByHand(now, last_);
   // Compares what the chain wants in both ticks: a force behind its target catches up afterwards.
   const bool by_stream = steps_.excess_N(now.force_N, wanted_N_, possible) > 0.0;
   wanted_N_ = now.force_N;
   const MotionExplainedStep hand =
-      measurement_jumped ? MotionExplainedStep{} : stepAllowedByMotion(now, last_);
+      measurement_jumped ? MotionExplainedStep{} : computeStepAllowedByMotion(now, last_);
   out.step_excess_N = steps_.excess_N(now.force_N, last_.force_N, hand);
   const bool slowed = out.step_excess_N > 0.0 && links_.slew;
   stream_stepped_ = slowed && by_stream;
   if (!slowed) return static_N;
-  now.force_N = steps_.limited(now.force_N, last_.force_N, hand);
+  now.force_N = steps_.limitForce(now.force_N, last_.force_N, hand);
   out.step_excess_N = steps_.excess_N(now.force_N, last_.force_N, hand);
-  out.interferences |= bit(SafetyAction::kSlew);
+  out.safety_actions |= bit(SafetyAction::kSlew);
   return steps_.excess_N(static_N, static_N_, hand) > 0.0
-             ? steps_.limited(static_N, static_N_, hand)
+             ? steps_.limitForce(static_N, static_N_, hand)
              : static_N;
 }
 
@@ -200,18 +200,18 @@ void SafetyChain::meter(const SafetyInput& in, StepState& now, const Geometry& g
   tank_.withdraw(ports_.meter(tick), now.velocity_mm_s);
 
   if (delay_ticks_ != profile_delay_ticks_ && geometry.contact) {
-    out.interferences |= bit(SafetyAction::kLatency);
+    out.safety_actions |= bit(SafetyAction::kLatency);
   }
   const Vec3& normal = now.contact ? geometry.normal : geometry_.normal;
   const double moved_mm =
       in.measurement_jumped ? 0.0 : normal.dot(now.position_mm - last_.position_mm);
-  const bool swings = watch_.alarmed(moved_mm, normal.dot(tick.surface_mm), acts() && !jump);
+  const bool swings = watch_.detectsAlarm(moved_mm, normal.dot(tick.surface_mm), acts() && !jump);
   const bool bounces =
-      bounces_.alarmed({now.velocity_mm_s, geometry.surface_velocity_mm_s, geometry.normal,
-                        now.local_stiffness_N_mm, now.contact, acts(), jump},
-                       delay_ticks_);
+      bounces_.detectsAlarm({now.velocity_mm_s, geometry.surface_velocity_mm_s, geometry.normal,
+                             now.local_stiffness_N_mm, now.contact, acts(), jump},
+                            delay_ticks_);
   const bool alarmed = swings || bounces;
-  if (!alarmed || !links_.latency_watch || delay_ticks_ != profile_delay_ticks_) return;
+  if (!alarmed || !links_.oscillation_detector || delay_ticks_ != profile_delay_ticks_) return;
   out.latency_alarm = true;
   if (delay_ticks_ < kMostDelay_ticks) setDelay(delay_ticks_ + 1);
 }
@@ -228,21 +228,21 @@ Vec3 SafetyChain::wallForce(const StepState& now, const Geometry& geometry,
   // Only while the HIP leaves: against an approaching surface it would push the hand.
   const bool leaves = u_mm_s < 0.0;
   const double insurance_Ns_m = links_.passivity && leaves ? ports_.damping_Ns_m(u_mm_s) : 0.0;
-  if (insurance_Ns_m > 0.0) out.interferences |= bit(SafetyAction::kPassivity);
+  if (insurance_Ns_m > 0.0) out.safety_actions |= bit(SafetyAction::kPassivity);
   const double law_N = std::min(geometry.damping_Ns_m * u_mm_s * 1e-3, now.most_damper_N);
   const double damper_N = law_N + insurance_Ns_m * u_mm_s * 1e-3;
   const double pull_limit_N = -spring_N.dot(geometry.normal);
-  if (damper_N < pull_limit_N) out.interferences |= bit(SafetyAction::kNoPull);
+  if (damper_N < pull_limit_N) out.safety_actions |= bit(SafetyAction::kNoPull);
   return spring_N + std::max(damper_N, pull_limit_N) * geometry.normal;
 }
 
 Vec3 SafetyChain::dynamicForce(const SafetyInput& in, const Geometry& geometry,
                                SafetyOutput& out) noexcept {
-  if (in.implausible) out.interferences |= bit(SafetyAction::kImplausible);
+  if (in.implausible) out.safety_actions |= bit(SafetyAction::kImplausible);
   const bool finite = in.dynamic_N.allFinite();
   if (!finite) {
     out.not_finite = true;
-    out.interferences |= bit(SafetyAction::kNotFinite);
+    out.safety_actions |= bit(SafetyAction::kNotFinite);
   }
   const bool valid = finite && in.dynamic_valid;
   if (valid) dynamic_N_ = in.dynamic_N;
@@ -259,7 +259,7 @@ void SafetyChain::fadeAndArm(bool jump, bool touchable, const Geometry& geometry
     residue_static_N_ = links_.fade ? static_N_ : Vec3(Vec3::Zero());
     fade_ = 0.0;
     check_depth_ = true;
-    out.interferences |= bit(SafetyAction::kJump);
+    out.safety_actions |= bit(SafetyAction::kJump);
   }
   if (touchable && check_depth_) {
     blocked_ = links_.arming && geometry.size_mm > armDepth_mm(geometry.stiffness_N_mm, peak_N_);
@@ -277,24 +277,24 @@ void SafetyChain::fadeAndArm(bool jump, bool touchable, const Geometry& geometry
     const double left = residue_N > residue_step_N_ ? 1.0 - residue_step_N_ / residue_N : 0.0;
     residue_N_ *= left;
     residue_static_N_ *= left;
-    if (residue_N_ != Vec3::Zero()) out.interferences |= bit(SafetyAction::kResidue);
+    if (residue_N_ != Vec3::Zero()) out.safety_actions |= bit(SafetyAction::kResidue);
   }
-  if (geometry.contact && blocked_) out.interferences |= bit(SafetyAction::kDisarmed);
-  if (geometry.contact && fade_ < 1.0) out.interferences |= bit(SafetyAction::kFade);
+  if (geometry.contact && blocked_) out.safety_actions |= bit(SafetyAction::kDisarmed);
+  if (geometry.contact && fade_ < 1.0) out.safety_actions |= bit(SafetyAction::kFade);
 }
 
 double SafetyChain::clampFactor(const Vec3& force_N, SafetyOutput& out) const noexcept {
   const double square_N2 = force_N.squaredNorm();
   if (square_N2 <= limit_N_ * limit_N_) return 1.0;
-  if (square_N2 > peak_N_ * peak_N_) out.interferences |= bit(SafetyAction::kPeak);
-  if (limit_N_ < peak_N_) out.interferences |= bit(SafetyAction::kThermal);
+  if (square_N2 > peak_N_ * peak_N_) out.safety_actions |= bit(SafetyAction::kPeak);
+  if (limit_N_ < peak_N_) out.safety_actions |= bit(SafetyAction::kThermal);
   return limit_N_ / std::sqrt(square_N2);
 }
 
 double SafetyChain::tankFactor(const Vec3& force_N, SafetyOutput& out) const noexcept {
   if (!links_.tank) return 1.0;
   const double factor = tank_.factor(force_N);
-  if (factor < 1.0) out.interferences |= bit(SafetyAction::kTank);
+  if (factor < 1.0) out.safety_actions |= bit(SafetyAction::kTank);
   return factor;
 }
 
@@ -322,8 +322,8 @@ SafetyChain::Geometry SafetyChain::plausible(const SafetyInput& in,
   out.too_far = all_finite && in.displacement_mm.squaredNorm() > kFarthest_mm * kFarthest_mm;
   if (!all_finite || out.too_far) {
     out.not_finite = true;
-    out.interferences |= bit(SafetyAction::kNotFinite);
-    return heldGeometry(in.ahead.position_mm);
+    out.safety_actions |= bit(SafetyAction::kNotFinite);
+    return holdGeometry(in.ahead.position_mm);
   }
   Geometry geometry;
   const double depth_mm = in.displacement_mm.norm();
@@ -342,7 +342,7 @@ SafetyChain::Geometry SafetyChain::plausible(const SafetyInput& in,
   const double speed2 = in.surface_velocity_mm_s.squaredNorm();
   if (speed2 > kSurfaceSpeed_mm_s * kSurfaceSpeed_mm_s) {
     geometry.surface_velocity_mm_s *= kSurfaceSpeed_mm_s / std::sqrt(speed2);
-    out.interferences |= bit(SafetyAction::kSurfaceSpeed);
+    out.safety_actions |= bit(SafetyAction::kSurfaceSpeed);
   }
   const Vec3& from_mm_s =
       geometry_.contact ? geometry_.surface_velocity_mm_s : geometry.surface_velocity_mm_s;
@@ -361,18 +361,18 @@ void SafetyChain::material(const SafetyInput& in, Geometry& geometry,
   geometry.stiffness_N_mm = std::max(0.0, in.stiffness_N_mm);
   if (links_.stiffness_limit && geometry.stiffness_N_mm > limit_N_mm) {
     geometry.stiffness_N_mm = limit_N_mm;
-    out.interferences |= bit(SafetyAction::kStiffness);
+    out.safety_actions |= bit(SafetyAction::kStiffness);
   }
   if (!links_.damping) return;
   const double law_Ns_m = wallDamping_Ns_m(geometry.stiffness_N_mm * geometry.stiffness_factor,
                                            mass_kg_, stiffness_limit_N_mm_);
   const double most_Ns_m = std::max(0.0, damping_limit_Ns_m_ - law_Ns_m);
-  if (in.damping_Ns_m > most_Ns_m) out.interferences |= bit(SafetyAction::kDamping);
+  if (in.damping_Ns_m > most_Ns_m) out.safety_actions |= bit(SafetyAction::kDamping);
   geometry.damping_Ns_m = law_Ns_m + std::clamp(in.damping_Ns_m, 0.0, most_Ns_m);
 }
 
 /// Returns the last geometry as a plane at rest; only the HIP moves.
-SafetyChain::Geometry SafetyChain::heldGeometry(const Vec3& ahead_mm) const noexcept {
+SafetyChain::Geometry SafetyChain::holdGeometry(const Vec3& ahead_mm) const noexcept {
   Geometry held = geometry_;
   held.surface_velocity_mm_s = held.surface_step_mm = Vec3::Zero();
   if (!held.contact || !ahead_mm.allFinite()) return held;

@@ -30,7 +30,7 @@ struct SafetyLinks {
   bool slew = true;
   bool fade = true;  ///< fade in, fade out and release ramp of the force
   bool arming = true;
-  bool latency_watch = true;
+  bool oscillation_detector = true;
   bool trust = true;
 };
 
@@ -81,7 +81,7 @@ struct SafetyOutput {
   bool trust_lost = false;  ///< trust was lost in this tick
   bool latency_alarm = false;  ///< the oscillation detector raised its alarm in this tick
   double step_excess_N = 0.0;  ///< step of the force beyond the slew limit; must be 0
-  std::uint32_t interferences = 0;
+  std::uint32_t safety_actions = 0;
 };
 
 /// The safety chain of one device. Its state connects the ticks, so step() has to run once in every
@@ -114,7 +114,7 @@ class SafetyChain {
   /// Returns the cause of the present halt, or Halt::kNone.
   [[nodiscard]] Halt halt() const noexcept { return halt_; }
   /// Returns the safety action that used up most of the trust.
-  [[nodiscard]] SafetyAction distrusted() const noexcept { return trust_.mostly(); }
+  [[nodiscard]] SafetyAction findDistrusted() const noexcept { return trust_.findMostFrequent(); }
   /// Sets the delay back to the profile's value, after a new connection. The change happens as soon
   /// as there is no contact and no force.
   void newConnection() noexcept { forget_delay_ = delay_ticks_ != profile_delay_ticks_; }
@@ -142,7 +142,7 @@ class SafetyChain {
   bool halts(const SafetyInput& input, SafetyOutput& out) noexcept;
   Geometry plausible(const SafetyInput& input, SafetyOutput& out) const noexcept;
   void material(const SafetyInput& input, Geometry& geometry, SafetyOutput& out) const noexcept;
-  Geometry heldGeometry(const Vec3& ahead_mm) const noexcept;
+  Geometry holdGeometry(const Vec3& ahead_mm) const noexcept;
   bool jumped(const SafetyInput& input, const Geometry& geometry) const noexcept;
   StepState computeState(const SafetyInput& input, const Geometry& geometry,
                          bool not_finite) noexcept;
@@ -154,7 +154,7 @@ class SafetyChain {
   double clampFactor(const Vec3& force_N, SafetyOutput& out) const noexcept;
   Vec3 limitStep(StepState& now, const Vec3& static_N, bool measurement_jumped,
                  SafetyOutput& out) noexcept;
-  void countTrust(std::uint32_t interferences, bool scene_jumped) noexcept;
+  void countTrust(std::uint32_t safety_actions, bool scene_jumped) noexcept;
   double tankFactor(const Vec3& force_N, SafetyOutput& out) const noexcept;
 
   SafetyLinks links_;

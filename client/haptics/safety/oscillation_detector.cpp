@@ -19,7 +19,7 @@ constexpr int kLongestFlight_ticks = 250;
 constexpr double kSlowestBounce_mm_s = 100.0;  // two counts per tick
 }  // namespace
 
-bool OscillationDetector::alarmed(double moved_mm, double surface_mm, bool acts) noexcept {
+bool OscillationDetector::detectsAlarm(double moved_mm, double surface_mm, bool acts) noexcept {
   State& s = state_;
   s.idle_ticks = acts ? 0 : s.idle_ticks + 1;
   if (s.idle_ticks >= kLongestSwing_ticks) {
@@ -53,7 +53,7 @@ void OscillationDetector::judgeSwing() noexcept {
 }
 
 /// Returns the number of bounces in a row including the completed contact; 0 if it was none.
-int BounceDetector::bouncesUpToNow() const noexcept {
+int BounceDetector::countBounces() const noexcept {
   const State& s = state_;
   const bool bounced = s.acted && s.contact_ticks <= s.longest_ticks &&
                        s.in_mm_s >= kSlowestBounce_mm_s && s.out_mm_s >= kLasting * s.in_mm_s;
@@ -62,13 +62,13 @@ int BounceDetector::bouncesUpToNow() const noexcept {
   return bounced && own && flew ? s.bounces + 1 : 0;
 }
 
-bool BounceDetector::alarmed(const Tick& tick, int delay_ticks) noexcept {
+bool BounceDetector::detectsAlarm(const Tick& tick, int delay_ticks) noexcept {
   State& s = state_;
   if (tick.jump) s = State{};
   // The delay of the loop, plus two ticks beyond the declared delay.
   const int late_ticks = 3 + delay_ticks;
   if (tick.contact && s.free_ticks > 0) {
-    s = State{.bounces = bouncesUpToNow()};
+    s = State{.bounces = countBounces()};
     // 1.5 times half a period of the device on the spring.
     const double swing_ticks =
         1.5 * std::numbers::pi * std::sqrt(mass_kg_ / (1e3 * tick.stiffness_N_mm)) / kTick_s;

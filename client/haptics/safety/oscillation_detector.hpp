@@ -24,7 +24,7 @@ class OscillationDetector {
   /// normal in this tick, mm. `acts` is true if a force acts. The force may pause for up to 33 ms,
   /// because a swing can leave the wall. Returns true if this tick completes an alarm. The detector
   /// then starts again.
-  bool alarmed(double moved_mm, double surface_mm, bool acts) noexcept;
+  bool detectsAlarm(double moved_mm, double surface_mm, bool acts) noexcept;
 
  private:
   struct Point {
@@ -71,7 +71,7 @@ class BounceDetector {
 
   /// Processes one tick. `delay_ticks` is the result of SafetyChain::delayTicks(). Returns true if
   /// this tick completes an alarm. The detector then starts again.
-  bool alarmed(const Tick& tick, int delay_ticks) noexcept;
+  bool detectsAlarm(const Tick& tick, int delay_ticks) noexcept;
 
  private:
   struct State {
@@ -83,7 +83,7 @@ class BounceDetector {
     int contact_ticks = 0, free_ticks = 0, longest_ticks = 0, bounces = 0;
     bool acted = false;
   };
-  [[nodiscard]] int bouncesUpToNow() const noexcept;
+  [[nodiscard]] int countBounces() const noexcept;
 
   double mass_kg_;
   State state_;

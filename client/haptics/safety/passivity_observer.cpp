@@ -44,14 +44,14 @@ void PassivityObserver::setDelay(int delay_ticks) noexcept {
   age_ = static_cast<std::size_t>(std::clamp(delay_ticks, 0, kMostDelay_ticks));
 }
 
-Vec3 PassivityObserver::wayTo(const PortTick& tick) noexcept {
+Vec3 PassivityObserver::computeWay(const PortTick& tick) noexcept {
   const Vec3 before_mm = at_mm_;
   const Vec3 leap_mm = tick.position_mm - counted_mm_;
   counted_mm_ = tick.position_mm;
   const auto goes_on = leap_mm.cwiseProduct(leap_mm_).array() > 0.0;
-  const Vec3 plays = (!goes_on || ticks_.array() > kSlow_ticks).cast<double>();
+  const Vec3 moves = (!goes_on || ticks_.array() > kSlow_ticks).cast<double>();
   leap_mm_ = (leap_mm.array() != 0.0).select(leap_mm, leap_mm_);
-  const Vec3 half_mm = half_count_mm_ * plays;
+  const Vec3 half_mm = half_count_mm_ * moves;
   at_mm_ =
       tick.connected
           ? Vec3(at_mm_.cwiseMax(tick.position_mm - half_mm).cwiseMin(tick.position_mm + half_mm))
@@ -65,7 +65,7 @@ double PassivityObserver::meter(const PortTick& tick) noexcept {
   static_sum_N_ += static_N;
   dynamic_sum_N_ += acted.dynamic_N;
   ticks_.array() += 1.0;
-  const Vec3 path_mm = wayTo(tick);
+  const Vec3 path_mm = computeWay(tick);
   // By axis, without a branch: positions move by single counts.
   const Vec3 per_tick_mm = path_mm.cwiseQuotient(ticks_);
   const double static_mJ = per_tick_mm.dot(static_sum_N_);

@@ -105,7 +105,7 @@ class PassivityObserver {
   };
   /// Follows the measured position with the dead zone of half a count. Returns the motion of this
   /// tick, mm.
-  [[nodiscard]] Vec3 wayTo(const PortTick& tick) noexcept;
+  [[nodiscard]] Vec3 computeWay(const PortTick& tick) noexcept;
 
   double half_count_mm_;
   Vec3 at_mm_ = Vec3::Zero();

@@ -32,7 +32,7 @@ enum class SafetyAction : std::uint8_t {
   kImplausible,  ///< the stream states a motion beyond its plausibility bounds
 };
 /// Name of each safety action in the log and in the summary, in the order of SafetyAction.
-inline constexpr std::array<const char*, 16> kInterferenceNames = {
+inline constexpr std::array<const char*, 16> kSafetyActionNames = {
     "not_finite", "surface_speed", "stiffness", "no_pull", "peak",    "slew",
     "fade",       "unarmed",       "residue",   "jump",    "damping", "passivity",
     "tank",       "thermal",       "latency",   "doubted"};

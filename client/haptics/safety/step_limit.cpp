@@ -11,7 +11,7 @@ namespace hapticast::client {
 
 namespace {
 /// Returns the point nearest to `point` on the segment from the origin to `end`.
-Vec3 nearestOnWay(const Vec3& end, const Vec3& point) noexcept {
+Vec3 findNearestOnWay(const Vec3& end, const Vec3& point) noexcept {
   const double along = point.dot(end);
   if (!(along > 0.0)) return Vec3::Zero();
   const double square = end.squaredNorm();
@@ -51,7 +51,8 @@ double damperStep_N(const StepState& wall, const Vec3& change_mm_s, double most_
 }
 }  // namespace
 
-MotionExplainedStep stepAllowedByMotion(const StepState& now, const StepState& last) noexcept {
+MotionExplainedStep computeStepAllowedByMotion(const StepState& now,
+                                               const StepState& last) noexcept {
   if (!now.contact && !last.contact) return {};
   if (isCovered(now, last)) return {};
   const StepState& wall = last.contact ? last : now;
@@ -62,7 +63,8 @@ MotionExplainedStep stepAllowedByMotion(const StepState& now, const StepState& l
           wall.local_stiffness_N_mm * now.moved_mm};
 }
 
-MotionExplainedStep stepPossibleByHand(const StepState& now, const StepState& last) noexcept {
+MotionExplainedStep computeStepPossibleByHand(const StepState& now,
+                                              const StepState& last) noexcept {
   if (!now.contact && !last.contact) return {};
   if (isCovered(now, last)) return {};
   const StepState& wall = last.contact ? last : now;
@@ -85,7 +87,7 @@ StepLimit::StepLimit(const DeviceProfile& profile) noexcept
 StepLimit::Step StepLimit::computeStep(const Vec3& force_N, const Vec3& last_N,
                                        const MotionExplainedStep& hand) const noexcept {
   const Vec3 step_N = force_N - last_N;
-  const Vec3 explained_N = nearestOnWay(hand.damper_N, step_N);
+  const Vec3 explained_N = findNearestOnWay(hand.damper_N, step_N);
   const bool rises = force_N.squaredNorm() > (last_N + explained_N).squaredNorm();
   return {explained_N, step_N - explained_N, (rises ? rise_N_ : fall_N_) + hand.spring_N};
 }
@@ -101,8 +103,8 @@ double StepLimit::excess_N(const Vec3& force_N, const Vec3& last_N,
   return std::isfinite(rest_N) ? rest_N - step.allowed_N : std::numeric_limits<double>::infinity();
 }
 
-Vec3 StepLimit::limited(const Vec3& force_N, const Vec3& last_N,
-                        const MotionExplainedStep& hand) const noexcept {
+Vec3 StepLimit::limitForce(const Vec3& force_N, const Vec3& last_N,
+                           const MotionExplainedStep& hand) const noexcept {
   const Step step = computeStep(force_N, last_N, hand);
   Vec3 reached_N = last_N + step.explained_N + step.rest_N * (step.allowed_N / step.rest_N.norm());
   if (reached_N.norm() <= peak_N_) return reached_N;

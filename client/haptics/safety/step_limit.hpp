@@ -48,7 +48,7 @@ struct StepState {
   double moved_mm = 0.0;                     ///< motion in this tick (CountedMotion)
   Vec3 velocity_change_mm_s = Vec3::Zero();  ///< change in this tick (CountedMotion)
   HipState ahead;                            ///< predicted HIP; the wall acts there
-  /// Motion of the surface from now to the time of `ahead`.
+  /// Motion of the surface from now to the time of `predictAhead`.
   Vec3 surface_ahead_mm = Vec3::Zero();
   // These are zero without a contact:
   bool contact = false;
@@ -79,11 +79,12 @@ struct MotionExplainedStep {
 ///
 /// A change of stiffness, surface or contact by the stream explains nothing. A predicted motion
 /// explains nothing either: if the motion does not occur, a stream would cause the steps.
-MotionExplainedStep stepAllowedByMotion(const StepState& now, const StepState& last) noexcept;
+MotionExplainedStep computeStepAllowedByMotion(const StepState& now,
+                                               const StepState& last) noexcept;
 /// Returns the largest part of the step that a hand can explain, by the velocity filter. Within it,
 /// a step may be the hand's, because one count moves that velocity by 56 mm/s. Beyond it, the
-/// stream caused the step. Trust uses this part, and the limit uses stepAllowedByMotion().
-MotionExplainedStep stepPossibleByHand(const StepState& now, const StepState& last) noexcept;
+/// stream caused the step. Trust uses this part, and the limit uses computeStepAllowedByMotion().
+MotionExplainedStep computeStepPossibleByHand(const StepState& now, const StepState& last) noexcept;
 
 /// Limits the step of the force in a tick. The limit is the part that the hand explains plus the
 /// slew limit of the profile. The functions compare only the forces of two successive ticks.
@@ -97,8 +98,8 @@ class StepLimit {
   /// Returns the force to send in place of `force_N`, if the step from `last_N` is too large.
   /// Requires excess_N() > 0. Only the part of the step that the hand does not explain is
   /// shortened. A plain slew limit would pump energy into the hand.
-  [[nodiscard]] Vec3 limited(const Vec3& force_N, const Vec3& last_N,
-                             const MotionExplainedStep& hand) const noexcept;
+  [[nodiscard]] Vec3 limitForce(const Vec3& force_N, const Vec3& last_N,
+                                const MotionExplainedStep& hand) const noexcept;
 
  private:
   struct Step {

@@ -39,15 +39,15 @@ class Trust {
   /// tick.
   static constexpr int kJumpPause_ticks = 100;
 
-  /// Adds one tick. `interferences` has one bit for each safety action of the tick. `scene_jumped`
+  /// Adds one tick. `safety_actions` has one bit for each safety action of the tick. `scene_jumped`
   /// is true if the scene jumped while a force acted.
-  void add(std::uint32_t interferences, bool scene_jumped = false) noexcept;
+  void add(std::uint32_t safety_actions, bool scene_jumped = false) noexcept;
   /// Returns true if the count has reached the threshold.
   [[nodiscard]] bool lost() const noexcept { return score() >= kMost_ticks; }
   /// Returns the number of counted ticks. Each tick's share decays with a time constant of 2 s.
   [[nodiscard]] double score() const noexcept { return ticks_; }
   /// Returns the safety action that contributed most to the count.
-  [[nodiscard]] SafetyAction mostly() const noexcept;
+  [[nodiscard]] SafetyAction findMostFrequent() const noexcept;
   /// Resets the count to 0. SafetyChain::rearm() calls it after a loss of trust.
   void renew() noexcept { *this = Trust(); }
 

@@ -29,7 +29,7 @@ void TransportSelector::begin(std::size_t at) {
   narrow_since_.reset();
 }
 
-bool TransportSelector::newer(std::uint64_t id) const {
+bool TransportSelector::isNewer(std::uint64_t id) const {
   return id > newest_ || FrameAssembler::jump(newest_, id);
 }
 
@@ -47,7 +47,7 @@ void TransportSelector::markFailed(const std::string& why, LocalTime now) {
 }
 
 void TransportSelector::onCompleteFrame(std::uint64_t id, LocalTime now) {
-  if (newer(id)) newest_ = id;
+  if (isNewer(id)) newest_ = id;
   received_at_ = now;
   only_tcp_since_.reset();
   suspected_ = false;
@@ -60,7 +60,7 @@ void TransportSelector::onCompleteFrame(std::uint64_t id, LocalTime now) {
 }
 
 void TransportSelector::tcpFrame(std::uint64_t id, LocalTime now) {
-  if (transport() != Transport::kTcp && newer(id) && !only_tcp_since_) only_tcp_since_ = now;
+  if (transport() != Transport::kTcp && isNewer(id) && !only_tcp_since_) only_tcp_since_ = now;
 }
 
 void TransportSelector::update(LocalTime now, std::uint32_t copies, Duration frame_interval) {

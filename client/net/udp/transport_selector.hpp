@@ -97,7 +97,7 @@ class TransportSelector {
   void begin(std::size_t at);
   /// Returns true if `id` is newer than all complete frames of this transport. It also returns true
   /// if the server has restarted its numbering.
-  [[nodiscard]] bool newer(std::uint64_t id) const;
+  [[nodiscard]] bool isNewer(std::uint64_t id) const;
   [[nodiscard]] Delivery wanted() const;
 
   std::vector<Transport> transports_;

@@ -87,11 +87,12 @@ void enlargeBuffer(udp::socket& socket) {
 }
 
 /// Converts the system's error to a text for the user.
-Error failed(const boost::system::error_code& ec) { return Error{ec.message()}; }
+Error makeError(const boost::system::error_code& ec) { return Error{ec.message()}; }
 
-/// Returns the index of the interface `called`; with an empty name that of the route to the server.
-Result<unsigned> interfaceFor(asio::io_context& io, const std::string& called,
-                              const Endpoint& server) {
+/// Returns the index of the interface `hasName`; with an empty name that of the route to the
+/// server.
+Result<unsigned> findInterface(asio::io_context& io, const std::string& called,
+                               const Endpoint& server) {
   std::string name = called;
   if (name.empty()) {
     const auto to = resolveEndpoint(server);
@@ -100,11 +101,11 @@ Result<unsigned> interfaceFor(asio::io_context& io, const std::string& called,
     boost::system::error_code ec;
     probe.connect(to.value(), ec);  // asks the system for its route and sends nothing
     if (!ec) name = probe.local_endpoint(ec).address().to_string();
-    if (ec) return failed(ec);
+    if (ec) return makeError(ec);
   }
   const auto all = networkInterfaces();
   const auto found =
-      std::find_if(all.begin(), all.end(), [&](const auto& each) { return each.called(name); });
+      std::find_if(all.begin(), all.end(), [&](const auto& each) { return each.hasName(name); });
   if (found == all.end()) return Error{"this machine has no network '" + name + "'"};
   return found->index;
 }
@@ -124,7 +125,7 @@ Result<std::shared_ptr<UdpSocket>> UdpSocket::toServer(asio::io_context& io, con
   socket.open(to.value().protocol(), ec);
   if (!ec) socket.connect(to.value(), ec);
   if (!ec) socket.non_blocking(true, ec);
-  if (ec) return failed(ec);
+  if (ec) return makeError(ec);
   enlargeBuffer(socket);
   return std::shared_ptr<UdpSocket>(new UdpSocket(std::move(socket), clock, std::move(verifier)));
 }
@@ -136,7 +137,7 @@ Result<std::shared_ptr<UdpSocket>> UdpSocket::ofGroup(asio::io_context& io, cons
                                                       DatagramVerifier verifier) {
   auto at = resolveEndpoint(group);
   if (!at.ok()) return at.error();
-  const auto index = interfaceFor(io, interface, server);
+  const auto index = findInterface(io, interface, server);
   if (!index.ok()) return index.error();
   if (at.value().address().is_v6()) {  // a link-local group needs its interface
     auto address = at.value().address().to_v6();
@@ -150,13 +151,13 @@ Result<std::shared_ptr<UdpSocket>> UdpSocket::ofGroup(asio::io_context& io, cons
   // Bound to the group's address, so that other datagrams to the port are not read.
   if (!ec) socket.bind(at.value(), ec);
   if (!ec) socket.non_blocking(true, ec);
-  if (ec) return failed(ec);
+  if (ec) return makeError(ec);
   group_req join{};
   join.gr_interface = index.value();
   std::memcpy(&join.gr_group, at.value().data(), at.value().size());
   const int level = at.value().address().is_v6() ? IPPROTO_IPV6 : IPPROTO_IP;
   if (::setsockopt(socket.native_handle(), level, MCAST_JOIN_GROUP, &join, sizeof join) != 0)
-    return failed({errno, boost::system::system_category()});
+    return makeError({errno, boost::system::system_category()});
   enlargeBuffer(socket);
   return std::shared_ptr<UdpSocket>(new UdpSocket(std::move(socket), clock, std::move(verifier)));
 }

@@ -23,11 +23,6 @@
 
 namespace hapticast::client {
 
-// Authentication of datagrams. Cheap checks are first (token, stream, duplicate, key), then the
-// signature, and last the seal. A token bucket limits the number of verifications per second, so
-// that a flood uses a bounded computing time. Times are arguments. The code opens no sockets.
-// Thread: network.
-
 /// Number of datagrams by the result of their verification.
 struct DatagramCounts {
   std::uint64_t received = 0;     ///< datagrams that are new, authentic and readable
@@ -43,7 +38,10 @@ struct DatagramCounts {
   DatagramCounts operator+(const DatagramCounts& other) const;
 };
 
-/// Verifies the datagrams that arrive at one socket.
+/// Verifies the datagrams that arrive at one socket. Cheap checks are first (token, stream,
+/// duplicate, key), then the signature, and last the seal. A token bucket limits the number of
+/// verifications per second, so that a flood uses a bounded computing time. Times are arguments.
+/// The code opens no sockets. Thread: network.
 class DatagramVerifier {
  public:
   /// Rate and size of the token bucket. The values are a choice: 240 frames/s of eight datagrams.

@@ -12,7 +12,8 @@ namespace hapticast::client {
 /// Call it for every new window. Without X it does nothing.
 void surviveDisplay(SDL_Window& window);
 
-/// Processes an SDL event, which may report the loss.
+/// Processes an SDL event. If it says that the display has removed the window, displayIsLost() is
+/// true from then on.
 void handleDisplayEvents(const SDL_Event& event);
 
 /// Returns true if the window of the last surviveDisplay() is lost. Then the caller must not call

@@ -70,7 +70,7 @@ void ViewerWindow::handleEvent(const SDL_Event& event, UiState& ui_state) {
 
 /// A press of the left button over the picture begins a drag, or closes the box of the relief.
 void ViewerWindow::pressButton(const Vec2& cursor) {
-  switch (partAt(cursor)) {
+  switch (findPart(cursor)) {
     case BoxPart::kClose:
       state_.relief = ReliefLook::kNone;
       break;
@@ -94,7 +94,7 @@ void ViewerWindow::point(const SDL_MouseMotionEvent& motion, UiState& ui_state) 
   if (drag_ == Drag::kMoves) relief_.box().move(place_, by_px);
   if (drag_ != Drag::kNone) return;
   const Vec2 at(motion.x, motion.y);
-  if (!place_.contains(at) || partAt(at) != BoxPart::kNone || ImGui::GetIO().WantCaptureMouse)
+  if (!place_.contains(at) || findPart(at) != BoxPart::kNone || ImGui::GetIO().WantCaptureMouse)
     return;
   input_.point(at);
 }
@@ -107,7 +107,7 @@ void ViewerWindow::drag(Drag what) {
   SDL_SetRelativeMouseMode(stays ? SDL_TRUE : SDL_FALSE);
 }
 
-BoxPart ViewerWindow::partAt(const Vec2& point) const {
+BoxPart ViewerWindow::findPart(const Vec2& point) const {
   return state_.relief == ReliefLook::kInSpace ? relief_.box().part(place_, point) : BoxPart::kNone;
 }
 

@@ -18,13 +18,13 @@ constexpr float kPlot_px = 92.0F;  // least height of a plot with its labels
 
 void text(const std::string& line) { ImGui::TextUnformatted(line.c_str()); }
 
-void heading(const char* name) {
+void showHeading(const char* name) {
   ImGui::Spacing();
   ImGui::TextColored(ImVec4(0.55F, 0.8F, 1.0F, 1.0F), "%s", name);
 }
 
 /// Returns the size in px of the screen of an image that is as wide as the panel.
-cv::Size pixelsFor(const ImVec2& size) {
+cv::Size computePixels(const ImVec2& size) {
   const ImVec2& scale = ImGui::GetIO().DisplayFramebufferScale;
   return {std::max(1, static_cast<int>(size.x * scale.x)),
           std::max(1, static_cast<int>(size.y * scale.y))};
@@ -34,8 +34,8 @@ cv::Size pixelsFor(const ImVec2& size) {
 void showPlot(GuiRenderer& renderer, GuiImage kind, const ForceHistory& history, const char* unit,
               std::span<const Curve> curves, float height) {
   const ImVec2 size(ImGui::GetContentRegionAvail().x, height);
-  ImGui::Image(renderer.upload(kind, drawRecentPlot(history, 1.0, unit, curves, pixelsFor(size))),
-               size);
+  ImGui::Image(
+      renderer.upload(kind, drawRecentPlot(history, 1.0, unit, curves, computePixels(size))), size);
 }
 
 /// Explains the control or the text before it, while the pointer is over it.
@@ -45,7 +45,7 @@ void explain(const char* what) {
 
 void showForce(const TickReport& report, const ForceHistory& history, GuiRenderer& renderer,
                float plot_height) {
-  heading("Force at the device");
+  showHeading("Force at the device");
   text(
       fmt::format("{:.2f} N, penetration {:.2f} mm", report.force_N.norm(), report.penetration_mm));
   showPlot(renderer, GuiImage::kForcePlot, history, "N", kForceCurves, plot_height);
@@ -54,7 +54,7 @@ void showForce(const TickReport& report, const ForceHistory& history, GuiRendere
            std::max(0.8F * plot_height, 0.8F * kPlot_px));
 }
 
-void showStream(const TickWatch& ticks, const UiState& ui_state, double picture_off_ms) {
+void showStream(const TickStatus& ticks, const UiState& ui_state, double picture_off_ms) {
   const ConnectionStats& stream = ui_state.stream;
   // During a pause the playout delay grows with the time and has no meaning.
   const double behind_ms = toSeconds(ticks.last().playout_delay) * 1e3;
@@ -71,7 +71,7 @@ void showStream(const TickWatch& ticks, const UiState& ui_state, double picture_
   explain("play time of the shown picture minus that of the rendered frame");
 }
 
-void showLoop(const TickWatch& ticks) {
+void showLoop(const TickStatus& ticks) {
   const TickReport& report = ticks.last();
   text(fmt::format("HIP {:.1f}, {:.1f}, {:.1f} mm", report.hip_mm.x(), report.hip_mm.y(),
                    report.hip_mm.z()));
@@ -125,7 +125,7 @@ void chooseFriction(UserControls& user, PanelState& state) {
 }
 
 void showControls(UiState& ui_state, PanelState& state) {
-  heading("Feel");
+  showHeading("Feel");
   UserControls& user = ui_state.user;
   ImGui::Checkbox("pause (space)", &user.paused);
   explain("stops play time, so that you can explore the frame");
@@ -165,7 +165,7 @@ void showSurfaceControls(UserControls& user, PanelState& state) {
 }
 
 /// Sections that are folded at first.
-void showExpertSections(const TickWatch& ticks, UiState& ui_state, PanelState& state) {
+void showExpertSections(const TickStatus& ticks, UiState& ui_state, PanelState& state) {
   if (ImGui::CollapsingHeader("Surface")) showSurfaceControls(ui_state.user, state);
   if (ImGui::CollapsingHeader("Stream")) showStream(ticks, ui_state, state.picture_off_ms);
   if (ImGui::CollapsingHeader("Loop and safety")) showLoop(ticks);
@@ -173,7 +173,7 @@ void showExpertSections(const TickWatch& ticks, UiState& ui_state, PanelState& s
 
 }  // namespace
 
-void showPanel(const WindowLayout& layout, const TickWatch& ticks, const ForceHistory& history,
+void showPanel(const WindowLayout& layout, const TickStatus& ticks, const ForceHistory& history,
                GuiRenderer& renderer, UiState& ui_state, PanelState& state) {
   const ImVec2& window = ImGui::GetIO().DisplaySize;
   const auto width = static_cast<float>(layout.panel_px);

@@ -44,7 +44,7 @@ inline void togglePanel(PanelState& state) { state.panel = state.folded; }
 
 /// Draws the panel at the right edge of the window. Its controls change `ui_state.user`. `renderer`
 /// receives the images of its plots.
-void showPanel(const WindowLayout& layout, const TickWatch& ticks, const ForceHistory& history,
+void showPanel(const WindowLayout& layout, const TickStatus& ticks, const ForceHistory& history,
                GuiRenderer& renderer, UiState& ui_state, PanelState& state);
 
 /// Draws two buttons at the upper right edge of the window, for a folded panel: they unfold the

@@ -40,7 +40,7 @@ void drawArrow(ImDrawList& list, const Vec2& from, const Vec2& end, ImU32 color)
   list.AddTriangleFilled(toImVec(end), toImVec(neck + side), toImVec(neck - side), color);
 }
 
-ImU32 lit(float light) {
+ImU32 computeColor(float light) {
   const auto part = [light](float most) { return static_cast<int>(most * std::min(light, 1.0F)); };
   return IM_COL32(part(255.0F), part(225.0F), part(185.0F), 255);
 }
@@ -70,12 +70,12 @@ class Aside {
     fit(low, high, Vec2(box.width, box.height));
   }
   /// Returns a position in the directions of the view: right, up, towards the viewer.
-  [[nodiscard]] Vec3 rotated(const Vec3& nominal_mm) const {
+  [[nodiscard]] Vec3 rotatePoint(const Vec3& nominal_mm) const {
     return rotation_ * (nominal_mm - centre_mm_);
   }
   /// Returns the point of the window at which a position is drawn.
   [[nodiscard]] Vec2 operator()(const Vec3& nominal_mm) const {
-    const Vec3 seen = px_per_mm_ * rotated(nominal_mm);
+    const Vec3 seen = px_per_mm_ * rotatePoint(nominal_mm);
     return middle_ + Vec2(seen.x(), -seen.y());
   }
 
@@ -94,11 +94,11 @@ class Aside {
 };
 
 /// Painter's algorithm: returns the cells from the farthest to the nearest.
-std::vector<std::size_t> fromBehind(const ReliefMesh& mesh, const Aside& aside) {
+std::vector<std::size_t> sortFromBehind(const ReliefMesh& mesh, const Aside& aside) {
   std::vector<double> near(mesh.cells.size());
   for (std::size_t i = 0; i < near.size(); ++i) {
     for (const int corner : mesh.cells[i])
-      near[i] += aside.rotated(mesh.corners[static_cast<std::size_t>(corner)].position_mm).z();
+      near[i] += aside.rotatePoint(mesh.corners[static_cast<std::size_t>(corner)].position_mm).z();
   }
   std::vector<std::size_t> order(mesh.cells.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -109,13 +109,13 @@ std::vector<std::size_t> fromBehind(const ReliefMesh& mesh, const Aside& aside) 
 
 /// Draws the cells, as `aside` projects them.
 void drawCells(ImDrawList& list, const ReliefMesh& mesh, const Aside& aside) {
-  const std::vector<std::size_t> order = fromBehind(mesh, aside);
+  const std::vector<std::size_t> order = sortFromBehind(mesh, aside);
   if (order.empty()) return;
   const ImVec2 white = ImGui::GetFontTexUvWhitePixel();
   list.PrimReserve(static_cast<int>(6 * order.size()), static_cast<int>(mesh.corners.size()));
   const unsigned first = list._VtxCurrentIdx;
   for (const ReliefMesh::Corner& corner : mesh.corners)
-    list.PrimWriteVtx(toImVec(aside(corner.position_mm)), white, lit(corner.light));
+    list.PrimWriteVtx(toImVec(aside(corner.position_mm)), white, computeColor(corner.light));
   for (const std::size_t cell : order) {
     for (const std::size_t corner : {0U, 1U, 2U, 0U, 2U, 3U}) {
       list.PrimWriteIdx(

@@ -19,7 +19,7 @@ namespace hapticast::client {
 
 namespace {
 
-[[noreturn]] void failed(const char* what) {
+[[noreturn]] void throwFailure(const char* what) {
   throw std::runtime_error(fmt::format("{} ({})", what, SDL_GetError()));
 }
 
@@ -52,7 +52,7 @@ struct ViewerWindow::Gui {
     // Ctrl-C ends the client as it does without a window.
     SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");
     SDL_SetHint(SDL_HINT_VIDEO_ALLOW_SCREENSAVER, "1");
-    if (SDL_InitSubSystem(SDL_INIT_VIDEO) != 0) failed("no display");
+    if (SDL_InitSubSystem(SDL_INIT_VIDEO) != 0) throwFailure("no display");
     if (drawsForNobody()) {
       SDL_SetError("SDL cannot open the named display");
       end("no display");
@@ -88,7 +88,7 @@ struct ViewerWindow::Gui {
     const std::string why = SDL_GetError();
     close();
     SDL_SetError("%s", why.c_str());
-    failed(what);
+    throwFailure(what);
   }
   void close() const {
     if (renderer != nullptr) SDL_DestroyRenderer(renderer);
@@ -153,7 +153,7 @@ void ViewerWindow::selectPicture() {
   const auto off = [play_time](const StreamPicture& picture) {
     return std::abs((picture.video.media_time - play_time).count());
   };
-  auto nearest = pictures_.nearest(play_time);
+  auto nearest = pictures_.findNearest(play_time);
   // During a pause the buffer continues and drops the picture of the shown frame.
   if (nearest && (!shown_ || off(*nearest) < off(*shown_))) {
     shown_ = std::move(nearest);

@@ -55,7 +55,7 @@ class ViewerWindow final : public View {
   void pressButton(const Vec2& cursor);
   void drag(Drag what);
   /// Returns the part of the relief's box at `point`. It is kNone while the box is closed.
-  [[nodiscard]] BoxPart partAt(const Vec2& point) const;
+  [[nodiscard]] BoxPart findPart(const Vec2& point) const;
   void selectPicture();
   [[nodiscard]] cv::Mat paintScene(const PointerTarget& pointer);
   void showScene(const WindowLayout& layout, const UiState& ui_state);
@@ -69,7 +69,7 @@ class ViewerWindow final : public View {
   cv::Mat picture_;  // of shown_; empty before the first one
   Workspace workspace_;
   ForceHistory history_;
-  TickWatch ticks_;
+  TickStatus ticks_;
   PanelState state_;
   ScenePlace place_;
   bool placed_ = false;  // place_ is that of the stream's picture

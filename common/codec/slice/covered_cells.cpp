@@ -66,7 +66,7 @@ RowMoments momentsOfRow(const Weights& weights, std::size_t row, const std::uint
 
 /// Returns the height outside the mask from a weighted plane through the pixels around the
 /// position.
-std::int32_t continued(const Mask& mask, const std::int32_t* target, int u, int v) {
+std::int32_t continueTarget(const Mask& mask, const std::int32_t* target, int u, int v) {
   static const Weights kWeights;
   Moments sum;
   for (int y = -kReach_px; y <= kReach_px; ++y) {
@@ -121,7 +121,8 @@ void analyseBase(Field& field, const Surroundings& object, const Steps& steps) {
           std::ptrdiff_t{y} * kCell_px * mask.stride + std::ptrdiff_t{x} * kCell_px;
       const bool inside = mask.data[px] != 0;  // also inside the next slice
       const std::int32_t height =
-          inside ? object.target[px] : continued(mask, object.target, x * kCell_px, y * kCell_px);
+          inside ? object.target[px]
+                 : continueTarget(mask, object.target, x * kCell_px, y * kCell_px);
       field.base[at] = countSteps(height, steps.base, 1.0F / static_cast<float>(steps.base));
     }
   }

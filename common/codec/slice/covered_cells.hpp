@@ -17,9 +17,9 @@ namespace hapticast::codec {
 class CoveredCells {
  public:
   explicit CoveredCells(const PixelRect& rect)
-      : columns_(cellsOver(rect.width)),
+      : columns_(countCells(rect.width)),
         covered_(static_cast<std::size_t>(columns_) *
-                 static_cast<std::size_t>(cellsOver(rect.height))) {}
+                 static_cast<std::size_t>(countCells(rect.height))) {}
 
   /// Marks the cells of the slice as covered. Returns false if another slice has covered one of
   /// them before. Requires a slice of this relief.
@@ -40,13 +40,10 @@ class CoveredCells {
   std::vector<bool> covered_;
 };
 
-// Encoder side of smooth mode. It computes the numbers of a slice that are coded: the heights of
-// the nodes, and the details. A detail is the difference between a point and its interpolation.
-// Thread: any.
-
 /// Computes the base heights, nodes, details and flags of `field`. Requires a field after
 /// reset(true). `object` has the heights to code. Afterwards every pixel inside the mask has an
-/// error of at most half of steps.px.
+/// error of at most half of steps.px. A detail is the difference between a point and its
+/// interpolation. Used by the encoder only (smooth mode). Thread: any.
 void analyse(Field& field, const Surroundings& object, const Steps& steps);
 
 /// Return the estimated number of bits of one cell. The first function is for smooth mode, and it

@@ -12,7 +12,7 @@ std::size_t area(std::ptrdiff_t stride, int rows) {
 }
 
 /// Interpolates next to an end, from the end (`near`) and the two points beyond.
-std::int32_t beyond(std::int32_t near, std::int32_t far, std::int32_t third) {
+std::int32_t extrapolate(std::int32_t near, std::int32_t far, std::int32_t third) {
   return (3 * near + 6 * far - third + 4) >> 3;
 }
 
@@ -26,13 +26,13 @@ void widen(const std::int32_t* in, std::ptrdiff_t count, std::int32_t* out) {
   }
   const std::ptrdiff_t last = count - 1;
   out[0] = in[0];
-  out[1] = beyond(in[0], in[1], in[2]);
+  out[1] = extrapolate(in[0], in[1], in[2]);
   for (std::ptrdiff_t i = 1; i < last - 1; ++i) {
     out[2 * i] = in[i];
     out[2 * i + 1] = (9 * (in[i] + in[i + 1]) - in[i - 1] - in[i + 2] + 8) >> 4;
   }
   out[2 * last - 2] = in[last - 1];
-  out[2 * last - 1] = beyond(in[last], in[last - 1], in[last - 2]);
+  out[2 * last - 1] = extrapolate(in[last], in[last - 1], in[last - 2]);
   out[2 * last] = in[last];
 }
 
@@ -116,7 +116,7 @@ void Field::placeNodes(int step) {
 void Field::interpolateEven(std::size_t level) {
   Level& fine = levels[level];
   const int columns = fine.columns / 2 + 1;
-  const std::int32_t* in = coarser(level);
+  const std::int32_t* in = findCoarser(level);
   for (int y = 0; y < fine.rows; y += 2, in += columns)
     widen(in, columns, fine.height.data() + std::ptrdiff_t{y} * fine.columns);
 }
@@ -131,9 +131,9 @@ void Field::interpolateOdd(std::size_t level) {
     if (fine.rows == 3) {
       for (int x = 0; x < fine.columns; ++x) out[x] = (up[x] + down[x]) >> 1;
     } else if (y == 1) {
-      for (int x = 0; x < fine.columns; ++x) out[x] = beyond(up[x], down[x], down[x + two]);
+      for (int x = 0; x < fine.columns; ++x) out[x] = extrapolate(up[x], down[x], down[x + two]);
     } else if (y == fine.rows - 2) {
-      for (int x = 0; x < fine.columns; ++x) out[x] = beyond(down[x], up[x], up[x - two]);
+      for (int x = 0; x < fine.columns; ++x) out[x] = extrapolate(down[x], up[x], up[x - two]);
     } else {
       for (int x = 0; x < fine.columns; ++x)
         out[x] = (9 * (up[x] + down[x]) - up[x - two] - down[x + two] + 8) >> 4;

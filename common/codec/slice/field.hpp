@@ -15,13 +15,13 @@ namespace hapticast::codec {
 
 inline constexpr int kCell_px = 8;
 /// Returns the number of cells that cover `px` pixels.
-constexpr int cellsOver(int px) noexcept { return (px + kCell_px - 1) / kCell_px; }
+constexpr int countCells(int px) noexcept { return (px + kCell_px - 1) / kCell_px; }
 inline constexpr int kUnitsPerMm = 4096;
 inline constexpr int kMargin_px = 8;  ///< width of the margin of zeros around a mask
 /// Largest magnitude of a height: 1024 mm, in units.
 inline constexpr std::int32_t kHighest = 1 << 22;
 
-/// Quantiser steps in units, for the pixels and for the coarser points.
+/// Quantiser steps in units of 1/4096 mm: of pixels, and of each level of the lattice.
 struct Steps {
   int px = 0;
   std::array<int, 3> level{};  ///< steps of the three levels, whose points are 4, 2 and 1 px apart
@@ -114,7 +114,7 @@ struct Field {
 
  private:
   void findCells();
-  [[nodiscard]] const std::int32_t* coarser(std::size_t level) const {
+  [[nodiscard]] const std::int32_t* findCoarser(std::size_t level) const {
     return level == 0 ? nodes.data() : levels[level - 1].height.data();
   }
 };

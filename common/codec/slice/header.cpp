@@ -25,8 +25,8 @@ Result<Header, WireError> Header::read(std::span<const std::uint8_t> slice,
              slice[5] | slice[6] << 8};
   if (out.step < kLeastStep || out.step > kMostStep)
     return malformed("a slice's step is out of range");
-  if (out.columns < 1 || out.rows < 1 || out.x + out.columns > cellsOver(object.width) ||
-      out.y + out.rows > cellsOver(object.height))
+  if (out.columns < 1 || out.rows < 1 || out.x + out.columns > countCells(object.width) ||
+      out.y + out.rows > countCells(object.height))
     return malformed("a slice leaves its object's rectangle");
   return out;
 }

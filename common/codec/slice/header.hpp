@@ -43,7 +43,7 @@ struct Header {
 /// Returns the quantiser step of the pixels for the error bound `error_mm`. The step is in units,
 /// the integers of 1 / kUnitsPerMm mm in which the codec stores heights. It is the largest odd step
 /// whose half does not exceed the bound. The bound includes the rounding of heights to units.
-inline int stepFor(double error_mm) {
+inline int computeStep(double error_mm) {
   const double units = std::clamp(error_mm, 0.0, 1.0) * kUnitsPerMm;
   return std::clamp(2 * static_cast<int>(std::floor(units - 0.5)) + 1, kLeastStep, kMostStep);
 }

@@ -88,7 +88,7 @@ class RangeDecoder {
 
   /// Returns true if the decoder has read beyond the zero bytes that an encoder omits. The slice is
   /// then incomplete.
-  [[nodiscard]] bool misled() const noexcept { return beyond_ > kMostZerosDropped + 4; }
+  [[nodiscard]] bool isMisled() const noexcept { return beyond_ > kMostZerosDropped + 4; }
 
  private:
   /// Decodes a bit that is 0 with the probability `zero`, in 1/32768.

@@ -9,7 +9,7 @@ namespace {
 
 /// Calls `call`(height, x, y) for each pixel inside.
 template <class Call>
-void forPixels(const Shape& shape, const Surroundings& object, const Call& call) {
+void forEachPixel(const Shape& shape, const Surroundings& object, const Call& call) {
   for (int y = 0; y < shape.height; ++y) {
     const std::ptrdiff_t row = y * object.mask.stride;
     for (int x = 0; x < shape.width; ++x) {
@@ -52,17 +52,17 @@ Levels findLevels(const Shape& shape, const Surroundings& object, std::int32_t f
                   Numbers& numbers) {
   std::int32_t lowest = kHighest;
   std::int32_t highest = -kHighest;
-  forPixels(shape, object, [&](std::int32_t height, int, int) {
+  forEachPixel(shape, object, [&](std::int32_t height, int, int) {
     lowest = std::min(lowest, height);
     highest = std::max(highest, height);
   });
   // First the occurring heights, then the index of each height's level.
   std::vector<std::int32_t> table(static_cast<std::size_t>(highest - lowest) + 1, 0);
-  forPixels(shape, object, [&](std::int32_t height, int, int) {
+  forEachPixel(shape, object, [&](std::int32_t height, int, int) {
     table[static_cast<std::size_t>(height - lowest)] = 1;
   });
   Levels levels = buildLevels(table, lowest, farthest);
-  forPixels(shape, object, [&](std::int32_t height, int x, int y) {
+  forEachPixel(shape, object, [&](std::int32_t height, int x, int y) {
     numbers.level[static_cast<std::size_t>(numbers.at(x, y))] =
         table[static_cast<std::size_t>(height - lowest)];
   });

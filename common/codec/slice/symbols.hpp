@@ -85,8 +85,8 @@ std::size_t pixelIndex(const Field& field, const std::uint8_t* mask, int x, int 
   return (inner ? 0U : 6U) + ((x & y & 1) != 0 ? 3U : 0U) + busy;
 }
 
-/// Returns the class (0..8) of a detail's sign, by the signs of the nearest details to the left and
-/// above.
+/// Returns the context (0..8) for coding the sign of a detail coefficient:
+/// 3 x sign to the left + sign above.
 inline std::size_t signClass(const std::uint8_t* sign, std::ptrdiff_t stride) {
   const unsigned left = sign[-1] != 0 ? sign[-1] : sign[-2];
   const unsigned up = sign[-stride] != 0 ? sign[-stride] : sign[-2 * stride];

@@ -27,7 +27,7 @@ std::optional<std::uint32_t> parseIndex(std::string_view text) {
   return number;
 }
 
-bool sameCamera(const CameraModel& a, const CameraModel& b) {
+bool isSameCamera(const CameraModel& a, const CameraModel& b) {
   constexpr double kSame = 0.01;  // chosen
   return std::abs(a.fx_px - b.fx_px) <= kSame * a.fx_px &&
          std::abs(a.fy_px - b.fy_px) <= kSame * a.fy_px &&
@@ -47,7 +47,7 @@ void addCameras(const std::string& name, const std::map<std::uint32_t, BopCamera
     }
     frame.mm_per_unit = camera->second.mm_per_unit;
     if (!clip.camera) clip.camera = camera->second.camera;
-    differs = differs || !sameCamera(*clip.camera, camera->second.camera);
+    differs = differs || !isSameCamera(*clip.camera, camera->second.camera);
   }
   if (!differs) return;
   spdlog::warn("--source {}: its images have different cameras; the server uses that of the first",

@@ -62,7 +62,7 @@ std::vector<fs::path> listImages(const fs::path& folder,
   }
   if (error) throw SourceError(folder.string() + ": cannot be read (" + error.message() + ")");
   std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
-    return naturalLess(a.filename().string(), b.filename().string());
+    return precedesNaturally(a.filename().string(), b.filename().string());
   });
   return files;
 }
@@ -288,7 +288,7 @@ void applyMeta(const fs::path& file, ClipFiles& clip) {
 
 }  // namespace
 
-bool naturalLess(const std::string& a, const std::string& b) {
+bool precedesNaturally(const std::string& a, const std::string& b) {
   const auto digit = [](char c) { return c >= '0' && c <= '9'; };
   std::size_t i = 0;
   std::size_t j = 0;

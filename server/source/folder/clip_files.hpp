@@ -60,6 +60,6 @@ struct ClipFiles {
 
 /// Returns whether name `a` comes before name `b`. Numbers in names are compared by value: frame2 <
 /// frame10.
-[[nodiscard]] bool naturalLess(const std::string& a, const std::string& b);
+[[nodiscard]] bool precedesNaturally(const std::string& a, const std::string& b);
 
 }  // namespace hapticast::server

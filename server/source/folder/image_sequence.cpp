@@ -79,7 +79,7 @@ ImageSequence::ImageSequence(const std::filesystem::path& folder, double fps, bo
 }
 
 void ImageSequence::chooseDepthSize(const std::filesystem::path& folder, const cv::Mat& first) {
-  depth_size_ = sameAspect(first.size(), own_size_) ? first.size() : own_size_;
+  depth_size_ = isSameAspect(first.size(), own_size_) ? first.size() : own_size_;
   if (depth_size_ != own_size_) logScaledDepth(folder.string(), depth_size_, frameSize(info_));
 }
 
@@ -108,13 +108,13 @@ std::optional<RgbdFrame> ImageSequence::read() {
     skipped_.add(index, problem);
   }
   const std::string& problem = skipped_.problem();
-  if (!problem.empty() && (!any_read_ || vanished(files_.frames.back())))
+  if (!problem.empty() && (!any_read_ || hasVanished(files_.frames.back())))
     throw SourceError(problem + ", and no frame after it can be read either; put the files back");
   skipped_.endRun();
   return std::nullopt;
 }
 
-bool ImageSequence::vanished(const FrameFiles& frame) {
+bool ImageSequence::hasVanished(const FrameFiles& frame) {
   std::error_code error;
   return !std::filesystem::exists(frame.color, error) ||
          (!frame.depth.empty() && !std::filesystem::exists(frame.depth, error));

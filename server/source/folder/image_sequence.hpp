@@ -56,7 +56,7 @@ class ImageSequence final : public RgbdSource {
   /// with the file's name. Where two overlap, the later one covers the other.
   [[nodiscard]] ImageResult joinMasks(const std::vector<std::filesystem::path>& files) const;
   /// Returns whether the frame's files no longer exist.
-  static bool vanished(const FrameFiles& frame);
+  static bool hasVanished(const FrameFiles& frame);
 
   ClipFiles files_;
   SourceInfo info_;

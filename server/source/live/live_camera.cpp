@@ -20,7 +20,7 @@ constexpr Duration kDeviceStart = std::chrono::seconds(5);    // chosen: cameras
 constexpr Duration kPause = std::chrono::seconds(1);  // between two tries to open the device
 constexpr Duration kLongestWait = std::chrono::milliseconds(50);  // of read()
 
-LocalTime steadyNow() { return SteadyClock().now(); }
+LocalTime readSteadyClock() { return SteadyClock().now(); }
 
 }  // namespace
 
@@ -42,15 +42,15 @@ LiveCamera::LiveCamera(Open open) : open_(std::move(open)) {
   info_.live = true;
   for (const std::string& warning : device_->warnings()) spdlog::warn("{}", warning);
   pairer_.emplace(info_.fps);
-  deadline_ = steadyNow() + kDeviceStart;
+  deadline_ = readSteadyClock() + kDeviceStart;
   while (!readPair()) {
   }
-  began_ = steadyNow();
+  began_ = readSteadyClock();
 }
 
 std::optional<RgbdFrame> LiveCamera::read() {
   try {
-    if (!device_ && steadyNow() < next_try_) {
+    if (!device_ && readSteadyClock() < next_try_) {
       std::this_thread::sleep_for(kLongestWait);
       return std::nullopt;
     }
@@ -72,12 +72,12 @@ void LiveCamera::open() {
     throw SourceError(info_.name + ": delivers " + sizeText(now.width_px, now.height_px) +
                       ", but began with " + sizeText(info_.width_px, info_.height_px));
   pairer_.emplace(info_.fps);
-  deadline_ = steadyNow() + kDeviceStart;
+  deadline_ = readSteadyClock() + kDeviceStart;
 }
 
 std::optional<LivePair> LiveCamera::readPair() {
-  if (steadyNow() >= deadline_) throwNoPair();
-  const LocalTime end = steadyNow() + kLongestWait;
+  if (readSteadyClock() >= deadline_) throwNoPair();
+  const LocalTime end = readSteadyClock() + kLongestWait;
   do {
     std::optional<LivePicture> picture = device_->read(kLongestWait);
     if (!picture) continue;
@@ -87,12 +87,12 @@ std::optional<LivePair> LiveCamera::readPair() {
       skipped_.add(next_, problem_);
       skipped_.endRun();
     } else if (auto pair = pairer_->push(std::move(*picture))) {
-      deadline_ = steadyNow() + kDeviceSilence;
+      deadline_ = readSteadyClock() + kDeviceSilence;
       any_color_ = any_depth_ = false;
       problem_.clear();
       return pair;
     }
-  } while (steadyNow() < end);
+  } while (readSteadyClock() < end);
   return std::nullopt;
 }
 
@@ -105,7 +105,7 @@ void LiveCamera::throwNoPair() const {
 }
 
 RgbdFrame LiveCamera::makeFrame(LivePair pair) {
-  const LocalTime now = steadyNow();
+  const LocalTime now = readSteadyClock();
   if (away_) {
     spdlog::info("{}: frames are back", info_.name);
     away_ = false;
@@ -128,7 +128,7 @@ void LiveCamera::lose(const std::string& reason) {
   device_.reset();
   if (!std::exchange(away_, true))
     spdlog::warn("{}; the server tries to open it again each second", reason);
-  next_try_ = steadyNow() + kPause;
+  next_try_ = readSteadyClock() + kPause;
   any_color_ = any_depth_ = false;
   problem_.clear();
 }

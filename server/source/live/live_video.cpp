@@ -49,7 +49,7 @@ LiveVideo::~LiveVideo() {
 void LiveVideo::connect() {
   deadline_ = clock_.now() + kConnectTime;
   auto video = std::make_unique<VideoFile>(NetworkStream{
-      schemeOf(url_) + url_.substr(url_.find("://")), shown_, [this] { return mustGiveUp(); }});
+      findScheme(url_) + url_.substr(url_.find("://")), shown_, [this] { return mustGiveUp(); }});
   video_ = std::make_unique<VideoClip>(std::move(video), layout_, fps_);
 }
 

@@ -116,7 +116,7 @@ std::optional<OpenniModes> selectModes(const std::vector<openni::VideoMode>& col
   for (const openni::VideoMode& color : colors) {
     for (const openni::VideoMode& depth : depths) {
       const OpenniModes modes{color, depth};
-      if (sameAspect(sizeOf(color), sizeOf(depth)) && (!best || rate(modes) < rate(*best)))
+      if (isSameAspect(sizeOf(color), sizeOf(depth)) && (!best || rate(modes) < rate(*best)))
         best = modes;
     }
   }

@@ -277,7 +277,7 @@ V4l2Device::V4l2Device(const std::string& color, const std::string& depth, doubl
   };
   const cv::Size size = sizeOfNode(color_);
   const cv::Size depth_size = sizeOfNode(depth_);
-  if (!sameAspect(size, depth_size))
+  if (!isSameAspect(size, depth_size))
     throw SourceError(depth + ": delivers " + sizeText(depth_size.width, depth_size.height) +
                       ", another shape than " + color + " with " +
                       sizeText(size.width, size.height));

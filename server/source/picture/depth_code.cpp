@@ -17,14 +17,14 @@ constexpr int kClearHue = 128;
 constexpr int kPureHue = 210;  // chosen: coded depth after a lossy codec
 
 /// Returns the difference of the largest and the smallest channel.
-int chromaOf(const cv::Vec3b& bgr) {
+int computeChroma(const cv::Vec3b& bgr) {
   const auto [least, most] = std::minmax({bgr[0], bgr[1], bgr[2]});
   return int{most} - int{least};
 }
 
 /// Returns the depth of one pixel in mm; 0: none.
 float hueDepth_mm(const cv::Vec3b& bgr) {
-  const int chroma = chromaOf(bgr);
+  const int chroma = computeChroma(bgr);
   if (chroma < kClearHue) return 0.0F;
   const int b = bgr[0];
   const int g = bgr[1];
@@ -50,7 +50,7 @@ double pureHueShare(const cv::Mat& picture) {
     const auto* const row = picture.ptr<cv::Vec3b>(v);
     clear +=
         static_cast<std::size_t>(std::count_if(row, row + picture.cols, [](const cv::Vec3b& pixel) {
-          return chromaOf(pixel) >= kPureHue;
+          return computeChroma(pixel) >= kPureHue;
         }));
   }
   return static_cast<double>(clear) /

@@ -140,8 +140,8 @@ std::optional<NpyHeader> readNpyHeader(Bytes bytes) {
   const std::string_view shape = findValue(text, "'shape':", '(', ')');
   const std::size_t comma = shape.find(',');
   if (comma == std::string_view::npos) return std::nullopt;
-  const auto height = parseNumber(trimmed(shape.substr(0, comma)));
-  const auto width = parseNumber(trimmed(shape.substr(comma + 1)));
+  const auto height = parseNumber(trim(shape.substr(0, comma)));
+  const auto width = parseNumber(trim(shape.substr(comma + 1)));
   if (!width || !height || !(*width >= 1.0 && *width < 1e6) || !(*height >= 1.0 && *height < 1e6))
     return std::nullopt;
   header.size = {static_cast<std::uint32_t>(*width), static_cast<std::uint32_t>(*height)};
@@ -163,7 +163,7 @@ ImageResult decodeNpy(Bytes bytes) {
   if (!header) return {{}, "is not an NPY matrix of two dimensions in the order of C"};
   const auto width_px = static_cast<int>(header->size.width_px);
   const auto height_px = static_cast<int>(header->size.height_px);
-  if (!sizeReadable(width_px, height_px)) return {{}, tooLarge(width_px, height_px)};
+  if (!sizeReadable(width_px, height_px)) return {{}, describeTooLarge(width_px, height_px)};
   const int type = header->type == "|u1"   ? CV_8UC1
                    : header->type == "<u2" ? CV_16UC1
                    : header->type == "<f4" ? CV_32FC1

@@ -13,7 +13,7 @@ namespace {
 // Chosen: slants enlarge a pixel, and cracks between pixels are worse than a wider outline.
 constexpr double kWider = 1.2;
 
-cv::Mat distortionOf(const LensCamera& camera) {
+cv::Mat makeDistortion(const LensCamera& camera) {
   return cv::Mat(1, 8, CV_64F, const_cast<double*>(camera.distortion.data()));
 }
 
@@ -22,7 +22,7 @@ std::vector<cv::Point2d> undistort(const LensCamera& camera,
                                    const std::vector<cv::Point2d>& pixels) {
   const cv::TermCriteria exact(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 60, 1e-9);
   std::vector<cv::Point2d> places;
-  cv::undistortPoints(pixels, places, camera.matrix, distortionOf(camera), cv::noArray(),
+  cv::undistortPoints(pixels, places, camera.matrix, makeDistortion(camera), cv::noArray(),
                       cv::noArray(), exact);
   return places;
 }
@@ -53,7 +53,7 @@ std::vector<cv::Vec3f> findRays(const LensCamera& camera) {
   points.reserve(rays.size());
   for (const cv::Point2d& ray : rays) points.emplace_back(ray.x, ray.y, 1.0);
   std::vector<cv::Point2d> back;
-  cv::projectPoints(points, cv::Vec3d(), cv::Vec3d(), camera.matrix, distortionOf(camera), back);
+  cv::projectPoints(points, cv::Vec3d(), cv::Vec3d(), camera.matrix, makeDistortion(camera), back);
   constexpr double kSame_px = 0.1;  // chosen: in the corners the inverse may not converge
   std::vector<cv::Vec3f> out(rays.size());
   for (std::size_t i = 0; i < rays.size(); ++i) {
@@ -117,7 +117,7 @@ DepthRegistration::DepthRegistration(const LensCamera& depth, const LensCamera& 
   }
 }
 
-void DepthRegistration::splat(const cv::Vec3d& at_mm, double half_mm, cv::Mat& out) const {
+void DepthRegistration::splatDepth(const cv::Vec3d& at_mm, double half_mm, cv::Mat& out) const {
   constexpr double kNearest_mm = 1.0;
   constexpr double kFarthest_mm = 65535.0;
   if (!(at_mm[2] >= kNearest_mm && at_mm[2] <= kFarthest_mm)) return;
@@ -150,8 +150,8 @@ cv::Mat DepthRegistration::run(const cv::Mat& depth) const {
     for (int u = 0; u < depth_size_.width; ++u, ++at) {
       if (row[u] == 0 || rays_[at] == cv::Vec3f()) continue;
       const auto depth_mm = static_cast<double>(row[u]);
-      splat(cv::Vec3d(rays_[at]) * depth_mm + translation_mm_, double{half_widths_[at]} * depth_mm,
-            out);
+      splatDepth(cv::Vec3d(rays_[at]) * depth_mm + translation_mm_,
+                 double{half_widths_[at]} * depth_mm, out);
     }
   }
   return out;

@@ -29,7 +29,7 @@ class DepthRegistration {
  private:
   /// Writes a point of the colour camera's axes to the pixels that the pixel of the depth covers.
   /// `half_mm`: half its width.
-  void splat(const cv::Vec3d& at_mm, double half_mm, cv::Mat& out) const;
+  void splatDepth(const cv::Vec3d& at_mm, double half_mm, cv::Mat& out) const;
 
   LensCamera color_;
   cv::Size depth_size_;

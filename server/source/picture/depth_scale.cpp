@@ -256,7 +256,7 @@ class EdgeDecider {
 
 }  // namespace
 
-bool sameAspect(cv::Size a, cv::Size b) {
+bool isSameAspect(cv::Size a, cv::Size b) {
   if (a.empty() || b.empty()) return false;
   const double first = static_cast<double>(a.width) * b.height;
   const double second = static_cast<double>(b.width) * a.height;

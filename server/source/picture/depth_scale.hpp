@@ -10,7 +10,7 @@
 namespace hapticast::server {
 
 /// Returns whether both sizes have the same aspect ratio, within 1 %.
-[[nodiscard]] bool sameAspect(cv::Size a, cv::Size b);
+[[nodiscard]] bool isSameAspect(cv::Size a, cv::Size b);
 
 /// Returns `depth` (CV_32FC1) at the size of `color` (CV_8UC3). Each pixel has the value of a pixel
 /// of `depth`. So no value at an edge is a mixture of near and far, or of a depth and "not

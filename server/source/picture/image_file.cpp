@@ -93,7 +93,7 @@ ImageResult decodeImage(std::span<const std::uint8_t> bytes, int flags) {
   if (!size) size = depthFileSize(bytes);
   if (!size) return {{}, "is not a whole PNG, JPEG, TIFF, EXR, PGM or NPY image"};
   if (!sizeReadable(size->width_px, size->height_px))
-    return {{}, tooLarge(size->width_px, size->height_px)};
+    return {{}, describeTooLarge(size->width_px, size->height_px)};
   // Decoders would fill a missing part with grey.
   const std::string_view last = bytes[0] == 0x89 ? "IEND" : "\xFF\xD9";
   if (has_end_mark && text.rfind(last) == std::string_view::npos) return {{}, "is cut off"};
@@ -123,7 +123,7 @@ bool sizeReadable(std::int64_t width_px, std::int64_t height_px) {
          width_px * height_px <= kMostPixels;
 }
 
-std::string tooLarge(std::int64_t width_px, std::int64_t height_px) {
+std::string describeTooLarge(std::int64_t width_px, std::int64_t height_px) {
   return "is " + std::to_string(width_px) + "x" + std::to_string(height_px) + ", larger than " +
          std::to_string(kMostSide_px) + " px a side or " + sizeText(kMostSide_px, 4320) + " in all";
 }

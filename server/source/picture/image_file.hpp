@@ -14,10 +14,8 @@
 
 namespace hapticast::server {
 
-// JPEG header parser: reads the size of a picture before a decoder allocates memory for it. Thread:
-// any.
-
-/// Size of a picture.
+/// Size of a picture. It is read from the header of the file, before a decoder allocates memory.
+/// Thread: any.
 struct PictureSize {
   std::uint32_t width_px = 0;
   std::uint32_t height_px = 0;
@@ -54,7 +52,7 @@ inline constexpr std::int64_t kMostPixels = std::int64_t{8192} * 4320;
 [[nodiscard]] bool sizeReadable(std::int64_t width_px, std::int64_t height_px);
 
 /// Returns the problem of a picture that is too large to be read, as a phrase.
-[[nodiscard]] std::string tooLarge(std::int64_t width_px, std::int64_t height_px);
+[[nodiscard]] std::string describeTooLarge(std::int64_t width_px, std::int64_t height_px);
 
 /// Returns whether a stream may have this size (1x1 .. kMaxWidth_px x kMaxHeight_px of
 /// common/haptic_frame.hpp).

@@ -129,14 +129,14 @@ std::optional<LensCamera> colorCamera(const KinectCalibration& calibration, cv::
   const cv::Size four_three(4, 3);
   const cv::Size sixteen_nine(16, 9);
   KinectCalibration::Camera camera = calibration.color;
-  if (sameAspect(camera.sensor, sixteen_nine)) {
+  if (isSameAspect(camera.sensor, sixteen_nine)) {
     // Older calibrations are shares of 16:9, which shows the middle three quarters of the height.
     camera.cy = 0.75 * camera.cy + 0.125;
     camera.fy *= 0.75;
-  } else if (!sameAspect(camera.sensor, four_three)) {
+  } else if (!isSameAspect(camera.sensor, four_three)) {
     return std::nullopt;
   }
-  if (!sameAspect(size, four_three) && !sameAspect(size, sixteen_nine)) return std::nullopt;
+  if (!isSameAspect(size, four_three) && !isSameAspect(size, sixteen_nine)) return std::nullopt;
   const cv::Size whole(size.width, static_cast<int>(std::lround(0.75 * size.width)));
   return cropCamera(camera, whole, {0.0, 0.5 * (whole.height - size.height)}, size);
 }

@@ -106,14 +106,14 @@ Coordinate flight(double time_s) {
           kGravity_mm_s2};
 }
 
-Coordinate betweenWalls(double time_s) {
+Coordinate computeBetweenWalls(double time_s) {
   const double t = wrap(time_s - kFirstWall_s, kDuration_s);
   const double back = t - 0.5 * kDuration_s;
   if (back < 0.0) return {kWall_mm - kWallSpeed_mm_s * t, -kWallSpeed_mm_s, 0.0};
   return {-kWall_mm + kWallSpeed_mm_s * back, kWallSpeed_mm_s, 0.0};
 }
 
-BodyState fromCoordinates(const Coordinate& x, const Coordinate& y, const Coordinate& z) {
+BodyState makeBodyState(const Coordinate& x, const Coordinate& y, const Coordinate& z) {
   BodyState body;
   body.position_mm = {x.x, y.x, z.x};
   body.velocity_mm_s = {x.v, y.v, z.v};
@@ -126,15 +126,15 @@ BodyState computeBodyState(SceneKind kind, double t) {
   constexpr double kQuarter = 0.25 * kTwoPi;
   switch (kind) {
     case SceneKind::kBounce:
-      return fromCoordinates(betweenWalls(t), flight(t), {kDistance_mm, 0.0, 0.0});
+      return makeBodyState(computeBetweenWalls(t), flight(t), {kDistance_mm, 0.0, 0.0});
     case SceneKind::kApproach:
-      return fromCoordinates(kZero, kZero,
-                             sinusoid(kDistance_mm, kApproach_mm, kApproachPeriod_s, kQuarter, t));
+      return makeBodyState(kZero, kZero,
+                           sinusoid(kDistance_mm, kApproach_mm, kApproachPeriod_s, kQuarter, t));
     case SceneKind::kTumble: {
       const Vec3 axis(0.6, 0.0, -0.8);
-      BodyState body = fromCoordinates(sinusoid(0.0, 110.0, kDuration_s, 0.0, t),
-                                       sinusoid(0.0, 60.0, kDuration_s / 2.0, 0.7, t),
-                                       sinusoid(kTumbleDistance_mm, 80.0, 2.4, kQuarter, t));
+      BodyState body = makeBodyState(sinusoid(0.0, 110.0, kDuration_s, 0.0, t),
+                                     sinusoid(0.0, 60.0, kDuration_s / 2.0, 0.7, t),
+                                     sinusoid(kTumbleDistance_mm, 80.0, 2.4, kQuarter, t));
       body.rotation = Eigen::AngleAxisd(kTumbleRate_rad_s * t, axis).toRotationMatrix();
       body.angular_velocity_rad_s = kTumbleRate_rad_s * axis;
       return body;
@@ -142,7 +142,7 @@ BodyState computeBodyState(SceneKind kind, double t) {
     case SceneKind::kStill:
       break;
   }
-  return fromCoordinates(kZero, kZero, {kDistance_mm, 0.0, 0.0});
+  return makeBodyState(kZero, kZero, {kDistance_mm, 0.0, 0.0});
 }
 
 /// Returns the depth range of the visible surface plus a margin. The outline of a tilted ellipsoid

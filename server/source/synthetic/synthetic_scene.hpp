@@ -20,10 +20,8 @@
 
 namespace hapticast::server {
 
-// Noise in space (value noise of three octaves), which is the texture of the synthetic bodies.
-// Thread: any.
-
-/// Noise that depends on the position only.
+/// Noise in space (value noise of three octaves): the texture of the synthetic bodies. It depends
+/// on the position only. Thread: any.
 class SolidNoise {
  public:
   SolidNoise();

@@ -57,7 +57,7 @@ void requireVideoSize(const VideoTrack& track, const std::string& file) {
   if (sizeReadable(track.width_px, track.height_px)) return;
   const bool known = track.width_px > 0;  // else the decoder refused them
   throw SourceError(file + ": " +
-                    (known ? tooLarge(track.width_px, track.height_px)
+                    (known ? describeTooLarge(track.width_px, track.height_px)
                            : "has pictures that cannot be decoded or are larger than " +
                                  sizeText(kMostSide_px, 4320)) +
                     "; scale it down");
@@ -126,7 +126,7 @@ void VideoClip::describe(const cv::Mat& color, const cv::Mat& raw, double fps) {
   if (metric && layout_.code != DepthCode::kGrey)
     throw SourceError(file + ": has depth in mm, so leave --depth-near and --depth-code out");
   const cv::Mat depth = decodeDepth(raw, layout_.code);
-  if (!sameAspect(depth.size(), color.size())) {
+  if (!isSameAspect(depth.size(), color.size())) {
     throw SourceError(file + ": is " + sizeText(depth.cols, depth.rows) +
                       ", but the colour video is " + sizeText(color.cols, color.rows) +
                       "; scale one to the other's size");

@@ -65,7 +65,8 @@ double statedRate(AVFormatContext* format, AVStream* stream) {
   return fps > 0.0 && std::isfinite(fps) ? fps : 0.0;
 }
 
-std::uint64_t countOf(const AVFormatContext& format, const AVStream& stream, double fps) {
+std::uint64_t estimateFrameCount(const AVFormatContext& format, const AVStream& stream,
+                                 double fps) {
   if (stream.nb_frames > 0) return static_cast<std::uint64_t>(stream.nb_frames);
   double duration_s = static_cast<double>(format.duration) / AV_TIME_BASE;
   if (format.duration <= 0)
@@ -91,7 +92,7 @@ VideoTrack describeTrack(AVFormatContext* format, AVStream* stream) {
   track.height_px = stream->codecpar->height;
   if (findTurn(*stream) % 180 != 0) std::swap(track.width_px, track.height_px);
   track.fps = statedRate(format, stream);
-  track.frame_count = countOf(*format, *stream, track.fps);
+  track.frame_count = estimateFrameCount(*format, *stream, track.fps);
   describeFormat(stream->codecpar->format, track);
   for (const char* name : {"title", "handler_name", "name"})
     track.depth_name |= lowerTag(stream->metadata, name).find("depth") != std::string::npos;

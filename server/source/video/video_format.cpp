@@ -130,7 +130,7 @@ FormatPtr openFormat(const std::string& file) {
 FormatPtr openFormat(const NetworkStream& stream) {
   av_log_set_level(AV_LOG_QUIET);  // its log would show passwords, too
   LibavOptions options;
-  setStreamOptions(options, schemeOf(stream.url));
+  setStreamOptions(options, findScheme(stream.url));
   AVFormatContext* raw = avformat_alloc_context();
   if (raw == nullptr) throwNoVideo(stream.name, true);
   raw->interrupt_callback = {callGiveUp, const_cast<std::function<bool()>*>(&stream.give_up)};

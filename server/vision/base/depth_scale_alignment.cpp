@@ -35,14 +35,14 @@ constexpr int kRounds = 5;            // of reweighting; measured: converged by 
 constexpr double kNearlyNone = 0.05;  // of 1/z: smaller values lie behind the farthest depth
 constexpr double kTukey = 4.685;      // Beaton and Tukey 1974
 
-ScaleShift through(const auto& a, const auto& b) {
+ScaleShift fitScaleShift(const auto& a, const auto& b) {
   const double along = b.now - a.now;
   if (std::abs(along) < 1e-9) return {};
   const double scale = (b.before - a.before) / along;
   return {scale, a.before - scale * a.now};
 }
 
-double medianOff(const auto& pairs, std::size_t step, const ScaleShift& hop) {
+double computeMedianError(const auto& pairs, std::size_t step, const ScaleShift& hop) {
   std::vector<double> offs;
   offs.reserve(pairs.size() / step + 1);
   for (std::size_t i = 0; i < pairs.size(); i += step)
@@ -51,9 +51,9 @@ double medianOff(const auto& pairs, std::size_t step, const ScaleShift& hop) {
 }
 
 // Iteratively reweighted least squares with Tukey's biweight: outliers have weight 0.
-ScaleShift refined(const auto& pairs, ScaleShift hop) {
+ScaleShift refineFit(const auto& pairs, ScaleShift hop) {
   for (int round = 0; round < kRounds; ++round) {
-    const double limit = kTukey * 1.48 * medianOff(pairs, 1, hop) + 1e-9;
+    const double limit = kTukey * 1.48 * computeMedianError(pairs, 1, hop) + 1e-9;
     double w = 0, x = 0, y = 0, xx = 0, xy = 0;
     for (const auto& pair : pairs) {
       const double off = (hop.scale * pair.now + hop.shift - pair.before) / limit;
@@ -78,17 +78,18 @@ ScaleShift refined(const auto& pairs, ScaleShift hop) {
 ScaleShift estimateShift(const auto& pairs) {
   const std::size_t step = pairs.size() / kJudges + 1;
   ScaleShift best;
-  double least = medianOff(pairs, step, best);
+  double least = computeMedianError(pairs, step, best);
   std::minstd_rand random(1);
   for (int i = 0; i < kTries; ++i) {
-    const ScaleShift hop = through(pairs[random() % pairs.size()], pairs[random() % pairs.size()]);
+    const ScaleShift hop =
+        fitScaleShift(pairs[random() % pairs.size()], pairs[random() % pairs.size()]);
     if (!(hop.scale > 0.5 && hop.scale < 2.0)) continue;
-    const double off = medianOff(pairs, step, hop);
+    const double off = computeMedianError(pairs, step, hop);
     if (off >= least) continue;
     least = off;
     best = hop;
   }
-  return refined(pairs, best);
+  return refineFit(pairs, best);
 }
 
 // Samples the brightness as means of `every_px` x `every_px`, and the depth in their middle.
@@ -108,11 +109,11 @@ cv::Mat sparse(const cv::Mat& image, int every_px) {
 
 // Returns 255 at the samples on or beside an object. The dilation works at the usual size and only
 // around the objects.
-cv::Mat aroundObjects(const cv::Mat& objects, int factor) {
+cv::Mat cutAroundObjects(const cv::Mat& objects, int factor) {
   const cv::Mat usual = sparse(objects, factor);
-  const cv::Rect box = boxAround(usual, kAsWide_px + 1);
+  const cv::Rect box = findBoxAround(usual, kAsWide_px + 1);
   cv::Mat out = cv::Mat::zeros(usual.size(), CV_8UC1);
-  if (!box.empty()) dilatedBy(usual(box), kAsWide_px).copyTo(out(box));
+  if (!box.empty()) dilateBy(usual(box), kAsWide_px).copyTo(out(box));
   return sparse(out, kEvery_px);
 }
 
@@ -166,7 +167,8 @@ void DepthScaleAlignment::judge(const std::vector<Pair>& pairs, const ScaleShift
   for (const Pair& pair : pairs) values.push_back(pair.now);
   const double usual = computeMedian(values);
   const double by = (hop.scale - 1.0) + hop.shift / usual;
-  const bool explains = medianOff(pairs, 1, hop) < kExplains * medianOff(pairs, 1, {});
+  const bool explains =
+      computeMedianError(pairs, 1, hop) < kExplains * computeMedianError(pairs, 1, {});
   const bool hops = explains && std::abs(by) > kHop;
   if (hops && by * last_hop_ <= 0) ++hops_;
   if (hops) last_hop_ = by;
@@ -204,7 +206,7 @@ cv::Mat DepthScaleAlignment::steady(const cv::Mat& depth, const cv::Mat& gray,
     age_ = cv::Mat::ones(depth_.size(), CV_32FC1);
     return depth;
   }
-  const cv::Mat around = objects.empty() ? cv::Mat() : aroundObjects(objects, factor);
+  const cv::Mat around = objects.empty() ? cv::Mat() : cutAroundObjects(objects, factor);
   const std::vector<Pair> pairs = restingPairs(small_depth, small_gray, around);
   ScaleShift hop;
   if (camera_rests_ && pairs.size() >= kFewestPairs) {
@@ -213,7 +215,7 @@ cv::Mat DepthScaleAlignment::steady(const cv::Mat& depth, const cv::Mat& gray,
     if (!shown_) hop = {};
   }
   remember(small_depth, small_gray, hop);
-  if (hop.none()) return depth;
+  if (hop.isNone()) return depth;
   cv::Mat out;
   if (inverse_) {
     // 1 / (scale / z + shift), both in 1/m, is z / (scale + shift z).

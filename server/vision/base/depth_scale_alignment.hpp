@@ -18,7 +18,7 @@ namespace hapticast::server {
 struct ScaleShift {
   double scale = 1.0;
   double shift = 0.0;
-  [[nodiscard]] bool none() const { return scale == 1.0 && shift == 0.0; }
+  [[nodiscard]] bool isNone() const { return scale == 1.0 && shift == 0.0; }
 };
 
 /// Removes the hops between the depths of successive frames of one scene.

@@ -71,10 +71,10 @@ void fitMotion(ObjectFlow& flow) {
 }
 
 std::vector<cv::Point2f> findCorners(const cv::Mat& gray, const cv::Mat& mask) {
-  cv::Mat inner = erodedBy(mask, 2);
+  cv::Mat inner = erodeBy(mask, 2);
   if (cv::countNonZero(inner) < 100) inner = mask;
   cv::Mat picture = gray;
-  const float scale = boxAround(mask, 0).area() > kDense_px ? 2.0F : 1.0F;
+  const float scale = findBoxAround(mask, 0).area() > kDense_px ? 2.0F : 1.0F;
   if (scale > 1.0F) {
     const cv::Size half(gray.cols / 2, gray.rows / 2);
     cv::resize(gray, picture, half, 0, 0, cv::INTER_AREA);
@@ -132,7 +132,7 @@ ObjectFlow trackObject(const cv::Mat& last_gray, const cv::Mat& gray, const cv::
   ObjectFlow flow;
   flow.similarity = {1, 0, guess_px[0], 0, 1, guess_px[1]};
   const int reach = 48 + static_cast<int>(std::min(1000.0, cv::norm(guess_px)));
-  const cv::Rect box = boxAround(mask, reach);
+  const cv::Rect box = findBoxAround(mask, reach);
   if (box.empty()) return flow;
   const std::vector<cv::Point2f> corners = findCorners(last_gray(box), mask(box));
   if (corners.empty()) return flow;

@@ -136,7 +136,7 @@ double correlation(const cv::Mat& a, const cv::Mat& b) {
 }
 
 // Returns the share of cells whose depth changed; below 0 if too few cells have depth.
-double changedDepth(const cv::Mat& a, const cv::Mat& b) {
+double measureDepthChange(const cv::Mat& a, const cv::Mat& b) {
   int both = 0;
   int changed = 0;
   for (int v = 0; v < a.rows; ++v) {
@@ -158,14 +158,14 @@ bool SceneCuts::next(const FrameImages& images) {
                       std::max(2, images.gray.rows / kCompared_px));
   cv::Mat gray;
   cv::Mat depth;
-  const cv::Mat usual = everyPixel(images.gray, largestReduction(images.gray.size()));
+  const cv::Mat usual = sampleEvery(images.gray, largestReduction(images.gray.size()));
   cv::resize(usual, gray, size, 0, 0, cv::INTER_AREA);
   gray.convertTo(gray, CV_32F);
   cv::resize(images.depth, depth, size, 0, 0, cv::INTER_NEAREST);
   bool cut = false;
   if (!gray_.empty()) {
     const double alike = correlation(gray_, gray);
-    const double changed = alike < kAlike ? changedDepth(depth_, depth) : 0.0;
+    const double changed = alike < kAlike ? measureDepthChange(depth_, depth) : 0.0;
     cut = changed < 0 ? alike < kAlikeAlone : changed > kChangedShare;
   }
   gray_ = gray;

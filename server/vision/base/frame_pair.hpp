@@ -13,17 +13,15 @@
 
 namespace hapticast::server {
 
-// Working images of a frame: colour, grey and *working depth*. Working depth is the depth in mm
-// that all stages of vision use, whatever the source delivers; larger values are farther. No code
-// writes into these images (rule in rgbd_source.hpp), so stages share them without copies. Thread:
-// the one that runs Vision.
-
 /// Working depths of 8-bit levels, if neither the source nor the author states a range. Level 255
 /// (near) becomes 600 mm and level 0 (far) becomes 1000 mm. If this range is also the mapped range,
 /// level h has the height h / 255 * 30 mm, as in the thesis.
 inline constexpr DepthRange kHeightRange{600.0, 1000.0};
 
-/// Images of one frame, all of one size.
+/// Images of one frame, all of one size. *Working depth* is the depth in mm that all stages of
+/// vision use, whatever the source delivers; larger values are farther. No code writes into these
+/// images (rule in rgbd_source.hpp), so stages share them without copies. Thread: the one that runs
+/// Vision.
 struct FrameImages {
   cv::Mat color;  ///< CV_8UC3, BGR
   cv::Mat gray;   ///< CV_8UC1
@@ -34,13 +32,10 @@ struct FrameImages {
   cv::Mat key_mask;
 };
 
-// Shot boundary detection: finds the frames at which a clip cuts to another scene. It compares
-// brightness and depth of successive frames. State of the old scene is invalid after a cut. Thread:
-// the one that runs Vision.
-
-/// Compares successive frames at 1/16 of their size. A cut is where brightness and depth both
-/// differ strongly from the last frame. Motion, pans and changes of light change only one of them,
-/// or change both a little.
+/// Finds the frames at which a clip cuts to another scene. It compares successive frames at 1/16 of
+/// their size. A cut is where brightness and depth both differ strongly from the last frame.
+/// Motion, pans and changes of light change only one of them, or change both a little. State of the
+/// old scene is invalid after a cut. Thread: the one that runs Vision.
 class SceneCuts {
  public:
   /// Returns whether `images` is the first frame after a cut. Returns false for the very first

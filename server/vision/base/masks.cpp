@@ -21,7 +21,7 @@ cv::Mat disc(int radius_px) {
   return cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * radius_px + 1, 2 * radius_px + 1});
 }
 
-cv::Mat byOctagon(const cv::Mat& mask, int radius_px, int operation) {
+cv::Mat applyOctagon(const cv::Mat& mask, int radius_px, int operation) {
   const int square = (radius_px * 2 + 2) / 5;
   const cv::Mat cross = cv::getStructuringElement(cv::MORPH_CROSS, {3, 3});
   cv::Mat out;
@@ -32,11 +32,11 @@ cv::Mat byOctagon(const cv::Mat& mask, int radius_px, int operation) {
 
 }  // namespace
 
-cv::Rect boxAround(const cv::Mat& mask, int margin_px) {
-  return grown(cv::boundingRect(mask), margin_px, mask.size());
+cv::Rect findBoxAround(const cv::Mat& mask, int margin_px) {
+  return growRect(cv::boundingRect(mask), margin_px, mask.size());
 }
 
-cv::Rect grown(const cv::Rect& rect, int margin_px, const cv::Size& size) {
+cv::Rect growRect(const cv::Rect& rect, int margin_px, const cv::Size& size) {
   if (rect.empty()) return {};
   const cv::Rect larger(rect.x - margin_px, rect.y - margin_px, rect.width + 2 * margin_px,
                         rect.height + 2 * margin_px);
@@ -52,30 +52,30 @@ cv::Point2d computeCentroid(const cv::Moments& moments, const cv::Point& corner)
   return {corner.x + moments.m10 / moments.m00, corner.y + moments.m01 / moments.m00};
 }
 
-cv::Mat erodedBy(const cv::Mat& mask, int radius_px) {
+cv::Mat erodeBy(const cv::Mat& mask, int radius_px) {
   cv::Mat out;
   if (radius_px <= kLargestKernel_px) {
     cv::erode(mask, out, disc(radius_px));
     return out;
   }
-  if (radius_px <= kLargestOctagon_px) return byOctagon(mask, radius_px, cv::MORPH_ERODE);
+  if (radius_px <= kLargestOctagon_px) return applyOctagon(mask, radius_px, cv::MORPH_ERODE);
   cv::distanceTransform(mask, out, cv::DIST_L2, 3);
   return out > radius_px;
 }
 
-cv::Mat dilatedBy(const cv::Mat& mask, int radius_px) {
+cv::Mat dilateBy(const cv::Mat& mask, int radius_px) {
   cv::Mat out;
   if (radius_px <= kLargestKernel_px) {
     cv::dilate(mask, out, disc(radius_px));
     return out;
   }
-  if (radius_px <= kLargestOctagon_px) return byOctagon(mask, radius_px, cv::MORPH_DILATE);
+  if (radius_px <= kLargestOctagon_px) return applyOctagon(mask, radius_px, cv::MORPH_DILATE);
   if (cv::countNonZero(mask) == 0) return mask.clone();
   cv::distanceTransform(mask == 0, out, cv::DIST_L2, 3);
   return out <= radius_px;
 }
 
-cv::Mat withoutHoles(const cv::Mat& mask, int largest_px) {
+cv::Mat fillHolesOf(const cv::Mat& mask, int largest_px) {
   cv::Mat labels;
   cv::Mat stats;
   cv::Mat centroids;
@@ -115,7 +115,7 @@ Pieces findPieces(const cv::Mat& mask) {
   return out;
 }
 
-cv::Mat pieceAt(const cv::Mat& mask, const cv::Point& at) {
+cv::Mat findPiece(const cv::Mat& mask, const cv::Point& at) {
   cv::Mat labels;
   cv::connectedComponents(mask, labels, 4, CV_32S);
   return (labels == labels.at<int>(at)) & mask;

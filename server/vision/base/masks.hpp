@@ -10,9 +10,9 @@ namespace hapticast::server {
 
 /// Returns the bounding rectangle of the non-zero pixels of `mask`, enlarged by `margin_px` on each
 /// side and clipped to the picture. The rectangle is empty if all pixels are zero.
-cv::Rect boxAround(const cv::Mat& mask, int margin_px);
+cv::Rect findBoxAround(const cv::Mat& mask, int margin_px);
 /// Returns `rect`, enlarged by `margin_px` on each side and clipped to a picture of `size`.
-cv::Rect grown(const cv::Rect& rect, int margin_px, const cv::Size& size);
+cv::Rect growRect(const cv::Rect& rect, int margin_px, const cv::Size& size);
 
 /// Returns how far two masks of one size coincide: their intersection over their union, 0..1.
 /// Returns 0 if both are empty.
@@ -25,11 +25,11 @@ cv::Point2d computeCentroid(const cv::Moments& moments, const cv::Point& corner)
 
 /// Return `mask`, eroded or dilated by a disc of `radius_px`. Pixels beyond the picture's border
 /// have no influence on the result.
-cv::Mat erodedBy(const cv::Mat& mask, int radius_px);
-cv::Mat dilatedBy(const cv::Mat& mask, int radius_px);
+cv::Mat erodeBy(const cv::Mat& mask, int radius_px);
+cv::Mat dilateBy(const cv::Mat& mask, int radius_px);
 
 /// Returns `mask` with its holes of less than `largest_px` pixels filled.
-cv::Mat withoutHoles(const cv::Mat& mask, int largest_px);
+cv::Mat fillHolesOf(const cv::Mat& mask, int largest_px);
 
 /// Connected pieces of a mask. A pixel is connected to its 4 neighbours.
 struct Pieces {
@@ -42,7 +42,7 @@ struct Pieces {
 Pieces findPieces(const cv::Mat& mask);
 /// Returns the piece of `mask` that contains the pixel `at`. All pixels are 0 if `at` is not in
 /// `mask`.
-cv::Mat pieceAt(const cv::Mat& mask, const cv::Point& at);
+cv::Mat findPiece(const cv::Mat& mask, const cv::Point& at);
 /// Returns whether `at` is a pixel of `mask`.
 bool contains(const cv::Mat& mask, const cv::Point& at);
 /// Returns the pixel of `mask` that is farthest from all pixels outside it. The picture's border

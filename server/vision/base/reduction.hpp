@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Reduced sizes: in large pictures, steps with a smooth result work on every second or third pixel,
-// so that their time has a limit. Thread: any.
+// Reduced sizes: in large pictures, algorithms with a smooth result sample every second or third
+// pixel, which bounds their run time. Thread: any.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -19,7 +19,7 @@ inline int largestReduction(const cv::Size& picture) {
 /// Returns the factor by which steps with a smooth result reduce a region of `region` px in a
 /// picture of `picture` px. It is the smallest one that leaves at most `most_px` pixels, and at
 /// most largestReduction().
-inline int reductionFor(const cv::Size& region, const cv::Size& picture, double most_px) {
+inline int computeReduction(const cv::Size& region, const cv::Size& picture, double most_px) {
   const int largest = largestReduction(picture);
   for (int factor = 1; factor < largest; ++factor) {
     if (double(region.area()) / (factor * factor) <= most_px) return factor;
@@ -28,7 +28,7 @@ inline int reductionFor(const cv::Size& region, const cv::Size& picture, double 
 }
 
 /// Returns every `by`-th pixel and row of `image`; `image` itself if `by` is 1.
-inline cv::Mat everyPixel(const cv::Mat& image, int by) {
+inline cv::Mat sampleEvery(const cv::Mat& image, int by) {
   if (by == 1) return image;
   cv::Mat out;
   cv::resize(image, out, image.size() / by, 0, 0, cv::INTER_NEAREST);

@@ -42,7 +42,7 @@ double sigmaByMedian(std::vector<Value>& absolute_deviations) {
 /// not change it, as long as at most a quarter of the values at each end are outliers. Unlike a
 /// median, it does not jump between rounded values. Reorders `values`.
 template <class Value>
-double middleMean(std::vector<Value>& values) {
+double computeMiddleMean(std::vector<Value>& values) {
   if (values.empty()) return 0.0;
   const auto quarter = static_cast<std::ptrdiff_t>(values.size() / 4);
   const auto first = values.begin() + quarter;

@@ -27,7 +27,7 @@ std::vector<cv::Vec2d> BackgroundMotion::next(const cv::Mat& gray,
   for (const Object& object : objects) background.setTo(0, object.mask);
   cv::resize(background, background, last.size(), 0, 0, cv::INTER_NEAREST);
   const ObjectFlow flow =
-      trackObject(last, small, erodedBy(background, kBesideObjects_px), 0.5 * last_step_px_);
+      trackObject(last, small, erodeBy(background, kBesideObjects_px), 0.5 * last_step_px_);
   if (!flow.reliable) return steps_px;
   for (std::size_t i = 0; i < objects.size(); ++i) {
     const cv::Point2d at = 0.5 * objects[i].at_px;

@@ -37,7 +37,7 @@ struct Interval {
   Square kick = Square::Zero();   ///< covariance of an impact within the interval
 };
 
-Square transitionOver(double frames) {
+Square makeTransition(double frames) {
   Square out = Square::Identity();
   for (int row = 0; row < kStates; ++row) {
     double term = 1.0;
@@ -85,7 +85,7 @@ struct Forward {
 };
 
 // Kalman filter; the noise's size is profiled out of the likelihood.
-Forward filtered(double ratio, const Series& series, const std::vector<Interval>& intervals) {
+Forward runFilter(double ratio, const Series& series, const std::vector<Interval>& intervals) {
   const std::size_t count = series.value.size();
   Forward out;
   out.filtered.resize(count);
@@ -133,11 +133,11 @@ std::vector<State> backward(const std::vector<Filtered>& filtered, const Series&
   return out;
 }
 
-std::vector<State> smoothed(const Series& series, const std::vector<Interval>& intervals) {
+std::vector<State> runSmoother(const Series& series, const std::vector<Interval>& intervals) {
   Forward best;
   best.log_likelihood = -std::numeric_limits<double>::infinity();
   for (double exponent = kSmoothest; exponent <= kRoughest; exponent += kRatioStep) {
-    Forward now = filtered(std::pow(10.0, exponent), series, intervals);
+    Forward now = runFilter(std::pow(10.0, exponent), series, intervals);
     if (now.log_likelihood > best.log_likelihood) best = std::move(now);
   }
   return backward(best.filtered, series);
@@ -160,11 +160,11 @@ std::vector<Interval> splitAtImpacts(const std::vector<Sample>& samples,
   for (std::size_t i = 0; i + 1 < samples.size(); ++i) {
     const double from_s = samples[i].time_s;
     const double frames = std::max(1e-3, (samples[i + 1].time_s - from_s) / interval_s);
-    out.push_back({transitionOver(frames), noiseOver(frames), Square::Zero()});
+    out.push_back({makeTransition(frames), noiseOver(frames), Square::Zero()});
     for (const Impact& impact : impacts) {
       const double at = (toSeconds(impact.time) - from_s) / interval_s;
       if (!(at >= 0 && at < frames)) continue;
-      const State kick = transitionOver(frames - at).col(1);
+      const State kick = makeTransition(frames - at).col(1);
       out.back().kick = kKick * kick * kick.transpose();
     }
   }
@@ -176,7 +176,7 @@ std::vector<Impact> findImpacts(const std::vector<Sample>& samples) {
   ImpactFinder finder;
   for (std::size_t i = 0; i < samples.size(); ++i) {
     finder.test(samples, i);
-    for (const Impact& impact : finder.around(samples[i].time_s, kAlways_s)) {
+    for (const Impact& impact : finder.findAround(samples[i].time_s, kAlways_s)) {
       if (out.empty() || impact.time > out.back().time) out.push_back(impact);
     }
   }
@@ -196,21 +196,21 @@ bool isResting(const std::vector<Sample>& samples, std::size_t at, std::size_t r
 
 }  // namespace
 
-std::vector<Motion> smoothedTrack(const std::vector<Sample>& samples,
-                                  const std::vector<Impact>& impacts, int lookahead) {
+std::vector<Motion> smoothTrack(const std::vector<Sample>& samples,
+                                const std::vector<Impact>& impacts, int lookahead) {
   std::vector<Motion> out(samples.size());
   if (samples.size() < kFewest) {
-    for (std::size_t i = 0; i < samples.size(); ++i) out[i] = motionFrom(samples, i, lookahead);
+    for (std::size_t i = 0; i < samples.size(); ++i) out[i] = computeMotion(samples, i, lookahead);
     return out;
   }
   const double interval_s =
       (samples.back().time_s - samples.front().time_s) / double(samples.size() - 1);
   const std::vector<Interval> intervals = splitAtImpacts(samples, impacts, interval_s);
   const auto each = [&](const Series& series, const auto& take) {
-    const std::vector<State> states = smoothed(series, intervals);
+    const std::vector<State> states = runSmoother(series, intervals);
     for (std::size_t i = 0; i < states.size(); ++i) take(out[i], states[i]);
   };
-  const bool pans = !panCompensated(samples).empty();
+  const bool pans = !compensatePan(samples).empty();
   for (int axis = 0; axis < 3; ++axis) {
     const auto value = [axis](const Sample& s) { return s.position_mm[axis]; };
     each(makeSeries(samples, axis == 2, value), [&](Motion& motion, const State& x) {
@@ -231,7 +231,8 @@ std::vector<Motion> smoothedTrack(const std::vector<Sample>& samples,
          motion.angular_velocity_rad_s = x[1] / interval_s;
        });
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    if (isResting(samples, i, std::size_t(lookahead))) out[i] = motionFrom(samples, i, lookahead);
+    if (isResting(samples, i, std::size_t(lookahead)))
+      out[i] = computeMotion(samples, i, lookahead);
   }
   return out;
 }
@@ -250,7 +251,7 @@ void ClipMotion::smooth(const NominalFrame& nominal, int lookahead, bool ended) 
       samples.back().seen = samples.back().seen && entry.well_tracked;
     }
     track.impacts = findImpacts(samples);
-    const std::vector<Motion> motions = smoothedTrack(samples, track.impacts, lookahead);
+    const std::vector<Motion> motions = smoothTrack(samples, track.impacts, lookahead);
     const std::size_t open = ended ? 0 : std::min(samples.size(), std::size_t(lookahead));
     for (std::size_t i = 0; i + open < samples.size(); ++i) {
       if (entries[i].well_tracked)
@@ -270,8 +271,8 @@ const ClipMotion::Moment* ClipMotion::at(std::uint32_t object, std::uint64_t fra
   return same ? &moment->second : nullptr;
 }
 
-std::vector<Impact> ClipMotion::impactsAround(std::uint32_t object, double time_s,
-                                              double reach_s) const {
+std::vector<Impact> ClipMotion::findImpactsAround(std::uint32_t object, double time_s,
+                                                  double reach_s) const {
   const auto track = tracks_.find(object);
   if (track == tracks_.end()) return {};
   std::vector<Impact> out = track->second.impacts;
@@ -285,7 +286,7 @@ std::vector<double> ClipMotion::accelerations_mm_s2(double reach_s) const {
   std::vector<double> out;
   for (const auto& [object, track] : tracks_) {
     for (const auto& [frame, moment] : track.moments) {
-      if (impactsAround(object, moment.time_s, reach_s).empty())
+      if (findImpactsAround(object, moment.time_s, reach_s).empty())
         out.push_back(moment.motion.acceleration_mm_s2.norm());
     }
   }

@@ -21,8 +21,8 @@ namespace hapticast::server {
 /// the two noises for this track. At each of `impacts` the velocity may jump. A sample has exactly
 /// zero motion if the object rests over `lookahead` samples on either side. `samples` are in order
 /// of time.
-std::vector<Motion> smoothedTrack(const std::vector<Sample>& samples,
-                                  const std::vector<Impact>& impacts, int lookahead);
+std::vector<Motion> smoothTrack(const std::vector<Sample>& samples,
+                                const std::vector<Impact>& impacts, int lookahead);
 
 /// Motion of a clip's objects, computed from all frames of the clip's scan. Call add() for all
 /// frames, then smooth() once; only then are the other functions valid.
@@ -49,8 +49,8 @@ class ClipMotion {
                                  const Vec3& measured_mm) const;
   /// Returns the impacts of `object` at most `reach_s` before or after `time_s`, oldest first.
   /// `time_s` is a time in the clip, s.
-  [[nodiscard]] std::vector<Impact> impactsAround(std::uint32_t object, double time_s,
-                                                  double reach_s) const;
+  [[nodiscard]] std::vector<Impact> findImpactsAround(std::uint32_t object, double time_s,
+                                                      double reach_s) const;
   /// Returns the magnitudes of all accelerations in frames that were tracked well, mm/s². Frames at
   /// most `reach_s` from an impact are left out.
   [[nodiscard]] std::vector<double> accelerations_mm_s2(double reach_s) const;

@@ -21,7 +21,7 @@ struct Cell {
 };
 
 // Returns the points of `mask` to track, `step_px` apart.
-std::vector<cv::Point> latticeOver(const cv::Mat& mask, int step_px = kSampleStep_px) {
+std::vector<cv::Point> makeSampleLattice(const cv::Mat& mask, int step_px = kSampleStep_px) {
   std::vector<cv::Point> out;
   for (int v = step_px / 2; v < mask.rows; v += step_px) {
     for (int u = step_px / 2; u < mask.cols; u += step_px) {
@@ -41,7 +41,7 @@ std::size_t cellIndex(const cv::Point& in_box, const CellFlow& flow, int reducti
 void addTracks(const cv::Mat& last_gray, const cv::Mat& gray, const cv::Mat& last_mask,
                const Surface& now, const CellFlow& flow, std::vector<Cell>& cells) {
   std::vector<cv::Point2f> points;
-  for (const cv::Point& at : latticeOver(last_mask)) points.emplace_back(at);
+  for (const cv::Point& at : makeSampleLattice(last_mask)) points.emplace_back(at);
   const PointTracks tracks = trackPoints(last_gray, gray, points, points);
   for (std::size_t i = 0; i < tracks.from.size(); ++i) {
     const cv::Point2f& from = tracks.from[i];
@@ -72,7 +72,7 @@ void addDepths(const Surface& before, const Surface& now, const CellFlow& flow,
   }
 }
 
-CellFlow cellsOver(const cv::Rect& box) {
+CellFlow makeCells(const cv::Rect& box) {
   CellFlow out;
   out.columns = gridCells(box.width);
   out.rows = gridCells(box.height);
@@ -101,7 +101,7 @@ cv::Mat computeMedians(std::vector<Cell>& cells, const CellFlow& size, bool know
   return out;
 }
 
-cv::Vec3f sampled(const CellFlow& flow, double x, double y) {
+cv::Vec3f sampleFlow(const CellFlow& flow, double x, double y) {
   const int column = std::clamp(static_cast<int>(x * flow.columns), 0, flow.columns - 1);
   const int row = std::clamp(static_cast<int>(y * flow.rows), 0, flow.rows - 1);
   return flow.step.at<cv::Vec3f>(row, column);
@@ -114,7 +114,7 @@ cv::Vec3d meanVelocity(const std::vector<const CellFlow*>& flows, std::size_t fi
   double time_s = 0;
   for (std::size_t i = first; i <= last; ++i) {
     if (flows[i]->columns == 0) continue;
-    sum += cv::Vec3d(sampled(*flows[i], x, y));
+    sum += cv::Vec3d(sampleFlow(*flows[i], x, y));
     time_s += flows[i]->interval_s;
   }
   return time_s > 0 ? sum / time_s : cv::Vec3d(0, 0, 0);
@@ -133,7 +133,7 @@ CellFlow CellFlow::atRest() const {
 
 CellFlow cellFlow(const cv::Mat& last_gray, const cv::Mat& gray, const cv::Mat& last_mask,
                   const Surface& before, const Surface& now, MotionMode mode) {
-  CellFlow out = cellsOver(now.box);
+  CellFlow out = makeCells(now.box);
   std::vector<Cell> cells(static_cast<std::size_t>(out.columns * out.rows));
   if (mode != MotionMode::kDepth) addTracks(last_gray, gray, last_mask, now, out, cells);
   if (mode != MotionMode::kLk) addDepths(before, now, out, cells);
@@ -186,7 +186,7 @@ void addResiduals(const ReducedPair& pair, const Surface& before, const Surface&
                   std::vector<Cell>& cells) {
   std::vector<cv::Point2f> points;
   std::vector<cv::Point2f> guesses;
-  for (const cv::Point& in_box : latticeOver(before.mask, pair.reduction * kSampleStep_px)) {
+  for (const cv::Point& in_box : makeSampleLattice(before.mask, pair.reduction * kSampleStep_px)) {
     const cv::Point2f at = cv::Point2f(before.box.tl() + in_box);
     const cv::Vec3d step = explained(at, double(before.depth.at<float>(in_box)));
     points.push_back(pair.toReduced(at));
@@ -216,14 +216,14 @@ CellFlow residualFlow(const cv::Mat& last_gray, const cv::Mat& gray, const Surfa
                       const Surface& now, const PredictedMotion& explained) {
   const ReducedPair pair(
       last_gray, gray,
-      grown(before.box | now.box, now.reduction * kWindowMargin_px, last_gray.size()),
+      growRect(before.box | now.box, now.reduction * kWindowMargin_px, last_gray.size()),
       now.reduction);
   CellFlow large;
   large.columns = (gridCells(now.box.width) + now.reduction - 1) / now.reduction;
   large.rows = (gridCells(now.box.height) + now.reduction - 1) / now.reduction;
   std::vector<Cell> cells(static_cast<std::size_t>(large.columns * large.rows));
   addResiduals(pair, before, now, explained, large, cells);
-  CellFlow out = cellsOver(now.box);
+  CellFlow out = makeCells(now.box);
   out.step = interpolateSteps(computeMedians(cells, large, /*known=*/true), now.reduction, out);
   return out;
 }

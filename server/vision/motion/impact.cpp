@@ -29,7 +29,7 @@ struct Parabola {  // polynomial of the time since an instant
 };
 
 // Interpolates three samples by Newton's divided differences.
-Parabola through(const Sample* s, double from_s) {
+Parabola fitParabola(const Sample* s, double from_s) {
   const std::array<double, 3> t{s[0].time_s - from_s, s[1].time_s - from_s, s[2].time_s - from_s};
   const std::array<Vec3, 3> p{s[0].panCompensated_mm(), s[1].panCompensated_mm(),
                               s[2].panCompensated_mm()};
@@ -39,7 +39,7 @@ Parabola through(const Sample* s, double from_s) {
 }
 
 // Returns the root of a + b t + c t² nearest to `near`; nullopt if there is none.
-std::optional<double> rootNear(double a, double b, double c, double near) {
+std::optional<double> findRootNear(double a, double b, double c, double near) {
   const double square = b * b - 4 * a * c;
   if (square < 0) return std::nullopt;
   const double q = -0.5 * (b + std::copysign(std::sqrt(square), b));
@@ -49,7 +49,7 @@ std::optional<double> rootNear(double a, double b, double c, double near) {
   return std::isfinite(best) ? std::optional(best) : std::nullopt;
 }
 
-bool evenlySpaced(const Sample* s, std::size_t count) {
+bool areEvenlySpaced(const Sample* s, std::size_t count) {
   double shortest = std::numeric_limits<double>::infinity();
   double longest = 0;
   for (std::size_t i = 1; i < count; ++i) {
@@ -67,11 +67,11 @@ std::optional<ImpactFinder::Jump> ImpactFinder::jumpAfter(const std::vector<Samp
   const Sample* first = &samples[at + 1 - kSide];
   const bool measured =
       std::all_of(first, first + 2 * kSide, [](const Sample& s) { return s.seen && s.confident; });
-  if (!measured || !evenlySpaced(first, 2 * kSide)) return std::nullopt;
+  if (!measured || !areEvenlySpaced(first, 2 * kSide)) return std::nullopt;
   const double from_s = samples[at].time_s;
   const double step_s = samples[at + 1].time_s - from_s;
-  const Parabola left = through(first, from_s);
-  const Parabola right = through(first + kSide, from_s);
+  const Parabola left = fitParabola(first, from_s);
+  const Parabola right = fitParabola(first + kSide, from_s);
   Parabola off{right.c0 - left.c0, right.c1 - left.c1, right.c2 - left.c2};
   const bool depth_seen =
       std::all_of(first, first + 2 * kSide, [](const Sample& s) { return s.depth_seen; });
@@ -82,7 +82,7 @@ std::optional<ImpactFinder::Jump> ImpactFinder::jumpAfter(const std::vector<Samp
   if (!(out.middle_mm_s > 0)) return out;
   const Vec3 along = middle / out.middle_mm_s;
   const auto meet_s =
-      rootNear(along.dot(off.c0), along.dot(off.c1), along.dot(off.c2), 0.5 * step_s);
+      findRootNear(along.dot(off.c0), along.dot(off.c1), along.dot(off.c2), 0.5 * step_s);
   if (!meet_s) return out;
   out.place = *meet_s / step_s;
   // Strictly between the two frames, where the client's interpolation searches for it.
@@ -97,7 +97,7 @@ std::optional<ImpactFinder::Jump> ImpactFinder::jumpAfter(const std::vector<Samp
   return out;
 }
 
-bool ImpactFinder::aboveNoise(const Jump& jump) const {
+bool ImpactFinder::exceedsNoise(const Jump& jump) const {
   std::vector<double> usual(usual_mm_s_.begin(), usual_mm_s_.end());
   return jump.delta_mm_s.norm() > std::max(kSmallest_mm_s, kAboveUsual * computeMedian(usual));
 }
@@ -113,7 +113,7 @@ void ImpactFinder::accept(const Jump& jump) {
 void ImpactFinder::test(const std::vector<Sample>& samples, std::size_t at) {
   const std::optional<Jump> jump = jumpAfter(samples, at);
   const std::optional<Jump> waiting = std::exchange(waiting_, std::nullopt);
-  const bool is_one = jump && jump->clean && aboveNoise(*jump);
+  const bool is_one = jump && jump->clean && exceedsNoise(*jump);
   if (jump) {
     usual_mm_s_.push_back(jump->middle_mm_s);
     if (usual_mm_s_.size() > kRemembered) usual_mm_s_.pop_front();
@@ -134,7 +134,7 @@ void ImpactFinder::test(const std::vector<Sample>& samples, std::size_t at) {
   }
 }
 
-std::vector<Impact> ImpactFinder::around(double time_s, double reach_s) const {
+std::vector<Impact> ImpactFinder::findAround(double time_s, double reach_s) const {
   std::vector<Impact> out;
   for (const Impact& impact : found_) {
     if (std::abs(toSeconds(impact.time) - time_s) <= reach_s) out.push_back(impact);

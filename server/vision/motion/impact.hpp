@@ -21,15 +21,15 @@ class ImpactFinder {
   /// the lookahead.
   static constexpr std::size_t kSide = 3;
 
-  /// Searches for an impact between samples[at] and the next sample, and stores it for around(). It
-  /// finds none if there are fewer than kSide samples up to samples[at], or fewer than kSide after
-  /// it. An impact late in its interval may be stored only by the next call. The times of `samples`
-  /// are media times. Call it once for each frame in order of time.
+  /// Searches for an impact between samples[at] and the next sample, and stores it for
+  /// findAround(). It finds none if there are fewer than kSide samples up to samples[at], or fewer
+  /// than kSide after it. An impact late in its interval may be stored only by the next call. The
+  /// times of `samples` are media times. Call it once for each frame in order of time.
   void test(const std::vector<Sample>& samples, std::size_t at);
 
   /// Returns the stored impacts at most `reach_s` before or after the media time `time_s`, oldest
   /// first. The finder stores the newest kMaxImpacts impacts.
-  [[nodiscard]] std::vector<Impact> around(double time_s, double reach_s) const;
+  [[nodiscard]] std::vector<Impact> findAround(double time_s, double reach_s) const;
 
  private:
   struct Jump {  // change of velocity between two frames
@@ -41,7 +41,7 @@ class ImpactFinder {
     bool clean = false;        // the parabolas meet with similar curvature
   };
   static std::optional<Jump> jumpAfter(const std::vector<Sample>& samples, std::size_t at);
-  [[nodiscard]] bool aboveNoise(const Jump& jump) const;
+  [[nodiscard]] bool exceedsNoise(const Jump& jump) const;
   void accept(const Jump& jump);
 
   std::deque<double> usual_mm_s_;  // changes of velocity in the last frames

@@ -5,9 +5,9 @@
 
 namespace hapticast::server {
 
-std::vector<const MotionHistory::Entry*> MotionHistory::around(std::uint32_t id,
-                                                               std::uint64_t frame,
-                                                               int lookahead) const {
+std::vector<const MotionHistory::Entry*> MotionHistory::findAround(std::uint32_t id,
+                                                                   std::uint64_t frame,
+                                                                   int lookahead) const {
   std::vector<const Entry*> out;
   const auto entries = entries_.find(id);
   if (entries == entries_.end()) return out;
@@ -29,7 +29,7 @@ void MotionHistory::dropBefore(std::uint64_t frame, std::uint64_t keep_lost) {
 MotionWindow MotionHistory::window(std::uint32_t id, std::uint64_t frame, int lookahead,
                                    const NominalFrame& nominal) const {
   MotionWindow out;
-  for (const Entry* entry : around(id, frame, lookahead)) {
+  for (const Entry* entry : findAround(id, frame, lookahead)) {
     if (entry->frame == frame) {
       out.at = out.samples.size();
       out.point = entry->pose.point;
@@ -45,7 +45,7 @@ Motion MotionHistory::motion(std::uint32_t id, const MotionWindow& around, int l
   if (entries == entries_.end()) return {};
   Motion out;
   if (around.at) {
-    out = motionFrom(around.samples, *around.at, lookahead);
+    out = computeMotion(around.samples, *around.at, lookahead);
     out.reference_point = around.point;
     return out;
   }
@@ -58,7 +58,7 @@ Motion MotionHistory::motion(std::uint32_t id, const MotionWindow& around, int l
 }
 
 bool MotionHistory::hasCells(std::uint32_t id, std::uint64_t frame, int lookahead) const {
-  const std::vector<const Entry*> entries = around(id, frame, lookahead);
+  const std::vector<const Entry*> entries = findAround(id, frame, lookahead);
   const auto measured = std::count_if(entries.begin(), entries.end(),
                                       [](const Entry* entry) { return entry->cells.columns > 0; });
   return measured == 2 * lookahead + 1;
@@ -69,7 +69,7 @@ std::shared_ptr<const MotionGrid> MotionHistory::grid(std::uint32_t id, std::uin
                                                       const NominalFrame& nominal) const {
   std::vector<const CellFlow*> flows;
   std::optional<std::size_t> at;
-  for (const Entry* entry : around(id, frame, lookahead)) {
+  for (const Entry* entry : findAround(id, frame, lookahead)) {
     if (entry->frame == frame) at = flows.size();
     flows.push_back(&entry->cells);
   }

@@ -34,7 +34,7 @@ constexpr double kVisibleEnough = 0.5;  // measured: with less, alignment errs b
 constexpr std::size_t kFewestInCommon = 20;  // chosen, common pixels of two surfaces
 const cv::Point2d kHalfPixel(0.5, 0.5);      // from centres at whole numbers to centres at +0.5
 
-double trimmedMean(std::vector<double>& values, double floor_mm) {
+double computeTrimmedMean(std::vector<double>& values, double floor_mm) {
   const double median = computeMedian(values);
   std::vector<double> off;
   off.reserve(values.size());
@@ -54,10 +54,12 @@ double trimmedMean(std::vector<double>& values, double floor_mm) {
 int latticeStep(const cv::Size& size) { return size.area() > kDense_px ? 2 : 1; }
 
 // Returns whether the mode is neither of the thesis's special cases.
-bool bothWays(MotionMode mode) { return mode == MotionMode::kAuto || mode == MotionMode::kRgbd; }
+bool measuresBothWays(MotionMode mode) {
+  return mode == MotionMode::kAuto || mode == MotionMode::kRgbd;
+}
 
 // Returns the mean working depth of the inner mask; the rim has the sensor's largest errors.
-double depthOf_mm(const Surface& surface) {
+double computeDepth_mm(const Surface& surface) {
   cv::Mat mask = surface.mask;
   cv::Mat depth = surface.depth;
   if (const int step = latticeStep(mask.size()); step > 1) {
@@ -78,10 +80,10 @@ double depthOf_mm(const Surface& surface) {
 
 std::optional<double> depthDifference_mm(const Surface& before, const Surface& now,
                                          const cv::Matx23d& similarity, double floor_mm) {
-  cv::Mat valid = erodedBy(before.mask, 3) & before.measured;
+  cv::Mat valid = erodeBy(before.mask, 3) & before.measured;
   valid = warpImage(valid, before.box, now.box, similarity, cv::INTER_NEAREST);
   const cv::Mat depth = warpImage(before.depth, before.box, now.box, similarity, cv::INTER_LINEAR);
-  valid &= erodedBy(now.mask, 3) & now.measured;
+  valid &= erodeBy(now.mask, 3) & now.measured;
   std::vector<double> differences;
   const int step = latticeStep(valid.size());
   for (int v = 0; v < valid.rows; v += step) {
@@ -91,14 +93,14 @@ std::optional<double> depthDifference_mm(const Surface& before, const Surface& n
     }
   }
   if (differences.size() < kFewestInCommon) return std::nullopt;
-  return trimmedMean(differences, floor_mm);
+  return computeTrimmedMean(differences, floor_mm);
 }
 
 PoseTracker::PoseTracker(const PoseSettings& settings, const cv::Mat& gray, const Surface& first)
     : settings_(settings), last_(computeShape(first)), fresh_(first) {
   pose_.u_px = last_.centroid.x;
   pose_.v_px = last_.centroid.y;
-  pose_.depth_mm = depthOf_mm(first);
+  pose_.depth_mm = computeDepth_mm(first);
   if (!settings_.rigid) return;
   const BodyCentre centre = computeCentre(first, settings_.camera);
   if (centre.position_mm.z() > 0) setPosition(centre.position_mm);
@@ -111,9 +113,10 @@ Vec3 PoseTracker::position_mm() const {
 
 void PoseTracker::setPosition(const Vec3& position_mm) {
   pose_.depth_mm = std::max(1.0, position_mm.z());
-  const Vec2 seen = settings_.camera.project({position_mm.x(), position_mm.y(), pose_.depth_mm});
-  pose_.u_px = seen.x();
-  pose_.v_px = seen.y();
+  const Vec2 observation =
+      settings_.camera.project({position_mm.x(), position_mm.y(), pose_.depth_mm});
+  pose_.u_px = observation.x();
+  pose_.v_px = observation.y();
 }
 
 void PoseTracker::remember(const cv::Mat& gray, const Surface& surface) {
@@ -131,7 +134,7 @@ std::optional<ObjectFlow> PoseTracker::find(const FrameImages& images) {
   return flow;
 }
 
-void PoseTracker::advanceRigidly(const Observation& seen, bool trusted) {
+void PoseTracker::advanceRigidly(const Observation& observation, bool trusted) {
   const Vec3 turn_rad = rotationVector(step_.rotation);
   const Vec3 before = position_mm();
   const double per_px_mm = before.z() / settings_.camera.fx_px;
@@ -139,7 +142,7 @@ void PoseTracker::advanceRigidly(const Observation& seen, bool trusted) {
   if (shift.head<2>().norm() < kStill_px * per_px_mm && std::abs(shift.z()) < kStill_mm) {
     shift.setZero();
   } else if (trusted) {
-    const BodyCentre centre = computeCentre(seen.surface, settings_.camera);
+    const BodyCentre centre = computeCentre(observation.surface, settings_.camera);
     if (centre.position_mm.z() > 0) {
       const Vec3 pull =
           (centre.sphere ? kSpherePull : kPull) * (centre.position_mm - before - shift);
@@ -155,7 +158,7 @@ void PoseTracker::advanceRigidly(const Observation& seen, bool trusted) {
   aligned_about_mm_ = before;
 }
 
-cv::Vec3d PoseTracker::explained(const cv::Point2f& at_px, double depth_mm) const {
+cv::Vec3d PoseTracker::explainFlow(const cv::Point2f& at_px, double depth_mm) const {
   const CameraModel& camera = settings_.camera;
   const Vec2 was(double(at_px.x) + 0.5, double(at_px.y) + 0.5);
   const Vec3 from = depth_mm * camera.ray(was.x(), was.y());
@@ -177,71 +180,72 @@ PoseTracker::Shape PoseTracker::computeShape(const Surface& surface) const {
   return out;
 }
 
-void PoseTracker::advanceInPlane(const Observation& seen, const Shape& now, bool trusted) {
+void PoseTracker::advanceInPlane(const Observation& observation, const Shape& now, bool trusted) {
   if (settings_.mode == MotionMode::kDepth) return;
   const cv::Point2d before(pose_.u_px, pose_.v_px);
-  cv::Point2d step = seen.flow.warp(before - kHalfPixel) + kHalfPixel - before;
-  const bool follow_centroid =
-      trusted && bothWays(settings_.mode) && (settings_.exact_masks || !seen.flow.reliable);
+  cv::Point2d step = observation.flow.warp(before - kHalfPixel) + kHalfPixel - before;
+  const bool follow_centroid = trusted && measuresBothWays(settings_.mode) &&
+                               (settings_.exact_masks || !observation.flow.reliable);
   if (follow_centroid) step = now.centroid - last_.centroid;
-  const bool at_rest = seen.flow.reliable && !settings_.exact_masks && cv::norm(step) < kStill_px;
+  const bool at_rest =
+      observation.flow.reliable && !settings_.exact_masks && cv::norm(step) < kStill_px;
   if (at_rest) step = {0, 0};
   if (trusted && !follow_centroid && !at_rest) step += kPull * (now.centroid - before - step);
   pose_.u_px += step.x;
   pose_.v_px += step.y;
-  const double turn = seen.flow.rotation_reliable ? seen.flow.rotation_rad() : 0.0;
+  const double turn = observation.flow.rotation_reliable ? observation.flow.rotation_rad() : 0.0;
   if (std::abs(turn) >= kStill_rad) pose_.angle_rad -= turn;
 }
 
-void PoseTracker::advanceInDepth(const Observation& seen, bool trusted) {
-  since_fresh_ = homogeneous(seen.flow.similarity) * since_fresh_;
-  pose_.depth_seen = !seen.repeated;
-  if (settings_.mode == MotionMode::kLk || seen.repeated) return;
-  if (settings_.exact_masks && trusted && bothWays(settings_.mode)) {
-    pose_.depth_mm += depthOf_mm(seen.surface) - depthOf_mm(fresh_);
+void PoseTracker::advanceInDepth(const Observation& observation, bool trusted) {
+  since_fresh_ = homogeneous(observation.flow.similarity) * since_fresh_;
+  pose_.depth_seen = !observation.repeated;
+  if (settings_.mode == MotionMode::kLk || observation.repeated) return;
+  if (settings_.exact_masks && trusted && measuresBothWays(settings_.mode)) {
+    pose_.depth_mm += computeDepth_mm(observation.surface) - computeDepth_mm(fresh_);
   } else {
     const cv::Matx23d carry = since_fresh_.get_minor<2, 3>(0, 0);
     const double step =
-        depthDifference_mm(fresh_, seen.surface, carry, kTrimFloor_mm).value_or(0.0);
+        depthDifference_mm(fresh_, observation.surface, carry, kTrimFloor_mm).value_or(0.0);
     if (std::abs(step) >= kStill_mm) {
       pose_.depth_mm += step;
       // An aligned body follows its centre, not its visible surface.
       if (trusted && !settings_.rigid)
-        pose_.depth_mm += kPull * (depthOf_mm(seen.surface) - pose_.depth_mm);
+        pose_.depth_mm += kPull * (computeDepth_mm(observation.surface) - pose_.depth_mm);
     }
   }
-  fresh_ = seen.surface;
+  fresh_ = observation.surface;
   since_fresh_ = cv::Matx33d::eye();
 }
 
-ObjectPose PoseTracker::advance(const Observation& seen) {
+ObjectPose PoseTracker::advance(const Observation& observation) {
   pose_.depth_seen = pose_.seen = pose_.confident = true;
   aligned_ = false;
   // The references stay too, so that a slow drift at rest is corrected afterwards.
-  if (settings_.mode == MotionMode::kNone || seen.at_rest) {
+  if (settings_.mode == MotionMode::kNone || observation.at_rest) {
     step_ = last_step_ = {};
     return pose_;
   }
-  const Shape now = computeShape(seen.surface);
+  const Shape now = computeShape(observation.surface);
   const double growth = now.area_px / std::max(1.0, last_.area_px);
-  const bool trusted =
-      now.entire && last_.entire && growth > 0.8 && growth < 1.25 && seen.visible_fraction > kWhole;
-  pose_.seen = seen.visible_fraction >= kVisibleEnough;
+  const bool trusted = now.entire && last_.entire && growth > 0.8 && growth < 1.25 &&
+                       observation.visible_fraction > kWhole;
+  pose_.seen = observation.visible_fraction >= kVisibleEnough;
   if (step_.reliable) {
-    advanceRigidly(seen, trusted);
-    fresh_ = seen.surface;
+    advanceRigidly(observation, trusted);
+    fresh_ = observation.surface;
     since_fresh_ = cv::Matx33d::eye();
   } else {
     const Vec3 before = position_mm();
-    advanceInPlane(seen, now, trusted);
-    advanceInDepth(seen, trusted);
+    advanceInPlane(observation, now, trusted);
+    advanceInDepth(observation, trusted);
     last_step_ = {};
     last_step_.shift_mm = position_mm() - before;
     pose_.confident = !settings_.rigid;
   }
   step_ = {};
   last_ = now;
-  remember(seen.gray, seen.surface);
+  remember(observation.gray, observation.surface);
   return pose_;
 }
 

@@ -60,7 +60,7 @@ class PoseTracker {
   /// Returns how the last alignment displaced a point of the last frame's surface: px to the right,
   /// px down and mm of depth. `at_px`: the point (pixel centres at whole numbers). `depth_mm`: its
   /// depth.
-  [[nodiscard]] cv::Vec3d explained(const cv::Point2f& at_px, double depth_mm) const;
+  [[nodiscard]] cv::Vec3d explainFlow(const cv::Point2f& at_px, double depth_mm) const;
 
  private:
   struct Shape {  // the object's outline in one frame

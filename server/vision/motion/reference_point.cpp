@@ -59,7 +59,7 @@ Outline traceOutline(const Surface& surface) {
 std::vector<Vector3d> innerPoints(const Surface& surface, const CameraModel& camera,
                                   double radius_px) {
   const int margin = std::clamp(static_cast<int>(kInnerMargin * radius_px), 1, 12);
-  const cv::Mat inner = erodedBy(surface.mask, margin) & (surface.depth > 0);
+  const cv::Mat inner = erodeBy(surface.mask, margin) & (surface.depth > 0);
   cv::Mat smooth;  // a sensor's noise must not resemble another shape
   const int window = 2 * (2 * margin / 3) + 1;
   cv::blur(surface.depth, smooth, {window, window});

@@ -59,8 +59,8 @@ RigidTemplate::RigidTemplate(const cv::Mat& gray, const Surface& surface, const 
   const cv::Size size = coarse_.box_px.size();
   if (size.empty()) return;
   const int by = surface.reduction;
-  cv::resize(everyPixel(gray(box_), by), coarse_.gray, size, 0, 0, cv::INTER_AREA);
-  cv::resize(everyPixel(surface.mask, by), coarse_.mask, size, 0, 0, cv::INTER_AREA);
+  cv::resize(sampleEvery(gray(box_), by), coarse_.gray, size, 0, 0, cv::INTER_AREA);
+  cv::resize(sampleEvery(surface.mask, by), coarse_.mask, size, 0, 0, cv::INTER_AREA);
   cv::resize(surface.depth, coarse_.depth, size, 0, 0, cv::INTER_NEAREST);
 }
 
@@ -70,12 +70,12 @@ void RigidTemplate::addLevel(const cv::Mat& gray, const Surface& surface, int fa
   const cv::Size size(box_.width / factor * factor, box_.height / factor * factor);
   if (size.width >= 3 * factor && size.height >= 3 * factor) {
     const cv::Rect part({0, 0}, size);
-    const cv::Mat smooth_gray = smoothedGray(gray(cv::Rect(box_.tl(), size)), factor);
+    const cv::Mat smooth_gray = smoothGray(gray(cv::Rect(box_.tl(), size)), factor);
     const cv::Mat known = surface.mask(part) & (surface.depth(part) > 0);
-    const cv::Mat depth = smoothedDepth(surface.depth(part), known, factor);
+    const cv::Mat depth = smoothDepth(surface.depth(part), known, factor);
     cv::Mat inside = shrunk(known, factor) > 250;
     if (levels_.empty()) addOutline(inside, depth, factor);
-    inside = erodedBy(inside, 2);
+    inside = erodeBy(inside, 2);
     const auto count = static_cast<std::size_t>(cv::countNonZero(inside));
     const int step =
         std::max(1, static_cast<int>(std::sqrt(double(count) / kTemplatePoints) + 0.7));
@@ -128,8 +128,8 @@ void RigidTemplate::addOutline(const cv::Mat& inside, const cv::Mat& depth, int 
   }
 }
 
-cv::Rect RigidTemplate::whereWith(const Vector3d& pivot_mm, const RigidStep& step,
-                                  const cv::Size& picture) const {
+cv::Rect RigidTemplate::findBox(const Vector3d& pivot_mm, const RigidStep& step,
+                                const cv::Size& picture) const {
   const Vector3d to = pivot_mm + step.shift_mm;
   const double scale = std::clamp(pivot_mm.z() / std::max(1.0, to.z()), 0.5, 2.0);
   const Vec2 moved_px = camera_.project(to) - camera_.project(pivot_mm);
@@ -150,7 +150,7 @@ RigidStep RigidTemplate::align(const FrameImages& images, const Vector3d& pivot_
                                const RigidStep& guess) const {
   RigidStep now = guess;
   now.inliers = 0.0;
-  const cv::Rect area = whereWith(pivot_mm, guess, images.gray.size());
+  const cv::Rect area = findBox(pivot_mm, guess, images.gray.size());
   const Vector3d expected_turn_rad = rotationVector(guess.rotation);
   const DepthRange depths{depth_.near_mm + std::min(0.0, guess.shift_mm.z()),
                           depth_.far_mm + std::max(0.0, guess.shift_mm.z())};
@@ -163,8 +163,8 @@ RigidStep RigidTemplate::align(const FrameImages& images, const Vector3d& pivot_
   return now;
 }
 
-double RigidTemplate::Coarse::likeness(const cv::Mat& other_gray, const cv::Mat& other_depth,
-                                       const cv::Point& at) const {
+double RigidTemplate::Coarse::computeLikeness(const cv::Mat& other_gray, const cv::Mat& other_depth,
+                                              const cv::Point& at) const {
   double sum = 0;
   for (int j = 0; j < box_px.height; j += 2) {
     for (int i = 0; i < box_px.width; i += 2) {
@@ -180,14 +180,14 @@ double RigidTemplate::Coarse::likeness(const cv::Mat& other_gray, const cv::Mat&
   return sum;
 }
 
-RigidStep RigidTemplate::searched(const FrameImages& images, const Vector3d& pivot_mm) const {
+RigidStep RigidTemplate::searchMotion(const FrameImages& images, const Vector3d& pivot_mm) const {
   RigidStep out;
   const cv::Size size = coarse_.box_px.size();
   if (size.empty() || coarse_.gray.empty()) return out;
   const int f = coarse_.factor;
   const cv::Rect all(0, 0, images.gray.cols / f, images.gray.rows / f);
   const cv::Rect area =
-      grown(coarse_.box_px, 5 * std::max(size.width, size.height) / 2, all.size());
+      growRect(coarse_.box_px, 5 * std::max(size.width, size.height) / 2, all.size());
   if (area.width < size.width || area.height < size.height) return out;
   const cv::Rect fine(area.x * f, area.y * f, area.width * f, area.height * f);
   cv::Mat gray;
@@ -198,7 +198,7 @@ RigidStep RigidTemplate::searched(const FrameImages& images, const Vector3d& piv
   cv::Point moved_px;
   for (int v = 0; v + size.height <= area.height; ++v) {
     for (int u = 0; u + size.width <= area.width; ++u) {
-      const double likeness = coarse_.likeness(gray, depth, {u, v});
+      const double likeness = coarse_.computeLikeness(gray, depth, {u, v});
       if (likeness <= best) continue;
       best = likeness;
       moved_px = f * (cv::Point(u, v) + area.tl() - coarse_.box_px.tl());
@@ -215,7 +215,7 @@ RigidStep RigidTemplate::find(const FrameImages& images, const Vector3d& pivot_m
   if (levels_.empty()) return guess;
   RigidStep best = align(images, pivot_mm, guess);
   if (best.inliers < kWellFound) {
-    RigidStep start = searched(images, pivot_mm);
+    RigidStep start = searchMotion(images, pivot_mm);
     start.rotation = guess.rotation;
     const RigidStep other = align(images, pivot_mm, start);
     if (other.inliers > best.inliers) best = other;

@@ -46,8 +46,8 @@ class RigidTemplate {
 
     /// Returns how similar this template is to a part of another picture of the same scale. `at`:
     /// position of the template's first pixel there. A larger value is better.
-    [[nodiscard]] double likeness(const cv::Mat& other_gray, const cv::Mat& other_depth,
-                                  const cv::Point& at) const;
+    [[nodiscard]] double computeLikeness(const cv::Mat& other_gray, const cv::Mat& other_depth,
+                                         const cv::Point& at) const;
   };
   void addLevel(const cv::Mat& gray, const Surface& surface, int factor);
   void addOutline(const cv::Mat& inside, const cv::Mat& depth, int factor);
@@ -56,15 +56,15 @@ class RigidTemplate {
                                 const RigidStep& guess) const;
   /// Returns a first guess of the motion from an exhaustive comparison of coarse pictures. It
   /// covers 2.5 times the object's size in each direction.
-  [[nodiscard]] RigidStep searched(const FrameImages& images,
-                                   const Eigen::Vector3d& pivot_mm) const;
+  [[nodiscard]] RigidStep searchMotion(const FrameImages& images,
+                                       const Eigen::Vector3d& pivot_mm) const;
   /// Returns the similarity transform of the picture that best fits the outline's motion by `step`.
   [[nodiscard]] cv::Matx23d computeSimilarity(const Eigen::Vector3d& pivot_mm,
                                               const RigidStep& step) const;
   /// Returns the part of the picture in which the object lies after the motion `step`, with a
   /// margin.
-  [[nodiscard]] cv::Rect whereWith(const Eigen::Vector3d& pivot_mm, const RigidStep& step,
-                                   const cv::Size& picture) const;
+  [[nodiscard]] cv::Rect findBox(const Eigen::Vector3d& pivot_mm, const RigidStep& step,
+                                 const cv::Size& picture) const;
 
   CameraModel camera_;
   cv::Rect box_;

@@ -13,18 +13,18 @@ constexpr double kDepthReach_mm = 80.0;  // chosen: more than a body moves in a 
 
 }  // namespace
 
-cv::Mat shrunk(const cv::Mat& image, int factor) {
+cv::Mat shrinkImage(const cv::Mat& image, int factor) {
   if (factor == 1) return image;
   cv::Mat out;
   cv::resize(image, out, {image.cols / factor, image.rows / factor}, 0, 0, cv::INTER_AREA);
   return out;
 }
 
-cv::Mat smoothedDepth(const cv::Mat& depth, const cv::Mat& known, int factor) {
+cv::Mat smoothDepth(const cv::Mat& depth, const cv::Mat& known, int factor) {
   cv::Mat weight;
   known.convertTo(weight, CV_32F, 1.0 / 255.0);
-  cv::Mat weighted = shrunk(depth.mul(weight), factor);
-  weight = shrunk(weight, factor);
+  cv::Mat weighted = shrinkImage(depth.mul(weight), factor);
+  weight = shrinkImage(weight, factor);
   cv::GaussianBlur(weighted, weighted, {7, 7}, 1.5);
   cv::GaussianBlur(weight, weight, {7, 7}, 1.5);
   cv::Mat out;
@@ -33,9 +33,9 @@ cv::Mat smoothedDepth(const cv::Mat& depth, const cv::Mat& known, int factor) {
   return out;
 }
 
-cv::Mat smoothedGray(const cv::Mat& gray, int factor) {
+cv::Mat smoothGray(const cv::Mat& gray, int factor) {
   cv::Mat out;
-  shrunk(gray, factor).convertTo(out, CV_32F);
+  shrinkImage(gray, factor).convertTo(out, CV_32F);
   cv::GaussianBlur(out, out, {5, 5}, 1.0);
   return out;
 }
@@ -47,11 +47,11 @@ RigidRoi cropRoi(const FrameImages& images, const cv::Rect& area, int factor,
   out.factor = factor;
   const cv::Rect whole(area.x, area.y, area.width / factor * factor, area.height / factor * factor);
   if (whole.width < 3 * factor || whole.height < 3 * factor) return out;
-  const cv::Mat gray = smoothedGray(images.gray(whole), factor);
+  const cv::Mat gray = smoothGray(images.gray(whole), factor);
   const cv::Mat raw = images.depth(whole);
   const cv::Mat known =
       (raw > depths.near_mm - kDepthReach_mm) & (raw < depths.far_mm + kDepthReach_mm) & (raw > 0);
-  const cv::Mat depth = smoothedDepth(raw, known, factor);
+  const cv::Mat depth = smoothDepth(raw, known, factor);
   out.columns = gray.cols;
   out.rows = gray.rows;
   out.texels.resize(gray.total());

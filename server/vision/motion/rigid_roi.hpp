@@ -47,8 +47,8 @@ RigidRoi cropRoi(const FrameImages& images, const cv::Rect& area, int factor,
 cv::Mat shrunk(const cv::Mat& image, int factor);
 /// Returns `depth`, smoothed over the pixels of `known` (CV_8UC1, 0/255) and reduced by `factor`.
 /// The result is 0 where too few pixels are in `known`.
-cv::Mat smoothedDepth(const cv::Mat& depth, const cv::Mat& known, int factor);
+cv::Mat smoothDepth(const cv::Mat& depth, const cv::Mat& known, int factor);
 /// Returns `gray` as CV_32FC1, reduced by `factor` and smoothed.
-cv::Mat smoothedGray(const cv::Mat& gray, int factor);
+cv::Mat smoothGray(const cv::Mat& gray, int factor);
 
 }  // namespace hapticast::server

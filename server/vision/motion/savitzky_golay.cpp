@@ -76,7 +76,7 @@ struct WindowFit {
 };
 
 // Returns the polynomial order that `count` samples support.
-int orderFor(std::size_t count, bool centred) {
+int chooseOrder(std::size_t count, bool centred) {
   if (count >= 7 && centred) return 4;
   if (count >= 4 || (count == 3 && centred)) return 2;
   return count >= 2 ? 1 : 0;
@@ -103,7 +103,7 @@ int lookaheadFrames(double fps) {
   return std::clamp(static_cast<int>(std::lround(kLookahead_s * fps)), 3, 20);
 }
 
-std::vector<Sample> panCompensated(const std::vector<Sample>& samples) {
+std::vector<Sample> compensatePan(const std::vector<Sample>& samples) {
   const auto moved = [&](const Sample& s) {
     return s.background_mm != samples.front().background_mm;
   };
@@ -116,7 +116,7 @@ std::vector<Sample> panCompensated(const std::vector<Sample>& samples) {
   return out;
 }
 
-Motion motionFrom(const std::vector<Sample>& samples, std::size_t at, int lookahead) {
+Motion computeMotion(const std::vector<Sample>& samples, std::size_t at, int lookahead) {
   const auto reach = static_cast<std::size_t>(lookahead);
   const std::size_t first = at > reach ? at - reach : 0;
   const std::size_t last = std::min(samples.size() - 1, at + reach);
@@ -124,7 +124,7 @@ Motion motionFrom(const std::vector<Sample>& samples, std::size_t at, int lookah
   const double span_s = samples[last].time_s - samples[first].time_s;
   const double h_s = count > 1 && span_s > 0 ? span_s / double(count - 1) : 1.0;
   const bool centred = at - first == reach && last - at == reach;
-  WindowFit best = fitWindow(samples, first, last, at, h_s, orderFor(count, centred));
+  WindowFit best = fitWindow(samples, first, last, at, h_s, chooseOrder(count, centred));
   if (count >= 6 && best.misfit_mm() > kMisfit_mm) {
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t from = first; from <= at; ++from) {
@@ -150,8 +150,8 @@ Motion motionFrom(const std::vector<Sample>& samples, std::size_t at, int lookah
   }
   out.angle_rad = coefficient(best.axes[3], 0);
   out.angular_velocity_rad_s = coefficient(best.axes[3], 1) / h_s;
-  if (const std::vector<Sample> steady = panCompensated(samples); !steady.empty())
-    out.acceleration_mm_s2 = motionFrom(steady, at, lookahead).acceleration_mm_s2;
+  if (const std::vector<Sample> steady = compensatePan(samples); !steady.empty())
+    out.acceleration_mm_s2 = computeMotion(steady, at, lookahead).acceleration_mm_s2;
   return out;
 }
 

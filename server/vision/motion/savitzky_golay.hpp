@@ -29,7 +29,7 @@ struct Sample {
 
 /// Returns the samples with positions relative to the background. Returns an empty list if the
 /// background did not move.
-std::vector<Sample> panCompensated(const std::vector<Sample>& samples);
+std::vector<Sample> compensatePan(const std::vector<Sample>& samples);
 
 /// Returns the lookahead in frames (frames on each side of a window) for a source of `fps`
 /// frames/s. Windows have about the same duration at every rate: 7 frames at 25-30 fps, 11 at 60.
@@ -40,6 +40,6 @@ int lookaheadFrames(double fps);
 /// `samples` are in order of time. The window has up to `lookahead` samples on either side. The
 /// polynomial has order 4 over a whole window, and a lower order at the ends of a track. If the
 /// polynomial does not fit the whole window (a bounce lies in it), the best shorter window is used.
-Motion motionFrom(const std::vector<Sample>& samples, std::size_t at, int lookahead);
+Motion computeMotion(const std::vector<Sample>& samples, std::size_t at, int lookahead);
 
 }  // namespace hapticast::server

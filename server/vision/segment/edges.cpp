@@ -67,22 +67,23 @@ class EdgeSegmenter final : public Segmenter {
   }
 
   cv::Mat selectRegion(int label) const {
-    const cv::Mat mask = dilatedBy(labels_ == label, kEdge_px);
-    return withoutHoles(mask, mask.rows * mask.cols / 4);
+    const cv::Mat mask = dilateBy(labels_ == label, kEdge_px);
+    return fillHolesOf(mask, mask.rows * mask.cols / 4);
   }
 
   void start(const FrameImages& images) {
     std::set<int> started;
     for (const auto& [point, time_s, number] : points_) {
-      const int label = nearestLabel({static_cast<int>(point.x()), static_cast<int>(point.y())});
+      const int label =
+          findNearestLabel({static_cast<int>(point.x()), static_cast<int>(point.y())});
       if (label == 0) throwNoObject(point, "only edges there");
       if (!started.insert(label).second) continue;  // two points on one body mark one object
       objects_.push_back({next_id_++, selectRegion(label), 1.0, number});
     }
     if (points_.empty()) {
-      const cv::Mat compact = nearestCompact(images, labels_);
+      const cv::Mat compact = findNearestCompact(images, labels_);
       if (!compact.empty())
-        objects_.push_back({next_id_++, selectRegion(labelUnder(compact)), 1.0, 1});
+        objects_.push_back({next_id_++, selectRegion(findLabelUnder(compact)), 1.0, 1});
     }
     shareOut();
     started_ = !objects_.empty();
@@ -100,7 +101,7 @@ class EdgeSegmenter final : public Segmenter {
     }
   }
 
-  int nearestLabel(const cv::Point& point) const {
+  int findNearestLabel(const cv::Point& point) const {
     for (int radius = 0; radius <= 12; ++radius) {
       for (int v = point.y - radius; v <= point.y + radius; ++v) {
         for (int u = point.x - radius; u <= point.x + radius; ++u) {
@@ -112,7 +113,7 @@ class EdgeSegmenter final : public Segmenter {
     return 0;
   }
 
-  int labelUnder(const cv::Mat& mask) const {
+  int findLabelUnder(const cv::Mat& mask) const {
     double largest = 0;
     cv::Mat inside;
     labels_.copyTo(inside, mask);

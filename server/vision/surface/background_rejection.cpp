@@ -31,8 +31,8 @@ const std::array<cv::Point, 8> kAround{
 // pixel.
 // A neighbour is connected if its depth is similar or, with `slopes`, if the slope from the pixel
 // behind it continues. Do not use `slopes` where mixed pixels have slopes of their own.
-bool lonely(const cv::Mat& depth, const cv::Mat& known, const cv::Point& at, double sigma,
-            int wanted, bool slopes) {
+bool isLonely(const cv::Mat& depth, const cv::Mat& known, const cv::Point& at, double sigma,
+              int wanted, bool slopes) {
   const cv::Rect whole({0, 0}, depth.size());
   // Far from the border no place needs a check.
   const bool inner = at.x > 1 && at.y > 1 && at.x + 2 < depth.cols && at.y + 2 < depth.rows;
@@ -124,8 +124,8 @@ bool continuesBeyond(const cv::Mat& depth, const cv::Point& at, const cv::Point&
 }
 
 // Returns whether hardly any pixel at the contour lies between object and background in depth.
-bool sharpEdges(const cv::Mat& depth, const cv::Mat& mask, const Sides& sides) {
-  const cv::Mat ring = dilatedBy(mask, 3) & (erodedBy(mask, 2) == 0) & (depth > 0);
+bool haveSharpEdges(const cv::Mat& depth, const cv::Mat& mask, const Sides& sides) {
+  const cv::Mat ring = dilateBy(mask, 3) & (erodeBy(mask, 2) == 0) & (depth > 0);
   const double tolerance = 12 + 4 * sides.sigma;
   const Inwards inwards(mask);
   int between = 0;
@@ -146,15 +146,15 @@ bool sharpEdges(const cv::Mat& depth, const cv::Mat& mask, const Sides& sides) {
 
 Sides findSides(const cv::Mat& depth, const cv::Mat& mask, const cv::Mat& core_known,
                 const DepthNoise& noise, int reduction) {
-  const cv::Mat around = (dilatedBy(mask, kRim_px) == 0) & (depth > 0);
+  const cv::Mat around = (dilateBy(mask, kRim_px) == 0) & (depth > 0);
   if (cv::countNonZero(core_known) < kFewestBeside || cv::countNonZero(around) < kFewestBeside)
     return {};
-  Sides out{reduction, filledAtReducedSize(depth, core_known, reduction),
-            filledAtReducedSize(depth, around, reduction)};
+  Sides out{reduction, fillAtReducedSize(depth, core_known, reduction),
+            fillAtReducedSize(depth, around, reduction)};
   const double depth_mm = cv::mean(depth, core_known)[0];
   out.sigma = noise.at(depth_mm);
   out.clean = noise.clean(depth_mm);
-  out.sharp = out.clean && sharpEdges(depth, mask, out);
+  out.sharp = out.clean && haveSharpEdges(depth, mask, out);
   return out;
 }
 
@@ -162,7 +162,7 @@ Sides findSides(const cv::Mat& depth, const cv::Mat& mask, const cv::Mat& core_k
 
 bool contoursAgree(const cv::Mat& depth, const cv::Mat& mask, const cv::Mat& known,
                    const DepthNoise& noise) {
-  const cv::Mat rim = known & (erodedBy(mask, 2) == 0);
+  const cv::Mat rim = known & (erodeBy(mask, 2) == 0);
   const double tolerance = 12 + 4 * noise.at(cv::mean(depth, known)[0]);
   const Inwards inwards(mask);
   int strange = 0;
@@ -197,7 +197,7 @@ bool hasCompany(const cv::Mat& depth, const cv::Mat& known, int v, int u) {
 
 cv::Mat foregroundPixels(const cv::Mat& depth, const cv::Mat& mask, const cv::Mat& known,
                          const DepthNoise& noise, int reduction) {
-  const cv::Mat core = erodedBy(mask, kRim_px);
+  const cv::Mat core = erodeBy(mask, kRim_px);
   const Sides sides = findSides(depth, mask, core & known, noise, reduction + 1);
   cv::Mat keep = known.clone();
   for (int v = 0; v < depth.rows; ++v) {
@@ -215,7 +215,7 @@ cv::Mat foregroundPixels(const cv::Mat& depth, const cv::Mat& mask, const cv::Ma
            background(z, sides.objectDepth(u, v), sides.backgroundDepth(u, v), sigma,
                       sides.sharp)) ||
           (!(rim && sides.sharp) &&
-           lonely(depth, known, {u, v}, sigma, rim ? 2 : kFewestAlike, !rim && sides.clean));
+           isLonely(depth, known, {u, v}, sigma, rim ? 2 : kFewestAlike, !rim && sides.clean));
       if (drop) keep.at<unsigned char>(v, u) = 0;
     }
   }

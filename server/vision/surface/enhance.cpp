@@ -25,11 +25,11 @@ constexpr double kFewestDepth = 0.02;  // chosen, of a mask: least share with de
 
 // Rounded depth: the true value lies within half a step. The fit is clamped to that where a rim is
 // curved too much for it.
-cv::Mat withoutTerraces(const cv::Mat& fitted, const cv::Mat& rounded, const Surface& surface,
-                        double half_mm, double px_per_mm) {
+cv::Mat removeTerraces(const cv::Mat& fitted, const cv::Mat& rounded, const Surface& surface,
+                       double half_mm, double px_per_mm) {
   cv::Mat out = fitted;
   for (const double sigma_mm : kWider_mm)
-    out = widerFit(out, rounded, surface.mask, surface.measured, half_mm, sigma_mm * px_per_mm);
+    out = fitWider(out, rounded, surface.mask, surface.measured, half_mm, sigma_mm * px_per_mm);
   cv::Mat kept;
   cv::max(out, rounded - half_mm, kept);
   cv::min(kept, rounded + half_mm, kept);
@@ -46,12 +46,12 @@ cv::Mat thesisHeight(const cv::Mat& height, const Surface& surface, double depth
   return out(cv::Rect({margin, margin}, surface.box.size()));
 }
 
-cv::Mat fittedHeight(const cv::Mat& height, const Surface& surface, double mm_per_depth,
-                     double px_per_mm) {
-  cv::Mat fitted = quadraticFit(height, surface.mask, std::max(0.8, kSmooth_mm * px_per_mm));
+cv::Mat fitHeight(const cv::Mat& height, const Surface& surface, double mm_per_depth,
+                  double px_per_mm) {
+  cv::Mat fitted = fitQuadratic(height, surface.mask, std::max(0.8, kSmooth_mm * px_per_mm));
   if (!(surface.quantum_mm > 0)) return fitted;
-  return withoutTerraces(fitted, height, surface, 0.5 * mm_per_depth * surface.quantum_mm,
-                         px_per_mm);
+  return removeTerraces(fitted, height, surface, 0.5 * mm_per_depth * surface.quantum_mm,
+                        px_per_mm);
 }
 
 // Returns the heights inside the mask, clamped to 0 .. top_mm; 0 outside.
@@ -77,7 +77,7 @@ std::shared_ptr<const Relief> makeRelief(const cv::Mat& height, const Surface& s
 }  // namespace
 
 Surface rawSurface(const cv::Mat& depth, const cv::Mat& mask, const DepthNoise& noise) {
-  const cv::Rect box = boxAround(mask, 0);
+  const cv::Rect box = findBoxAround(mask, 0);
   const cv::Mat known = mask(box) & (depth(box) > 0);
   const bool rounded = noise.eight_bit && noise.clean(cv::mean(depth(box), known)[0]);
   return {box,
@@ -85,7 +85,7 @@ Surface rawSurface(const cv::Mat& depth, const cv::Mat& mask, const DepthNoise& 
           depth(box).clone(),
           known,
           rounded ? noise.quantum_mm : 0.0,
-          reductionFor(box.size(), mask.size(), kLargestSurface_px)};
+          computeReduction(box.size(), mask.size(), kLargestSurface_px)};
 }
 
 Surface cleanSurface(const cv::Mat& depth, const cv::Mat& mask, const DepthNoise& noise,
@@ -95,7 +95,7 @@ Surface cleanSurface(const cv::Mat& depth, const cv::Mat& mask, const DepthNoise
     out.quantum_mm = 0.0;
     return out;
   }
-  const cv::Rect wide = boxAround(mask, kGateReach_px);
+  const cv::Rect wide = findBoxAround(mask, kGateReach_px);
   const cv::Rect inner(out.box.tl() - wide.tl(), out.box.size());
   const cv::Mat object = mask(wide);
   const cv::Mat near_depth = depth(wide);
@@ -110,19 +110,19 @@ Surface cleanSurface(const cv::Mat& depth, const cv::Mat& mask, const DepthNoise
 
 Surface warpSurface(const cv::Mat& mask, const Surface& before, const cv::Matx23d& similarity) {
   Surface out;
-  out.box = boxAround(mask, 0);
+  out.box = findBoxAround(mask, 0);
   out.mask = mask(out.box).clone();
   out.measured =
       warpImage(before.measured, before.box, out.box, similarity, cv::INTER_NEAREST) & out.mask;
   const cv::Mat depth = warpImage(before.depth, before.box, out.box, similarity, cv::INTER_NEAREST);
-  out.reduction = reductionFor(out.box.size(), mask.size(), kLargestSurface_px);
+  out.reduction = computeReduction(out.box.size(), mask.size(), kLargestSurface_px);
   out.depth = filled(depth, out.measured & (depth > 0), out.mask, out.reduction);
   out.quantum_mm = before.quantum_mm;
   return out;
 }
 
 bool hasDepth(const cv::Mat& depth, const cv::Mat& mask) {
-  const cv::Rect box = boxAround(mask, 0);
+  const cv::Rect box = findBoxAround(mask, 0);
   return cv::countNonZero(mask(box) & (depth(box) > 0)) >=
          kFewestDepth * cv::countNonZero(mask(box));
 }
@@ -140,7 +140,7 @@ std::shared_ptr<const Relief> makeRelief(const Surface& surface, const DepthRang
   height = cv::max(cv::min(height, workspace.depth_mm + kBeyondRange_mm), -kBeyondRange_mm);
   if (!smooth) return makeRelief(height, surface, top_mm);
   const double px_per_mm = std::min(kFinest_px_mm, 1.0 / workspace.mmPerPixel().maxCoeff());
-  return makeRelief(fittedHeight(height, surface, gain, px_per_mm), surface, top_mm);
+  return makeRelief(fitHeight(height, surface, gain, px_per_mm), surface, top_mm);
 }
 
 }  // namespace hapticast::server

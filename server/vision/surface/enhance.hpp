@@ -30,7 +30,7 @@ struct Surface {
   int reduction = 1;
 
   /// Returns whether every pixel of the mask was measured and none was rejected.
-  [[nodiscard]] bool allMeasured() const {
+  [[nodiscard]] bool isMeasuredEverywhere() const {
     return cv::countNonZero(measured) == cv::countNonZero(mask);
   }
 };

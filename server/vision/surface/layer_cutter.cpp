@@ -26,7 +26,7 @@ constexpr double kCrumbShare = 0.005;  // chosen, of the object; likewise
 using Votes = cv::Vec<uchar, kMaxLayers>;
 
 // Returns every `reduction`-th pixel of a surface, on a lattice that is fixed in the picture.
-Surface sampled(const Surface& surface, int reduction) {
+Surface sampleSurface(const Surface& surface, int reduction) {
   const cv::Rect& full = surface.box;
   const cv::Point first(full.x / reduction, full.y / reduction);
   const cv::Point end((full.br().x + reduction - 1) / reduction,
@@ -66,7 +66,7 @@ cv::Mat blocksWith(const cv::Mat& mask, const Surface& surface, const Surface& s
 }
 
 // Returns the layers of `now` with the names for which their pixels have most votes.
-cv::Mat named(const Layers& now, const cv::Mat& votes) {
+cv::Mat applyNames(const Layers& now, const cv::Mat& votes) {
   struct Overlap {
     long votes;
     int layer, name;
@@ -140,7 +140,7 @@ class FullSizeNames {
     filled.setTo(255, names == 0);
     cv::erode(filled, smallest_, cv::Mat::ones(3, 3, CV_8UC1));
   }
-  [[nodiscard]] cv::Mat over(const Surface& surface) const {
+  [[nodiscard]] cv::Mat applyTo(const Surface& surface) const {
     cv::Mat out = cv::Mat::zeros(surface.box.size(), CV_8UC1);
     for (int v = 0; v < out.rows; ++v) {
       for (int u = 0; u < out.cols; ++u) {
@@ -149,16 +149,16 @@ class FullSizeNames {
                            (v + surface.box.y) / reduction_ - sample_.box.y);
         const bool measured = surface.measured.at<uchar>(v, u) != 0;
         out.at<uchar>(v, u) =
-            nameAt(at, measured ? std::optional(surface.depth.at<float>(v, u)) : std::nullopt);
+            findName(at, measured ? std::optional(surface.depth.at<float>(v, u)) : std::nullopt);
       }
     }
-    return grownLabels(surface, kMaxLayers, out);
+    return growLabels(surface, kMaxLayers, out);
   }
 
  private:
   // Returns the name of a pixel in the block `at`. At an edge it may have the other name, if its
   // depth is clearly that of the other.
-  [[nodiscard]] uchar nameAt(const cv::Point& at, const std::optional<float>& depth_mm) const {
+  [[nodiscard]] uchar findName(const cv::Point& at, const std::optional<float>& depth_mm) const {
     const uchar name = names_.at<uchar>(at);
     if (name == 0 || !depth_mm) return name;
     for (const uchar other : {smallest_.at<uchar>(at), largest_.at<uchar>(at)}) {
@@ -177,7 +177,7 @@ class FullSizeNames {
 };
 
 // Assigns small components of a name to their neighbours.
-cv::Mat withoutSmallComponents(const Surface& surface, const cv::Mat& names) {
+cv::Mat removeSmallComponents(const Surface& surface, const cv::Mat& names) {
   const int area = cv::countNonZero(surface.mask);
   const int smallest_px = std::max(kCrumb_px, static_cast<int>(kCrumbShare * area));
   cv::Mat seeds = cv::Mat::zeros(names.size(), CV_8UC1);
@@ -185,7 +185,7 @@ cv::Mat withoutSmallComponents(const Surface& surface, const cv::Mat& names) {
     cv::Mat pieces;
     if (largePieces(names == name, smallest_px, pieces) > 0) seeds.setTo(name, pieces > 0);
   }
-  return cv::countNonZero(seeds) > 0 ? grownLabels(surface, kMaxLayers, seeds) : names.clone();
+  return cv::countNonZero(seeds) > 0 ? growLabels(surface, kMaxLayers, seeds) : names.clone();
 }
 
 // Returns the box around the pixels of each name, from 1 to the largest; empty for an unused name.
@@ -214,14 +214,14 @@ Surface cutPart(const Surface& surface, const cv::Mat& names, const cv::Rect& bo
 }
 
 // Returns whether no name but the first has votes, up to their rounding.
-bool onlyFirst(const cv::Mat& votes) {
+bool hasOnlyFirst(const cv::Mat& votes) {
   cv::Mat others;
   cv::bitwise_and(votes, cv::Scalar(0, 0xF8, 0xF8, 0xF8), others);
   return cv::countNonZero(others.reshape(1)) == 0;
 }
 
 // Returns `image` over `from`, moved to `to`; 0 where it is new.
-cv::Mat carried(const cv::Mat& image, const cv::Rect& from, const cv::Rect& to) {
+cv::Mat moveImage(const cv::Mat& image, const cv::Rect& from, const cv::Rect& to) {
   cv::Mat out = cv::Mat::zeros(to.size(), image.type());
   const cv::Rect common = from & to;
   if (!common.empty()) image(common - from.tl()).copyTo(out(common - to.tl()));
@@ -246,9 +246,9 @@ void LayerCutter::moveTo(const Surface& surface, int reduction) {
     }
     const cv::Point2d moved = centroid_px - centroid_px_;
     const cv::Rect from = box_ + cv::Point(cvRound(moved.x), cvRound(moved.y));
-    names_ = carried(names_, from, surface.box);
+    names_ = moveImage(names_, from, surface.box);
     names_.setTo(0, surface.mask == 0);
-    if (!votes_.empty()) votes_ = carried(votes_, from, surface.box);
+    if (!votes_.empty()) votes_ = moveImage(votes_, from, surface.box);
   }
   reduction_ = reduction;
   box_ = surface.box;
@@ -261,8 +261,8 @@ cv::Mat LayerCutter::countVotes(const Surface& surface, const cv::Mat& now, doub
   const DepthsBeside depths(surface, names_);
   std::array<cv::Mat, kMaxLayers + 1> near;
   for (int name = 1; name <= kMaxLayers; ++name)
-    near[std::size_t(name)] = dilatedBy(names_ == name, kFollows_px);
-  const cv::Mat beside = dilatedBy(names_ > 0, kFollows_px);
+    near[std::size_t(name)] = dilateBy(names_ == name, kFollows_px);
+  const cv::Mat beside = dilateBy(names_ > 0, kFollows_px);
   cv::Mat out = names_.clone();
   for (int v = 0; v < out.rows; ++v) {
     for (int u = 0; u < out.cols; ++u) {
@@ -288,7 +288,7 @@ cv::Mat LayerCutter::countVotes(const Surface& surface, const cv::Mat& now, doub
       if (follows || votes[is - 1] > votes[name - 1] + kLead) decide();
     }
   }
-  return withoutSmallComponents(surface, out);
+  return removeSmallComponents(surface, out);
 }
 
 cv::Mat LayerCutter::assignNames(const Surface& surface, Layers now, double step_mm) {
@@ -305,15 +305,15 @@ cv::Mat LayerCutter::assignNames(const Surface& surface, Layers now, double step
     }
   }
   if (begins) return names_;
-  cv::Mat out = countVotes(surface, named(now, votes_), step_mm);
-  if (onlyFirst(votes_)) votes_.release();
+  cv::Mat out = countVotes(surface, applyNames(now, votes_), step_mm);
+  if (hasOnlyFirst(votes_)) votes_.release();
   return out;
 }
 
 std::vector<Surface> LayerCutter::cut(const Surface& surface, double step_mm,
                                       const DepthRange& mapped_range) {
   const int reduction = surface.reduction;
-  const Surface sample = reduction > 1 ? sampled(surface, reduction) : surface;
+  const Surface sample = reduction > 1 ? sampleSurface(surface, reduction) : surface;
   moveTo(sample, reduction);
   const double cut_mm = step_mm * (count_ > 1 ? kKeptStep : 1.0);
   const cv::Mat step = blocksWith(findSteps(surface, cut_mm), surface, sample, reduction);
@@ -321,7 +321,7 @@ std::vector<Surface> LayerCutter::cut(const Surface& surface, double step_mm,
   count_ = countUsed(findBoxes(names_));
   if (count_ < 2 && cv::countNonZero(names_ == 1) > 0) return {surface};
   const cv::Mat names =
-      reduction > 1 ? FullSizeNames(sample, names_, reduction, kClearly * step_mm).over(surface)
+      reduction > 1 ? FullSizeNames(sample, names_, reduction, kClearly * step_mm).applyTo(surface)
                     : names_;
   const std::vector<cv::Rect> boxes = findBoxes(names);
   std::vector<Surface> out;

@@ -16,7 +16,7 @@ namespace {
 constexpr float kAnyStep_mm = 1e9F;
 
 // Returns the label of the labelled neighbour nearest in depth; 0 if no neighbour is labelled.
-uchar nearestLabel(const Surface& surface, const cv::Mat& labels, const cv::Point& at) {
+uchar findNearestLabel(const Surface& surface, const cv::Mat& labels, const cv::Point& at) {
   const cv::Rect whole(cv::Point(), labels.size());
   uchar nearest = 0;
   float smallest = kAnyStep_mm;
@@ -56,7 +56,7 @@ std::vector<double> meanDepths(const Surface& surface, const cv::Mat& labels, in
   return out;
 }
 
-cv::Mat grownLabels(const Surface& surface, int count, const cv::Mat& seeds) {
+cv::Mat growLabels(const Surface& surface, int count, const cv::Mat& seeds) {
   cv::Mat labels = seeds.clone();
   std::vector<cv::Point> left;
   cv::findNonZero(surface.mask & (labels == 0), left);
@@ -64,7 +64,7 @@ cv::Mat grownLabels(const Surface& surface, int count, const cv::Mat& seeds) {
     before = left.size();
     std::vector<uchar> grown;
     grown.reserve(left.size());
-    for (const cv::Point& at : left) grown.push_back(nearestLabel(surface, labels, at));
+    for (const cv::Point& at : left) grown.push_back(findNearestLabel(surface, labels, at));
     std::vector<cv::Point> still;
     for (std::size_t i = 0; i < left.size(); ++i) {
       if (grown[i] == 0) still.push_back(left[i]);
@@ -116,15 +116,15 @@ class NearestMeasured {
   // gap between their measured pixels. A pixel here is `reduction` px of the picture wide.
   [[nodiscard]] double step_mm(const cv::Point& p, const cv::Point& q, double slope_mm_per_px,
                                int reduction) const {
-    const cv::Point from = nearestMeasured(p);
-    const cv::Point to = nearestMeasured(q);
+    const cv::Point from = findNearestMeasured(p);
+    const cv::Point to = findNearestMeasured(q);
     const double gap_px = std::max(0.0, reduction * cv::norm(to - from) - 1.5);
     const auto off_mm = double(std::abs(depth_.at<float>(from) - depth_.at<float>(to)));
     return off_mm - slope_mm_per_px * gap_px;
   }
 
  private:
-  [[nodiscard]] cv::Point nearestMeasured(const cv::Point& p) const {
+  [[nodiscard]] cv::Point findNearestMeasured(const cv::Point& p) const {
     return places_[static_cast<std::size_t>(labels_.at<int>(p))];
   }
 
@@ -235,7 +235,7 @@ Layers findLayers(const Surface& surface, const cv::Mat& step, double step_mm,
   Layers out;
   const int pieces = largePieces(surface.mask & surface.measured & ~step, smallest_px, out.labels);
   if (pieces < 2) return {};
-  out.labels = grownLabels(surface, pieces, out.labels);
+  out.labels = growLabels(surface, pieces, out.labels);
   const std::vector<int> layer =
       groupLayers(findBorders(surface, out.labels, pieces, step_mm, mapped_range, reduction),
                   meanDepths(surface, out.labels, pieces));

@@ -11,11 +11,9 @@
 
 namespace hapticast::server {
 
-// Labelled pieces of a surface: connected components, and regions that grow from seeds. An image of
-// labels is CV_8UC1 over the surface's box; 0 means no label. Thread: any.
-
 /// Finds the connected pieces of `where` with at least `smallest_px` pixels and returns their
-/// number n. Writes the labels 1 .. n into `labels`; pixels outside these pieces have 0.
+/// number n. Writes the labels 1 .. n into `labels`; pixels outside these pieces have 0. The image
+/// of labels is CV_8UC1 over the surface's box. Thread: any.
 int largePieces(const cv::Mat& where, int smallest_px, cv::Mat& labels);
 
 /// Returns the mean depth of each label 1 .. count, mm; 0 for a label without pixels.
@@ -24,7 +22,7 @@ std::vector<double> meanDepths(const Surface& surface, const cv::Mat& labels, in
 /// Returns labels for the whole mask, grown from the labels 1 .. count of `seeds` ring by ring. A
 /// pixel adopts the label of that neighbour whose depth is nearest. Isolated parts adopt the label
 /// of the nearest mean depth.
-cv::Mat grownLabels(const Surface& surface, int count, const cv::Mat& seeds);
+cv::Mat growLabels(const Surface& surface, int count, const cv::Mat& seeds);
 
 inline constexpr int kMaxLayers = 4;  ///< largest number of layers of an object
 inline constexpr DepthRange kAllDepths{0.0, 1e9};

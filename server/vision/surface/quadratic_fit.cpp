@@ -56,7 +56,7 @@ cv::Mat moment(const cv::Mat& image, const Kernels& kernels, int i, int j) {
 }
 
 // K = g(x) g(y) (a + b (x² + y²)) with sum K = 1 and sum K x² = sum K y² = 0.
-cv::Mat interiorFit(const cv::Mat& values, const Kernels& kernels) {
+cv::Mat fitInterior(const cv::Mat& values, const Kernels& kernels) {
   const double m2 = cv::sum(kernels.x[2])[0];
   const double m4 = cv::sum(kernels.x[4])[0];
   const double a = 1 / (1 - 2 * m2 * m2 / (m4 + m2 * m2));
@@ -168,7 +168,7 @@ cv::Mat rimFit(const cv::Mat& values, const cv::Mat& weight, const cv::Mat& rim,
 cv::Mat fitAtPixels(const cv::Mat& values, const cv::Mat& weight, const cv::Mat& wanted,
                     double sigma_px) {
   const Kernels kernels = makeKernels(sigma_px);
-  cv::Mat out = interiorFit(values, kernels);
+  cv::Mat out = fitInterior(values, kernels);
   cv::Mat window_inside;
   const int size = 2 * kernels.radius_px + 1;
   cv::erode(weight > 0.999, window_inside, cv::Mat::ones(size, size, CV_8UC1), {-1, -1}, 1,
@@ -200,7 +200,7 @@ cv::Mat blockMaxima(const cv::Mat& image, int factor) {
   return out;
 }
 
-cv::Mat fromBlocks(const cv::Mat& image, int factor, const cv::Size& size) {
+cv::Mat scaleFromBlocks(const cv::Mat& image, int factor, const cv::Size& size) {
   cv::Mat out;
   cv::resize(image, out, image.size() * factor, 0, 0, cv::INTER_CUBIC);
   return out(cv::Rect({0, 0}, size));
@@ -211,10 +211,10 @@ cv::Mat fitInFewerPixels(const cv::Mat& values, const cv::Mat& weight, double si
                          int factor) {
   const cv::Mat small_weight = blockMeans(weight, factor);
   // Cubic interpolation reads up to two pixels.
-  const cv::Mat wanted = dilatedBy(small_weight > 0, 2);
+  const cv::Mat wanted = dilateBy(small_weight > 0, 2);
   const cv::Mat out =
       fitAtPixels(blockMeans(values, factor), small_weight, wanted, sigma_px / factor);
-  return fromBlocks(out, factor, values.size());
+  return scaleFromBlocks(out, factor, values.size());
 }
 
 // Values relative to their mean, so that float moments preserve small differences; zero outside the
@@ -232,14 +232,14 @@ struct Centred {
 
 }  // namespace
 
-cv::Mat quadraticFit(const cv::Mat& values, const cv::Mat& mask, double sigma_px) {
+cv::Mat fitQuadratic(const cv::Mat& values, const cv::Mat& mask, double sigma_px) {
   const Centred in(values, mask);
   const int factor = std::min(4, static_cast<int>(sigma_px / kFewestSigma_px));
   return in.mean + (factor > 1 ? fitInFewerPixels(in.values, in.weight, sigma_px, factor)
                                : fitAtPixels(in.values, in.weight, mask, sigma_px));
 }
 
-cv::Mat widerFit(const cv::Mat& height, const cv::Mat& rounded, const cv::Mat& mask,
+cv::Mat fitWider(const cv::Mat& height, const cv::Mat& rounded, const cv::Mat& mask,
                  const cv::Mat& measured, double half_step, double sigma_px) {
   const Centred in(rounded, mask);
   const int factor = std::max(1, static_cast<int>(sigma_px / kFewestSigma_px));
@@ -251,14 +251,14 @@ cv::Mat widerFit(const cv::Mat& height, const cv::Mat& rounded, const cv::Mat& m
   cv::Mat change = wide - blockMeans(height - in.mean, factor);
   change.setTo(0, whole == 0);
   cv::Mat off;
-  cv::absdiff(height + fromBlocks(change, factor, height.size()), rounded, off);
+  cv::absdiff(height + scaleFromBlocks(change, factor, height.size()), rounded, off);
   off.setTo(0, measured == 0);
   cv::Mat share = (1 + kBeyond - blockMaxima(off, factor) / half_step) / kBeyond;
   share = cv::max(cv::min(share, 1.0), 0.0);
   // A block is half a sigma: deviations in it and in its four neighbours count.
   cv::erode(share, share, cv::getStructuringElement(cv::MORPH_CROSS, {3, 3}));
   cv::GaussianBlur(share, share, {}, 1.0);
-  return height + fromBlocks(change.mul(share), factor, height.size());
+  return height + scaleFromBlocks(change.mul(share), factor, height.size());
 }
 
 namespace {
@@ -315,7 +315,7 @@ std::vector<Hole> findHoles(const cv::Mat& holes, const cv::Mat& inside) {
 
 // Relaxes the holes of `values` to the mean of their neighbours inside `inside`. With `red_black`
 // no hole waits for the hole before it, which is faster.
-cv::Mat swept(const cv::Mat& values, const cv::Mat& inside, const cv::Mat& holes, int sweeps,
+cv::Mat sweep(const cv::Mat& values, const cv::Mat& inside, const cv::Mat& holes, int sweeps,
               bool red_black) {
   cv::Mat out = values.clone();
   auto* all = out.ptr<float>();
@@ -335,36 +335,36 @@ cv::Mat swept(const cv::Mat& values, const cv::Mat& inside, const cv::Mat& holes
   return out;
 }
 
-cv::Mat asWeight(const cv::Mat& mask) {
+cv::Mat convertToWeight(const cv::Mat& mask) {
   cv::Mat out;
   mask.convertTo(out, CV_32F, 1.0 / 255.0);
   return out;
 }
 
 // Returns `small`, each pixel of which is a block of `reduction` x `reduction`, at full size.
-cv::Mat enlarged(const cv::Mat& small, int reduction, const cv::Size& size) {
+cv::Mat enlargeImage(const cv::Mat& small, int reduction, const cv::Size& size) {
   cv::Mat out;
   cv::resize(small, out, small.size() * reduction, 0, 0, cv::INTER_LINEAR);
   return out(cv::Rect({0, 0}, size));
 }
 
 // Returns a filling that is smooth up to the size of a block.
-cv::Mat filledByBlocks(const cv::Mat& values, const cv::Mat& known, const cv::Mat& wanted,
-                       int reduction) {
-  const cv::Mat weight = asWeight(known);
+cv::Mat fillByBlocks(const cv::Mat& values, const cv::Mat& known, const cv::Mat& wanted,
+                     int reduction) {
+  const cv::Mat weight = convertToWeight(known);
   const cv::Mat blocks = blockMeans(weight, reduction);
   const cv::Mat small = pushPull(blockMeans(values.mul(weight), reduction), blocks);
   const cv::Mat small_known = blocks > 1e-6;
-  const cv::Mat small_wanted = blockMeans(asWeight(wanted), reduction) > 0;
-  const cv::Mat out = swept(small, small_wanted | small_known, small_wanted & ~small_known,
+  const cv::Mat small_wanted = blockMeans(convertToWeight(wanted), reduction) > 0;
+  const cv::Mat out = sweep(small, small_wanted | small_known, small_wanted & ~small_known,
                             kSweeps / reduction, true);
-  return enlarged(out, reduction, values.size());
+  return enlargeImage(out, reduction, values.size());
 }
 
 }  // namespace
 
-cv::Mat filledAtReducedSize(const cv::Mat& values, const cv::Mat& known, int reduction) {
-  cv::Mat weight = asWeight(known);
+cv::Mat fillAtReducedSize(const cv::Mat& values, const cv::Mat& known, int reduction) {
+  cv::Mat weight = convertToWeight(known);
   cv::Mat weighted = values.mul(weight);
   if (reduction > 2)
     return pushPull(blockMeans(weighted, reduction), blockMeans(weight, reduction));
@@ -374,17 +374,18 @@ cv::Mat filledAtReducedSize(const cv::Mat& values, const cv::Mat& known, int red
   return pushPull(weighted, weight);
 }
 
-cv::Mat filled(const cv::Mat& values, const cv::Mat& known, const cv::Mat& wanted, int reduction) {
+cv::Mat fillHoles(const cv::Mat& values, const cv::Mat& known, const cv::Mat& wanted,
+                  int reduction) {
   const cv::Mat holes = wanted & (known == 0);
   if (cv::countNonZero(holes) == 0 || cv::countNonZero(known) == 0) return values.clone();
   cv::Mat out;
   if (reduction > 1) {
-    out = filledByBlocks(values, known, wanted, reduction);
+    out = fillByBlocks(values, known, wanted, reduction);
   } else {
-    cv::resize(filledAtReducedSize(values, known, 2), out, values.size(), 0, 0, cv::INTER_LINEAR);
+    cv::resize(fillAtReducedSize(values, known, 2), out, values.size(), 0, 0, cv::INTER_LINEAR);
   }
   values.copyTo(out, known);
-  return swept(out, wanted | known, holes, kSweeps / (reduction * reduction), reduction > 1);
+  return sweep(out, wanted | known, holes, kSweeps / (reduction * reduction), reduction > 1);
 }
 
 }  // namespace hapticast::server

@@ -36,7 +36,7 @@ cv::Mat extractCore(const Surface& surface) {
   cv::copyMakeBorder(surface.mask, framed, kMixedRim_px, kMixedRim_px, kMixedRim_px, kMixedRim_px,
                      cv::BORDER_CONSTANT, cv::Scalar(0));
   const cv::Rect inner({kMixedRim_px, kMixedRim_px}, surface.mask.size());
-  return erodedBy(framed, kMixedRim_px)(inner) & surface.measured;
+  return erodeBy(framed, kMixedRim_px)(inner) & surface.measured;
 }
 
 std::vector<float> collectDepths(const Surface& surface, const cv::Mat& where) {

@@ -15,7 +15,7 @@ constexpr float kMostlyHeld = 0.5F;   // of weight
 constexpr double kCleanDrift = 0.1;   // chosen, in steps of rounded depth
 
 // Returns the whole tiles that cover a box and its margin, clipped to the picture.
-cv::Rect tilesAround(const cv::Rect& box, const cv::Size& picture) {
+cv::Rect findTilesAround(const cv::Rect& box, const cv::Size& picture) {
   if (box.empty()) return {};
   const int size = Tile::kSize_px;
   const cv::Point first = box.tl() - cv::Point(kMargin_px, kMargin_px);
@@ -26,7 +26,7 @@ cv::Rect tilesAround(const cv::Rect& box, const cv::Size& picture) {
 }
 
 // Returns `image` over `from`, clipped or extended by zeros to `to`.
-cv::Mat movedTo(const cv::Mat& image, const cv::Rect& from, const cv::Rect& to, int type) {
+cv::Mat moveImage(const cv::Mat& image, const cv::Rect& from, const cv::Rect& to, int type) {
   cv::Mat out = cv::Mat::zeros(to.size(), type);
   const cv::Rect common = from & to;
   if (!common.empty()) image(common - from.tl()).copyTo(out(common - to.tl()));
@@ -46,11 +46,11 @@ StaticNoise computeStaticNoise(const DepthNoise& noise, const Surface& surface) 
 
 void StaticRegionFilter::moveTo(const cv::Rect& area) {
   if (area == area_) return;
-  held_.gray = movedTo(held_.gray, area_, area, CV_32FC1);
-  held_.depth = movedTo(held_.depth, area_, area, CV_32FC1);
-  held_.mask = movedTo(held_.mask, area_, area, CV_8UC1);
-  held_.measured = movedTo(held_.measured, area_, area, CV_8UC1);
-  last_gray_ = movedTo(last_gray_, area_, area, CV_32FC1);
+  held_.gray = moveImage(held_.gray, area_, area, CV_32FC1);
+  held_.depth = moveImage(held_.depth, area_, area, CV_32FC1);
+  held_.mask = moveImage(held_.mask, area_, area, CV_8UC1);
+  held_.measured = moveImage(held_.measured, area_, area, CV_8UC1);
+  last_gray_ = moveImage(last_gray_, area_, area, CV_32FC1);
   tiles_.moveTo(area);
   area_ = area;
 }
@@ -58,9 +58,9 @@ void StaticRegionFilter::moveTo(const cv::Rect& area) {
 HoldImages StaticRegionFilter::makeTileImages(const cv::Mat& gray, const Surface& now) const {
   HoldImages out;
   cv::boxFilter(gray(area_), out.gray, CV_32F, {3, 3});
-  out.depth = movedTo(now.depth, now.box, area_, CV_32FC1);
-  out.mask = movedTo(now.mask, now.box, area_, CV_8UC1);
-  out.measured = movedTo(now.measured, now.box, area_, CV_8UC1);
+  out.depth = moveImage(now.depth, now.box, area_, CV_32FC1);
+  out.mask = moveImage(now.mask, now.box, area_, CV_8UC1);
+  out.measured = moveImage(now.measured, now.box, area_, CV_8UC1);
   out.row_step = now.reduction;
   return out;
 }
@@ -74,7 +74,7 @@ void StaticRegionFilter::countPixels() {
 }
 
 // Tiles without the object follow their neighbours: motion behind the object is not its own.
-double StaticRegionFilter::weightAround(int column, int row) const {
+double StaticRegionFilter::computeWeight(int column, int row) const {
   double weight = 0.0;
   for (int v = std::max(0, row - 1); v <= std::min(tiles_.rows() - 1, row + 1); ++v) {
     for (int u = std::max(0, column - 1); u <= std::min(tiles_.columns() - 1, column + 1); ++u) {
@@ -91,7 +91,7 @@ cv::Mat StaticRegionFilter::weights() const {
   double highest = 0.0;
   for (int row = 0; row < tiles_.rows(); ++row) {
     for (int column = 0; column < tiles_.columns(); ++column) {
-      const double weight = countTilePixels(column, row) == 0 ? weightAround(column, row)
+      const double weight = countTilePixels(column, row) == 0 ? computeWeight(column, row)
                                                               : tiles_.tile(column, row).weight;
       out(tiles_.tileRect(column, row)).setTo(weight);
       lowest = std::min(lowest, weight);
@@ -193,7 +193,7 @@ Surface StaticRegionFilter::apply(const cv::Mat& gray, const Surface& now, const
                                   bool repeated) {
   cv::Rect box = now.box;
   if (!area_.empty()) box |= cv::boundingRect(held_.mask) + area_.tl();
-  moveTo(tilesAround(box, gray.size()));
+  moveTo(findTilesAround(box, gray.size()));
   HoldImages seen = makeTileImages(gray, now);
   countPixels();
   seen.gray = tiles_.judge(held_, last_gray_, seen, noise, repeated);

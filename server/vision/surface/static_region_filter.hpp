@@ -50,7 +50,7 @@ class StaticRegionFilter {
     return pixels_[static_cast<std::size_t>(row * tiles_.columns() + column)];
   }
   [[nodiscard]] cv::Mat weights() const;
-  [[nodiscard]] double weightAround(int column, int row) const;
+  [[nodiscard]] double computeWeight(int column, int row) const;
   void keepReference(const HoldImages& now);
   void blend(const HoldImages& now);
   void blendTile(const cv::Rect& rect, bool mask_held, const cv::Mat& weight,

@@ -161,7 +161,7 @@ void StaticTiles::readSurface(const cv::Rect& rect, const HoldImages& held, cons
       out.core_measured += now.row_step;
     }
   }
-  out.depth_off_mm = middleMean(offs);
+  out.depth_off_mm = computeMiddleMean(offs);
 }
 
 void StaticTiles::updateNoise(const std::vector<Reading>& readings, double sigma_mm) {
@@ -188,7 +188,8 @@ void StaticTiles::updateNoise(const std::vector<Reading>& readings, double sigma
   depth_noise_mm_ = std::clamp(depth_noise_mm_, 0.02, largest_mm);
 }
 
-Cause StaticTiles::moved(Tile& tile, const Reading& reading, double drift_mm, bool repeated) const {
+Cause StaticTiles::findMoveCause(Tile& tile, const Reading& reading, double drift_mm,
+                                 bool repeated) const {
   if (!reading.known) return Cause::kNew;
   // The mean over few pixels of a tile scatters more.
   const double spread = 2.5 + 4 / std::sqrt(double(std::max(1, reading.compared)));
@@ -207,7 +208,8 @@ Cause StaticTiles::moved(Tile& tile, const Reading& reading, double drift_mm, bo
 
 // A drift of the whole object in depth shows sooner, and at smaller deviations, than in a single
 // tile.
-bool StaticTiles::allMoved(const std::vector<Reading>& readings, double drift_mm, bool repeated) {
+bool StaticTiles::haveAllMoved(const std::vector<Reading>& readings, double drift_mm,
+                               bool repeated) {
   if (repeated) return false;
   std::vector<double> offs;
   for (const Reading& reading : readings) {
@@ -226,14 +228,14 @@ void StaticTiles::weigh(const std::vector<Reading>& readings, bool repeated) {
     const bool averaging = tile.frames < Tile::kFrames && !repeated;
     tile.weight =
         tile.blending > 0 ? 1.0 / tile.blending : (averaging ? 1.0 / (tile.frames + 1) : 0.0);
-    tile.mask_held = !tile.loose() && tile.frames >= Tile::kMaskFrames;
+    tile.mask_held = !tile.isLoose() && tile.frames >= Tile::kMaskFrames;
   }
   std::vector<double> beside(tiles_.size(), 0.0);
   for (int row = 0; row < rows_; ++row) {
     for (int column = 0; column < columns_; ++column) {
       const auto index = static_cast<std::size_t>(row * columns_ + column);
       // Motion in the background does not affect the object beside it.
-      if (!tiles_[index].loose() || !readings[index].known) continue;
+      if (!tiles_[index].isLoose() || !readings[index].known) continue;
       if (readings[index].pixels == 0 && readings[index].flipped == 0) continue;
       for (int v = std::max(0, row - 1); v <= std::min(rows_ - 1, row + 1); ++v) {
         for (int u = std::max(0, column - 1); u <= std::min(columns_ - 1, column + 1); ++u) {
@@ -253,12 +255,12 @@ void StaticTiles::weigh(const std::vector<Reading>& readings, bool repeated) {
 // Decides the released tiles and the speed of their transition to the new values: at once for
 // motion, softly for a mere change of depth.
 void StaticTiles::release(const std::vector<Reading>& readings, double drift_mm, bool repeated) {
-  const bool all = allMoved(readings, drift_mm, repeated);
+  const bool all = haveAllMoved(readings, drift_mm, repeated);
   if (all) evidence_of_all_ = 0;
   std::array<int, 6> pixels{};
   for (std::size_t i = 0; i < tiles_.size(); ++i) {
     Tile& tile = tiles_[i];
-    tile.cause = moved(tile, readings[i], drift_mm, repeated);
+    tile.cause = findMoveCause(tile, readings[i], drift_mm, repeated);
     if (all && readings[i].known && tile.cause != Cause::kColor) tile.cause = Cause::kAllDepth;
     const bool soft = tile.cause == Cause::kOutline || tile.cause == Cause::kDepth;
     if (soft && tile.blending == 0) tile.blending = Tile::kBlend;
@@ -273,7 +275,7 @@ cv::Mat StaticTiles::judge(const HoldImages& held, const cv::Mat& last_gray, con
                            const StaticNoise& noise, bool repeated) {
   const cv::Mat gray = seen.gray / estimateGain(held, seen);
   const HoldImages now{gray, seen.depth, seen.mask, seen.measured, seen.row_step};
-  const cv::Mat core = erodedBy(held.mask, kCore_px);
+  const cv::Mat core = erodeBy(held.mask, kCore_px);
   std::vector<Reading> readings;
   readings.reserve(tiles_.size());
   for (int row = 0; row < rows_; ++row) {
@@ -284,7 +286,7 @@ cv::Mat StaticTiles::judge(const HoldImages& held, const cv::Mat& last_gray, con
   release(readings, noise.drift_mm, repeated);
   weigh(readings, repeated);
   for (Tile& tile : tiles_) {
-    if (tile.loose()) {
+    if (tile.isLoose()) {
       tile.blending = std::max(0, tile.blending - 1);
       tile.frames = 1;
       tile.evidence = 0;

@@ -47,7 +47,7 @@ struct Tile {
   int blending = 0;
   bool mask_held = false;
 
-  [[nodiscard]] bool loose() const { return cause != Cause::kNone || blending > 0; }
+  [[nodiscard]] bool isLoose() const { return cause != Cause::kNone || blending > 0; }
 };
 
 /// How much measured depth changes while the surface rests.
@@ -92,10 +92,11 @@ class StaticTiles {
   static void readSurface(const cv::Rect& rect, const HoldImages& held, const HoldImages& now,
                           const cv::Mat& core, Reading& out);
   void updateNoise(const std::vector<Reading>& readings, double sigma_mm);
-  [[nodiscard]] Cause moved(Tile& tile, const Reading& reading, double drift_mm,
-                            bool repeated) const;
+  [[nodiscard]] Cause findMoveCause(Tile& tile, const Reading& reading, double drift_mm,
+                                    bool repeated) const;
   void release(const std::vector<Reading>& readings, double drift_mm, bool repeated);
-  [[nodiscard]] bool allMoved(const std::vector<Reading>& readings, double drift_mm, bool repeated);
+  [[nodiscard]] bool haveAllMoved(const std::vector<Reading>& readings, double drift_mm,
+                                  bool repeated);
   void weigh(const std::vector<Reading>& readings, bool repeated);
 
   cv::Rect box_;

@@ -15,7 +15,7 @@
 
 namespace hapticast::testing {
 
-/// What the forger knows of the stream.
+/// The forger's knowledge of the stream.
 enum class Knows {
   kNothing,  ///< but where the viewer is: its datagrams come from a port of its own
   kAddress,  ///< and the server's address, which it forges

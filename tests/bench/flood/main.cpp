@@ -121,7 +121,7 @@ void flood(Eavesdropper& forger, const Settings& settings, bool at_closed_port, 
     forger.flood(settings.knows, at_closed_port, settings.rate_Hz, now);
     if (!out.fallback_s && now >= look) {
       look = now + std::chrono::milliseconds(10);
-      if (countOf(kFallback, client.output()) > 0) out.fallback_s = toSeconds(now - begin);
+      if (countOccurrences(kFallback, client.output()) > 0) out.fallback_s = toSeconds(now - begin);
     }
     std::this_thread::sleep_for(std::chrono::microseconds(500));
   }

@@ -64,11 +64,11 @@ std::unique_ptr<CLI::App> commandLine(Settings& settings) {
   addNumber(*app, "--cut-after", settings.cut_after_s, 0.0, 1e6, "S",
             "resets all connections once after so long (default: 0, never)");
   app->add_flag("--quiet", settings.quiet, "the figures at the end only");
-  app->set_config("--config", "", "FILE");  // complaints are told as the other programs' are
+  app->set_config("--config", "", "FILE");  // errors have the form of the other programs
   return app;
 }
 
-/// What has happened since `before`.
+/// The events since `before`.
 std::string told(const LinkCounts& now, const LinkCounts& before) {
   const std::uint64_t packets = now.packets - before.packets;
   std::ostringstream line;

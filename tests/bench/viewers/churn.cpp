@@ -29,7 +29,8 @@ using asio::ip::udp;
 constexpr double kLife_s = 10.0;
 constexpr double kKilled = 0.05;
 constexpr auto kEchoAgain = std::chrono::milliseconds(200);
-constexpr Duration kApart = std::chrono::milliseconds(10);  // servers keep only so many strangers
+constexpr Duration kApart =
+    std::chrono::milliseconds(10);         // servers keep only so many pending clients
 constexpr std::size_t kLeaving = 32;       // places of those that the server has not seen leave yet
 constexpr std::size_t kRemembered = 4096;  // frames or datagrams, some seconds
 

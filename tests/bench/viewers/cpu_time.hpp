@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What another process has computed so far, thread by thread, as the kernel counts it. Thread: any.
+// Computing time of another process so far, thread by thread, as the kernel counts it. Thread: any.
 #pragma once
 
 #include <sys/types.h>

@@ -22,7 +22,8 @@ namespace hapticast::testing {
 namespace {
 
 using std::chrono::milliseconds;
-constexpr std::size_t kUnderWay = 16;   // not welcomed yet; servers keep only so many strangers
+constexpr std::size_t kUnderWay =
+    16;  // not welcomed yet; servers keep only so many pending clients
 constexpr std::size_t kHeadBytes = 64;  // holds id and media time of a frame
 constexpr std::size_t kNeededBytes = kHeadBytes - kMostEnvelopeHead;
 constexpr std::size_t kMostSmallBytes = 64U << 10U;

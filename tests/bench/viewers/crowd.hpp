@@ -31,7 +31,7 @@ struct FrameHead {
 /// holds something else.
 [[nodiscard]] std::optional<FrameHead> frameHead(std::span<const std::uint8_t> payload);
 
-/// What a crowd has got.
+/// The data that a crowd received.
 struct Passage {
   std::uint64_t delivered = 0;  ///< whole frames, over all viewers
   std::uint64_t expected = 0;

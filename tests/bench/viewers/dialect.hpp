@@ -38,7 +38,7 @@ struct Envelope {
 /// Longer than any head().
 inline constexpr std::size_t kMostEnvelopeHead = 24;
 
-/// What begins with these bytes; nullopt: more of them are needed.
+/// The message that begins with these bytes; nullopt: more of them are needed.
 [[nodiscard]] std::optional<Envelope> envelope(Transport way, std::span<const std::uint8_t> bytes);
 /// A message that publishes a payload.
 [[nodiscard]] std::vector<std::uint8_t> published(Transport way,
@@ -49,7 +49,7 @@ inline constexpr std::size_t kMostEnvelopeHead = 24;
 void greet(Transport way, int socket, bool subscribe);
 
 /// A TCP connection to a port of this machine; -1 where nobody listens there.
-[[nodiscard]] int connectedTo(std::uint16_t port);
+[[nodiscard]] int findConnected(std::uint16_t port);
 /// Sends all of it; waits only where the peer's buffers are full.
 void sendAll(int socket, std::span<const std::uint8_t> bytes);
 /// Throws std::runtime_error with the reason of the last system call.

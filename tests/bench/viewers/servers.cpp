@@ -58,7 +58,7 @@ template <class Publish>
   }
 }
 
-MediaTime steadyNow() { return MediaTime(SteadyClock().now().time_since_epoch()); }
+MediaTime readSteadyClock() { return MediaTime(SteadyClock().now().time_since_epoch()); }
 
 sockaddr_in loopback(std::uint16_t port) {
   sockaddr_in address{};
@@ -176,7 +176,7 @@ ServerProcess::Serve bareLoop(const Frames& frames, const Switch& playing) {
     const std::vector<int> sockets = acceptAll(listener.socket, frames.viewers);
     const auto relief = makeRelief(frames.bytes);
     pace(frames.fps, playing, [&](std::uint64_t id) {
-      const auto bytes = framed(encode(frameWith(id, steadyNow(), relief)));
+      const auto bytes = framed(encode(frameWith(id, readSteadyClock(), relief)));
       for (const int socket : sockets) sendAll(socket, bytes);
     });
   };
@@ -199,7 +199,7 @@ ServerProcess::Serve bareDatagrams(const Frames& frames, const Switch& playing) 
     const auto relief = makeRelief(frames.bytes);
     pace(frames.fps, playing, [&](std::uint64_t id) {
       const server::SignedDatagrams bodies =
-          signer.signDatagrams(frameWith(id, steadyNow(), relief));
+          signer.signDatagrams(frameWith(id, readSteadyClock(), relief));
       for (const auto& body : *bodies) {
         std::vector<std::uint8_t> bytes(kTokenBytes);
         bytes.insert(bytes.end(), body.begin(), body.end());
@@ -242,8 +242,8 @@ ServerProcess::Serve publisher(Transport way, std::uint16_t port, const Frames& 
                                const Switch& playing) {
   return [=, &playing](const std::function<void(std::uint16_t)>& tell) {
     const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(5);
-    int socket = connectedTo(port);
-    for (; socket < 0; socket = connectedTo(port)) {
+    int socket = findConnected(port);
+    for (; socket < 0; socket = findConnected(port)) {
       require(std::chrono::steady_clock::now() < give_up, "no broker (is it installed?)");
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
     }
@@ -251,7 +251,7 @@ ServerProcess::Serve publisher(Transport way, std::uint16_t port, const Frames& 
     tell(port);
     const auto relief = makeRelief(frames.bytes);
     pace(frames.fps, playing, [&](std::uint64_t id) {
-      sendAll(socket, published(way, encode(frameWith(id, steadyNow(), relief))));
+      sendAll(socket, published(way, encode(frameWith(id, readSteadyClock(), relief))));
     });
   };
 }

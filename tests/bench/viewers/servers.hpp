@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a crowd of viewers is served by, each in a process of its own, so that the kernel counts
+// The servers of a crowd of viewers, each in a process of its own, so that the kernel counts
 // what it computes: the server's broadcaster without any vision, the least that could serve them,
 // and message brokers. Thread: main, before it has started any other.
 #pragma once

@@ -17,7 +17,7 @@ namespace {
 
 constexpr auto kStalledTurn = std::chrono::seconds(4);  // after five the server closes who stalls
 
-/// What the system keeps for TCP, that of the readers included.
+/// Memory of the system for TCP, including that of the readers.
 double tcpBytes() {
   std::ifstream file("/proc/net/sockstat");
   std::string word;
@@ -36,7 +36,7 @@ class Stalled {
     const auto hello = framed(encode(Hello{kProtocolVersion, "stalled", false, true}));
     sockets_.reserve(count);
     for (std::size_t i = 0; i < count; ++i) {
-      sockets_.push_back(connectedTo(port));
+      sockets_.push_back(findConnected(port));
       sendAll(sockets_.back(), hello);
     }
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What viewers that misbehave do to a server and to the others. Thread: main.
+// The effect of misbehaving viewers on a server and on the others. Thread: main.
 #pragma once
 
 #include "common/time.hpp"

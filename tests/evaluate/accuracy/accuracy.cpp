@@ -22,11 +22,11 @@ class Work {
       : cases_(cases), report_(report), outcomes_(cases.size()) {}
 
   void run() {
-    onAllCores(cases_.size(), [this](std::size_t i) { tell(i, cases_[i]()); });
+    onAllCores(cases_.size(), [this](std::size_t i) { reportOutcome(i, cases_[i]()); });
   }
 
  private:
-  void tell(std::size_t i, Outcome outcome) {
+  void reportOutcome(std::size_t i, Outcome outcome) {
     const std::lock_guard lock(mutex_);
     outcomes_[i] = std::move(outcome);
     for (; logged_ < cases_.size() && outcomes_[logged_]; ++logged_) {
@@ -54,10 +54,10 @@ Streams makeStreams(const TouchScene& scene, StreamKind kind) {
   return out;
 }
 
-std::vector<Felt> feelAll(const Streams& streams, const std::vector<Variant>& variants,
-                          const Hand& hand, const PlayTimes& times) {
+std::vector<ForceTrace> renderTraces(const Streams& streams, const std::vector<Variant>& variants,
+                                     const Hand& hand, const PlayTimes& times) {
   const auto of = [&](Method method) -> const Stream& { return streams.of(method); };
-  return feelAll(of, variants, hand, times);
+  return renderTraces(of, variants, hand, times);
 }
 
 Row rowOf(const std::string& scene, const std::string& stage, const Variant& variant, double error,

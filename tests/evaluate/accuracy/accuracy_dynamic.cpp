@@ -37,18 +37,19 @@ std::vector<DynamicTick> dynamicForce(const TouchScene& scene, const Stream& str
   client::DynamicForce dynamic(profile);
   std::vector<DynamicTick> out;
   const Hand hand = [&](double t) { return HandPoint{scene.motion(t).position_mm, Vec3::Zero()}; };
-  feel(stream, variant, hand, {},
-       [&](const client::Scene& now, const client::StreamTiming& stream, const client::Contact&,
-           const Tick& tick) {
-         if (now.object_count == 0) return;
-         mass_kg = dynamic.objectMass_kg({}, stream, 1.0);
-         const client::InterpolatedObject& object = now.objects[0];
-         const double kg_m = 1e-3 * mass_kg;
-         out.push_back({tick.time_s,
-                        dynamic.evaluate(&object, 1.0, Vec3::Zero(), now.play_time, stream, 1.0),
-                        kg_m * scene.motion(tick.time_s).acceleration_mm_s2,
-                        kg_m * object.velocity_mm_s / kTick_s});
-       });
+  renderTrace(
+      stream, variant, hand, {},
+      [&](const client::Scene& now, const client::StreamTiming& stream, const client::Contact&,
+          const Tick& tick) {
+        if (now.object_count == 0) return;
+        mass_kg = dynamic.objectMass_kg({}, stream, 1.0);
+        const client::InterpolatedObject& object = now.objects[0];
+        const double kg_m = 1e-3 * mass_kg;
+        out.push_back({tick.time_s,
+                       dynamic.evaluate(&object, 1.0, Vec3::Zero(), now.play_time, stream, 1.0),
+                       kg_m * scene.motion(tick.time_s).acceleration_mm_s2,
+                       kg_m * object.velocity_mm_s / kTick_s});
+      });
   return out;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Friction as it is felt: the ratio of the force along the surface to that across it, at breakaway
+// Rendered friction: the ratio of the force along the surface to that across it, at breakaway
 // and in slip, against the author's coefficients.
 #include <algorithm>
 #include <cmath>
@@ -90,8 +90,8 @@ struct Rubbed {
   double breakaway = 0.0, slip = 0.0;  ///< off by, %
 };
 
-// `true_normal`: against the true surface, else against the one that is felt (a mask's edge of
-// whole pixels is felt in directions that are a degree or two off).
+// `true_normal`: against the true surface, else against the rendered one (a mask's edge of
+// whole pixels has directions that are a degree or two off).
 Rubbed rubbed(const Rub& applyFriction, const std::vector<Tick>& ticks, bool true_normal) {
   double breakaway = 0;
   double slip_square = 0;
@@ -118,11 +118,11 @@ Outcome measure(const Rub& applyFriction) {
   kind.material.static_friction = kSticking;
   kind.material.dynamic_friction = kSliding;
   const Variant& variant = defaultVariant();
-  const Felt felt =
-      feel(makeStream(applyFriction.scene, kind), variant, applyFriction.hand, {0.4, 1.6, -0.08});
+  const ForceTrace trace = renderTrace(makeStream(applyFriction.scene, kind), variant,
+                                       applyFriction.hand, {0.4, 1.6, -0.08});
   Outcome out;
   for (const bool true_normal : {false, true}) {
-    const Rubbed off = rubbed(applyFriction, felt.ticks, true_normal);
+    const Rubbed off = rubbed(applyFriction, trace.ticks, true_normal);
     const std::string name = applyFriction.name + (true_normal ? ", against the true normal" : "");
     out.rows.push_back(rowOf(name, "friction, breakaway off by", variant, off.breakaway, "%", 0.0));
     out.rows.push_back(rowOf(name, "friction, slip off by", variant, off.slip, "%", 0.0));

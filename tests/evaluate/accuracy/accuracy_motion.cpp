@@ -21,17 +21,17 @@ Outcome measureHeld(const HeldCase& what) {
   Outcome out;
   Goal goal{"held contact, " + what.name + ": ticks that lose it", "ticks", 0.0, 0.0};
   const std::vector<Variant> variants = allVariants();
-  const std::vector<Felt> all = feelAll(makeStreams(what.scene), variants, what.hand);
+  const std::vector<ForceTrace> all = renderTraces(makeStreams(what.scene), variants, what.hand);
   for (std::size_t i = 0; i < variants.size(); ++i) {
     const Variant& variant = variants[i];
-    const Felt& felt = all[i];
-    const auto lost = std::count_if(felt.ticks.begin(), felt.ticks.end(), [](const Tick& tick) {
+    const ForceTrace& trace = all[i];
+    const auto lost = std::count_if(trace.ticks.begin(), trace.ticks.end(), [](const Tick& tick) {
       return tick.hand.truth_mm.norm() > kSureDepth_mm && !tick.contact;
     });
     out.rows.push_back(
         rowOf(what.name, "held contact, ticks lost", variant, double(lost), "ticks", 0.0));
     out.rows.push_back(rowOf(what.name, "force, held contact", variant,
-                             100.0 * relativeError(felt.ticks), "%", felt.tick_us));
+                             100.0 * relativeError(trace.ticks), "%", trace.tick_us));
     if (variant.is_default) goal.got = double(lost);
     if (variant.is_thesis) goal.thesis = double(lost);
   }
@@ -67,7 +67,7 @@ Outcome measureSteps(double px_per_frame) {
     const std::string name = std::string("steady motion, frames ") + arrival.name;
     Goal goal{"force step at a frame, " + name, "mN", 2.0, 0.2};
     const PlayTimes times{0.4, scene.duration_s - 0.3, arrival.arrival_s};
-    const std::vector<Felt> all = feelAll(streams, variants, hand, times);
+    const std::vector<ForceTrace> all = renderTraces(streams, variants, hand, times);
     for (std::size_t i = 0; i < variants.size(); ++i) {
       const Variant& variant = variants[i];
       const double step_mN = stepAtFrames_mN(all[i].ticks);

@@ -18,7 +18,7 @@ struct Outcome {
 };
 using Case = std::function<Outcome()>;
 
-/// What a force is told in: displacement x this.
+/// Stiffness that turns a displacement into a force.
 inline constexpr double kStiffness_N_mm = 0.5;
 
 /// One scene as our server and as the thesis's makes it.
@@ -30,8 +30,8 @@ struct Streams {
 };
 Streams makeStreams(const TouchScene& scene, StreamKind kind = {});
 /// Every variant on its stream, in the order of allVariants().
-std::vector<Felt> feelAll(const Streams& streams, const std::vector<Variant>& variants,
-                          const Hand& hand, const PlayTimes& times = {});
+std::vector<ForceTrace> renderTraces(const Streams& streams, const std::vector<Variant>& variants,
+                                     const Hand& hand, const PlayTimes& times = {});
 
 Row rowOf(const std::string& scene, const std::string& stage, const Variant& variant, double error,
           const std::string& unit, double tick_us);

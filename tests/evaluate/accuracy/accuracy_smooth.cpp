@@ -20,7 +20,7 @@ struct SmoothCase {
   double longest_s = 1e9;
 };
 
-// What the force shakes by that the surface does not: rms per tick.
+// Noise of the force that the surface does not have: rms per tick.
 double roughness_mN(const std::vector<Tick>& ticks) {
   double square = 0;
   std::size_t count = 0;
@@ -44,9 +44,9 @@ void addSources(const SmoothCase& what, const Hand& hand, Outcome& out) {
     kind.seen.eight_bit = source.eight_bit;
     kind.exact_pose = source.exact_pose;
     kind.longest_s = std::min(kSourcesLong_s, what.longest_s);
-    const Felt felt = feel(makeStream(what.scene, kind), defaultVariant(), hand);
+    const ForceTrace trace = renderTrace(makeStream(what.scene, kind), defaultVariant(), hand);
     out.rows.push_back({what.scene.name, "where the error comes from", source.name,
-                        100.0 * relativeError(felt.ticks), "%", 0.0, false, false});
+                        100.0 * relativeError(trace.ticks), "%", 0.0, false, false});
   }
 }
 
@@ -57,9 +57,9 @@ void addOwnMask(const SmoothCase& what, const Hand& hand, Outcome& out) {
   const Streams streams = makeStreams(what.scene, kind);
   for (const Variant& variant : {defaultVariant(), thesisVariant()}) {
     const Stream& stream = streams.of(variant.method);
-    const Felt felt = feel(stream, variant, hand);
+    const ForceTrace trace = renderTrace(stream, variant, hand);
     out.rows.push_back(rowOf(what.scene.name, "force, own mask", variant,
-                             100.0 * relativeError(felt.ticks), "%", 0.0));
+                             100.0 * relativeError(trace.ticks), "%", 0.0));
     out.rows.push_back(
         rowOf(what.scene.name, "own mask off by", variant, stream.mask_error_px, "px", 0.0));
   }
@@ -72,14 +72,14 @@ Outcome measure(const SmoothCase& what, bool quick) {
   kind.longest_s = what.longest_s;
   Goal goal{what.scene.name, "%", what.required, what.aim};
   const std::vector<Variant> variants = allVariants();
-  const std::vector<Felt> all = feelAll(makeStreams(what.scene, kind), variants, hand);
+  const std::vector<ForceTrace> all = renderTraces(makeStreams(what.scene, kind), variants, hand);
   for (std::size_t i = 0; i < variants.size(); ++i) {
     const Variant& variant = variants[i];
-    const Felt& felt = all[i];
-    const double error = 100.0 * relativeError(felt.ticks);
-    out.rows.push_back(rowOf(what.scene.name, what.stage, variant, error, "%", felt.tick_us));
+    const ForceTrace& trace = all[i];
+    const double error = 100.0 * relativeError(trace.ticks);
+    out.rows.push_back(rowOf(what.scene.name, what.stage, variant, error, "%", trace.tick_us));
     out.rows.push_back(rowOf(what.scene.name, "roughness of the force", variant,
-                             roughness_mN(felt.ticks), "mN per tick", felt.tick_us));
+                             roughness_mN(trace.ticks), "mN per tick", trace.tick_us));
     if (variant.is_default) goal.got = error;
     if (variant.is_thesis) goal.thesis = error;
   }

@@ -38,12 +38,12 @@ void measurePush(const Wall& wall, const Streams& streams, bool own_mask, Outcom
   Goal edge{"push 0.5 mm into the " + name + ": off by, of the mask's edge", "px", 0.15, 0.1};
   std::vector<Variant> variants = allVariants();
   if (own_mask) variants = {defaultVariant(), thesisVariant()};
-  const auto all_deep = feelAll(streams, variants, pushingHand(wall, 2.0), pushTimes(wall));
-  const auto all_slight = feelAll(streams, variants, pushingHand(wall, 0.5), pushTimes(wall));
+  const auto all_deep = renderTraces(streams, variants, pushingHand(wall, 2.0), pushTimes(wall));
+  const auto all_slight = renderTraces(streams, variants, pushingHand(wall, 0.5), pushTimes(wall));
   for (std::size_t i = 0; i < variants.size(); ++i) {
     const Variant& variant = variants[i];
-    const Felt& deep = all_deep[i];
-    const Felt& slight = all_slight[i];
+    const ForceTrace& deep = all_deep[i];
+    const ForceTrace& slight = all_slight[i];
     const Pushed two = pushed(deep.ticks, 2.0);
     const Pushed half = pushed(slight.ticks, 0.5);
     const double edge_px = 0.5 * half.sideways / kMmPerPx;
@@ -90,12 +90,12 @@ void measureRim(const Wall& wall, const Streams& streams, Outcome& out) {
   Goal leave{"leave over the rim of the " + name + ": kick", "%", 1.0, 0.1};
   const Hand hand = rimHand(wall, 0.5);
   const std::vector<Variant> variants = allVariants();
-  const auto all_pressed = feelAll(streams, variants, hand, rimPressTimes());
-  const auto all_left = feelAll(streams, variants, hand, rimLeaveTimes());
+  const auto all_pressed = renderTraces(streams, variants, hand, rimPressTimes());
+  const auto all_left = renderTraces(streams, variants, hand, rimLeaveTimes());
   for (std::size_t i = 0; i < variants.size(); ++i) {
     const Variant& variant = variants[i];
-    const Felt& pressed = all_pressed[i];
-    const Felt& left = all_left[i];
+    const ForceTrace& pressed = all_pressed[i];
+    const ForceTrace& left = all_left[i];
     const double sideways = 100.0 * sidewaysOf(pressed.ticks);
     const double kick = 100.0 * kickOf(left.ticks, wall.at(0.0).outward);
     out.rows.push_back(rowOf(name, "press inside a rim, sideways", variant, sideways, "%", 0.0));

@@ -95,7 +95,7 @@ struct Ratio {
   }
 };
 
-void tell(Report& report, const std::string& what, const Ratio& ratio) {
+void reportRatio(Report& report, const std::string& what, const Ratio& ratio) {
   if (ratio.count == 0) return;
   report.say(text("%s (%d shapes): %.3f of the bytes of JPEG-LS, %.2f of its decoding time.",
                   what.c_str(), ratio.count, std::exp(ratio.bytes / ratio.count),
@@ -129,7 +129,8 @@ void measureShapes(const Options& options, Report& report) {
       if (shape.name == "ball, Gaussian 3 px" && error_mm != kDefaultHeightError_mm)
         report.add(Goal{"ball of 45,000 px at 0.055 mm", "bytes", 1300, 1000, bytes});
     }
-    for (const auto& [what, ratio] : ratios) tell(report, what + " at " + mm(error_mm), ratio);
+    for (const auto& [what, ratio] : ratios)
+      reportRatio(report, what + " at " + mm(error_mm), ratio);
   }
 }
 
@@ -145,7 +146,7 @@ Stream sliced(const Stream& stream, const SliceSettings& settings) {
       std::shared_ptr<const Relief> relief;
       if (object.relief)
         relief = std::make_shared<const Relief>(testing::decodedRelief(*object.relief));
-      plain.objects.push_back(withRelief(object, relief));
+      plain.objects.push_back(replaceRelief(object, relief));
     }
     bytes.message = encodeShared(coder.code(plain, settings));
   }
@@ -166,7 +167,7 @@ std::vector<SliceSettings> forceSettings(bool quick) {
           {0.02, 16}, {0.03},  {0.055, 8}, {0.055}, {0.055, 16}, {0.2}};
 }
 
-// What slices add to the error of the force, in points of its relative RMS.
+// Error that slices add to that of the force, in points of its relative RMS.
 void measureForce(const Options& options, Report& report) {
   struct Touched {
     TouchScene scene;
@@ -179,8 +180,8 @@ void measureForce(const Options& options, Report& report) {
     kind.longest_s = options.quick ? 6.0 : 20.0;
     const Stream stream = makeStream(touched.scene, kind);
     const Hand hand = slidingHand(touched.scene, touched.reach_mm);
-    const auto error = [&](const Stream& felt) {
-      return 100.0 * relativeError(feel(felt, defaultVariant(), hand).ticks);
+    const auto error = [&](const Stream& trace) {
+      return 100.0 * relativeError(renderTrace(trace, defaultVariant(), hand).ticks);
     };
     const double without = error(stream);
     for (const SliceSettings& settings : forceSettings(options.quick)) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What else could carry a relief: each over the object's rectangle, 0 outside the mask. Thread:
+// Other codecs for a relief: each over the object's rectangle, 0 outside the mask. Thread:
 // any.
 #pragma once
 
@@ -11,7 +11,7 @@
 
 namespace hapticast::evaluate {
 
-/// What a codec made of a relief.
+/// Result of a codec for a relief.
 struct Coded {
   std::size_t bytes = 0;
   double encode_us = 0.0;

@@ -189,7 +189,7 @@ Relief makeRelief(const cv::Mat& depth, const cv::Mat& mask, bool raw) {
   return *server::makeRelief(surface, sceneRange(depth, mask), workspace, Method::kHapticast, !raw);
 }
 
-// What a whole clip shows: all that has depth (`region` empty), or what of a rectangle has.
+// The reliefs of a whole clip: all pixels with depth (`region` empty), or those of a rectangle.
 CodecShape whole(const std::string& name, const std::filesystem::path& clip, const cv::Rect& region,
                  bool raw, std::size_t count) {
   const auto source = server::openSource(clip.string(), 0.0);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What codecs are measured on: reliefs of bodies given by formulas, of bodies seen by sensors, and
+// Test reliefs of the codecs: reliefs of bodies given by formulas, of bodies seen by sensors, and
 // of the real clips' objects, smoothed by the server or as the sensor gave them. Thread: any.
 #pragma once
 

@@ -17,17 +17,17 @@ namespace {
 std::map<std::int64_t, Vec3> attachedPath(const Stream& stream) {
   std::map<std::int64_t, Vec3> path;
   const auto far = [](double) { return HandPoint{{0, 0, 100}, Vec3::Zero()}; };
-  feel(stream, defaultVariant(), far, {},
-       [&](const client::Scene& scene, const client::StreamTiming& timing, const client::Contact&,
-           const Tick& tick) {
-         if (scene.object_count == 0) return;
-         const client::InterpolatedObject& body = scene.objects[0];
-         Vec3 at_mm = body.position_mm;
-         const auto under = client::evaluateSurface(body, at_mm.head<2>(), timing.workspace);
-         at_mm.z() =
-             under.sample.height_mm - 1.0 + 12.0 * std::max(0.0, 1.0 - (tick.time_s - 0.4) / 0.2);
-         path[std::llround(tick.time_s * 1e3)] = at_mm;
-       });
+  renderTrace(stream, defaultVariant(), far, {},
+              [&](const client::Scene& scene, const client::StreamTiming& timing,
+                  const client::Contact&, const Tick& tick) {
+                if (scene.object_count == 0) return;
+                const client::InterpolatedObject& body = scene.objects[0];
+                Vec3 at_mm = body.position_mm;
+                const auto under = client::evaluateSurface(body, at_mm.head<2>(), timing.workspace);
+                at_mm.z() = under.sample.height_mm - 1.0 +
+                            12.0 * std::max(0.0, 1.0 - (tick.time_s - 0.4) / 0.2);
+                path[std::llround(tick.time_s * 1e3)] = at_mm;
+              });
   return path;
 }
 

@@ -31,31 +31,32 @@ std::vector<Moment> forcesOf(const Stream& stream, const Variant& variant, const
   client::DynamicForce dynamic(profile);
   client::HipEstimator motion(profile);
   std::vector<Moment> out;
-  feel(stream, variant, hand, {},
-       [&](const client::Scene& scene, const client::StreamTiming& stream,
-           const client::Contact& contact, const Tick& tick) {
-         client::DeviceState device;
-         device.position_mm = kCount_mm * (tick.hand.hip_mm / kCount_mm).array().round().matrix();
-         device.time = localTime(tick.time_s);
-         const client::HipEstimate& hip = motion.update(device);
-         Moment now;
-         now.time_s = tick.time_s;
-         now.static_N = kStiffness_N_mm * tick.displacement_mm;
-         now.true_static_N = kStiffness_N_mm * tick.hand.truth_mm;
-         now.total_N = now.static_N;
-         now.true_total_N = now.true_static_N;
-         if (tick.contact) {
-           now.total_N +=
-               dynamic.evaluate(contact.object, tick.displacement_mm.norm(), hip.acceleration_m_s2,
-                                scene.play_time, stream, 1.0, &tick.hand.hip_mm);
-         }
-         if (tick.trulyTouches() && body) {
-           now.true_total_N += 1e-3 * dynamic.objectMass_kg({}, stream, 1.0) *
-                                   body(tick.time_s).acceleration_mm_s2 -
-                               client::kCursorMass_kg * hand_m_s2(tick.time_s);
-         }
-         out.push_back(now);
-       });
+  renderTrace(stream, variant, hand, {},
+              [&](const client::Scene& scene, const client::StreamTiming& stream,
+                  const client::Contact& contact, const Tick& tick) {
+                client::DeviceState device;
+                device.position_mm =
+                    kCount_mm * (tick.hand.hip_mm / kCount_mm).array().round().matrix();
+                device.time = localTime(tick.time_s);
+                const client::HipEstimate& hip = motion.update(device);
+                Moment now;
+                now.time_s = tick.time_s;
+                now.static_N = kStiffness_N_mm * tick.displacement_mm;
+                now.true_static_N = kStiffness_N_mm * tick.hand.truth_mm;
+                now.total_N = now.static_N;
+                now.true_total_N = now.true_static_N;
+                if (tick.contact) {
+                  now.total_N += dynamic.evaluate(contact.object, tick.displacement_mm.norm(),
+                                                  hip.acceleration_m_s2, scene.play_time, stream,
+                                                  1.0, &tick.hand.hip_mm);
+                }
+                if (tick.trulyTouches() && body) {
+                  now.true_total_N += 1e-3 * dynamic.objectMass_kg({}, stream, 1.0) *
+                                          body(tick.time_s).acceleration_mm_s2 -
+                                      client::kCursorMass_kg * hand_m_s2(tick.time_s);
+                }
+                out.push_back(now);
+              });
   return out;
 }
 

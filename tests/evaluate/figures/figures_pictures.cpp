@@ -18,7 +18,7 @@ namespace {
 const cv::Size kTile(400, 300);
 constexpr int kHead_px = 26;
 
-/// What one method makes of the clip's frame `index`.
+/// Result of one method for the clip's frame `index`.
 struct Seen {
   cv::Mat color, depth, mask, height;
 };

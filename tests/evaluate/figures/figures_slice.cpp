@@ -34,16 +34,16 @@ Hand slicingHand(const Vec3& centre_mm) {
   };
 }
 
-CurvePanel staticPanel(const Felt& felt, const Vec3& centre_mm, const std::string& title,
+CurvePanel staticPanel(const ForceTrace& trace, const Vec3& centre_mm, const std::string& title,
                        double& error) {
   SliceArrows truth{"truth", "#909090", 3.0, {}};
   SliceArrows force{"static force", kStaticColor, 1.5, {}};
   std::vector<Moment> all;
   for (int arrow = 0; arrow < kArrows; ++arrow) {
     const double at_s = 0.4 + (arrow + 0.95) * kArrow_s;
-    const auto tick = std::find_if(felt.ticks.begin(), felt.ticks.end(),
+    const auto tick = std::find_if(trace.ticks.begin(), trace.ticks.end(),
                                    [&](const Tick& t) { return t.time_s >= at_s; });
-    if (tick == felt.ticks.end()) continue;
+    if (tick == trace.ticks.end()) continue;
     const Vec3 from_mm = tick->hand.hip_mm - centre_mm;
     const Vec3 is_N = kStiffness_N_mm * tick->displacement_mm;
     const Vec3 should_N = kStiffness_N_mm * tick->hand.truth_mm;
@@ -70,8 +70,8 @@ void drawSlice(const Options& options, Report& report) {
     kind.method = variant.method;
     kind.longest_s = 0.4 + kArrows * kArrow_s + 0.3;
     double error = 0;
-    const Felt felt = feel(makeStream(scene, kind), variant, hand);
-    panels.push_back(staticPanel(felt, centre_mm, variant.name, error));
+    const ForceTrace trace = renderTrace(makeStream(scene, kind), variant, hand);
+    panels.push_back(staticPanel(trace, centre_mm, variant.name, error));
     report.add({"slice of the ball", "static force", variant.name, error, "%", 0.0,
                 variant.is_default, variant.is_thesis});
   }

@@ -12,15 +12,15 @@ namespace hapticast::evaluate::held {
 namespace {
 
 constexpr int kEvery_px = 3;           // pixels that are compared, each way
-constexpr double kDeforms_mm_s = 3.0;  // nominal, rms: of less there is nothing to tell
+constexpr double kDeforms_mm_s = 3.0;  // nominal, rms: smaller motion is not measured
 constexpr double kTravels_mm_s = 3.0;  // nominal, rms
 constexpr std::size_t kBeginning = 4;  // frames: nothing has been seen before them
 constexpr std::size_t kFewestPlaces = 30;
 
-// Told and true motion of the pixels of one frame, 3 rows each; columns of `rigid` are what the six
+// Sent and true motion of the pixels of one frame, 3 rows each; columns of `rigid` are what the six
 // ways of a rigid body to move would be there.
 struct Field {
-  Eigen::VectorXd truth, grid, told;
+  Eigen::VectorXd truth, grid, sent;
   Eigen::MatrixXd rigid;
   bool has_grid = false;
 
@@ -54,11 +54,11 @@ class Judge {
   }
 
   [[nodiscard]] Field fieldOf(std::size_t frame) const;
-  // Told minus true velocity of the place that is followed, and the true one.
+  // Sent minus true velocity of the place that is followed, and the true one.
   [[nodiscard]] std::pair<Vec3, Vec3> middleOf(std::size_t frame) const;
 
  private:
-  // A velocity in space as it is told, nominal.
+  // The sent velocity in space, nominal.
   [[nodiscard]] Vec3 nominal(const Vec3& at, const Vec3& v) const {
     const Vec2 mm = workspace_.mmPerPixel();
     const double per_mm = recording_.camera.fx_px / (at.z() * at.z());
@@ -109,7 +109,7 @@ const HapticObject* objectAt(const std::vector<HapticObject>& objects, int u, in
 Field Judge::fieldOf(std::size_t frame) const {
   const Truth& truth = recording_.truth[frame];
   const cv::Mat own = truth.mask();
-  std::vector<Vec3> exact, grid, told, places;
+  std::vector<Vec3> exact, grid, sent, places;
   Field out;
   for (int v = 0; v < own.rows; v += kEvery_px) {
     for (int u = 0; u < own.cols; u += kEvery_px) {
@@ -122,13 +122,13 @@ Field Judge::fieldOf(std::size_t frame) const {
       const Motion& motion = object->motion;
       const Vec2 off = workspace_.toNominal({u + 0.5, v + 0.5}) - motion.position_mm.head<2>();
       const double turning = motion.angular_velocity_rad_s;
-      told.emplace_back(motion.velocity_mm_s + turning * Vec3(-off.y(), off.x(), 0.0));
+      sent.emplace_back(motion.velocity_mm_s + turning * Vec3(-off.y(), off.x(), 0.0));
       grid.emplace_back(Vec3::Zero());
       if (!object->grid) continue;
       out.has_grid = true;
       grid.back() =
           gridAt(*object->grid, u + 0.5 - object->relief->rect.u, v + 0.5 - object->relief->rect.v);
-      told.back() += grid.back();
+      sent.back() += grid.back();
     }
   }
   const auto count = std::ssize(places);
@@ -139,7 +139,7 @@ Field Judge::fieldOf(std::size_t frame) const {
   };
   out.truth = rows(exact);
   out.grid = rows(grid);
-  out.told = rows(told);
+  out.sent = rows(sent);
   out.rigid.resize(3 * count, 6);
   const Vec3 pivot = truth.centre.pose.at_mm;
   for (std::ptrdiff_t i = 0; i < count; ++i) {
@@ -153,12 +153,12 @@ Field Judge::fieldOf(std::size_t frame) const {
 }
 
 std::pair<Vec3, Vec3> Judge::middleOf(std::size_t frame) const {
-  const Motion& told = run_.objects[frame].front().motion;
-  const Vec2 px = workspace_.toImage(told.position_mm.head<2>());
-  const double z = run_.mapped->far_mm + told.position_mm.z() / per_depth_;
+  const Motion& sent = run_.objects[frame].front().motion;
+  const Vec2 px = workspace_.toImage(sent.position_mm.head<2>());
+  const double z = run_.mapped->far_mm + sent.position_mm.z() / per_depth_;
   const Vec3 at = z * recording_.camera.ray(px.x(), px.y());
   const Vec3 exact = nominal(at, recording_.object.path.at(time(frame)).velocityAt(at));
-  return {told.velocity_mm_s - exact, exact};
+  return {sent.velocity_mm_s - exact, exact};
 }
 
 // Every third row from `first` on: of the picture's two axes the first two, of depth the third.
@@ -190,7 +190,7 @@ DeformScores deformScoresOf(const Recording& recording, const Run& run) {
     const auto [off, middle] = judge.middleOf(i);
     middles.push_back(middle.norm());
     if (speeds.back() > kTravels_mm_s) {
-      offs.push_back(rms(field.told - field.truth));
+      offs.push_back(rms(field.sent - field.truth));
       middle_offs.push_back(off.norm());
     }
     const bool deforms = rms(apart) > kDeforms_mm_s;

@@ -20,7 +20,7 @@ using held::Starts;
 
 std::string shown(double share) { return text("%.3f", share); }
 
-void tellScenes(const std::vector<Result>& results, Report& report) {
+void reportScenes(const std::vector<Result>& results, Report& report) {
   std::vector<std::vector<std::string>> lines{{"scene", "depth", "IoU mean", "worst", "foreign",
                                                "worst", "lost", "relief share", "velocity error",
                                                "grid", "force noise", "ms/frame", "95 %"}};
@@ -62,7 +62,7 @@ void tellScenes(const std::vector<Result>& results, Report& report) {
   }
 }
 
-void tellStarts(const std::vector<Result>& results, const std::string& apart, Report& report) {
+void reportStarts(const std::vector<Result>& results, const std::string& apart, Report& report) {
   std::vector<std::vector<std::string>> lines{
       {"first frame", "clicks", "IoU > .8", "IoU < .5", "refused"}};
   Starts sums[2];
@@ -91,7 +91,8 @@ void tellStarts(const std::vector<Result>& results, const std::string& apart, Re
   }
 }
 
-void tellCorrections(const std::vector<Result>& results, const std::string& apart, Report& report) {
+void reportCorrections(const std::vector<Result>& results, const std::string& apart,
+                       Report& report) {
   std::vector<std::vector<std::string>> lines{{"scene", "one click", "worst", "one point", "worst",
                                                "two points", "worst", "one mask", "worst",
                                                "two masks", "worst"}};
@@ -130,7 +131,7 @@ void tellCorrections(const std::vector<Result>& results, const std::string& apar
 }
 
 // Sizes of cameras as they are sold.
-void tellTimes(const std::vector<held::Scene>& scenes, Report& report) {
+void reportTimes(const std::vector<held::Scene>& scenes, Report& report) {
   constexpr std::size_t kFrames = 12;
   constexpr std::string_view kLarge[] = {"mug_turned", "ball_handed_over", "bear_carried",
                                          "toy_muzzle", "tenth_beside_still"};
@@ -154,7 +155,7 @@ void setGoals(const std::vector<Result>& results, const std::string& apart, Repo
   double least_relief = 1.0;
   double velocity = 0.0;
   double noise = 0.0;
-  double untold = 0.0;
+  double unexplained = 0.0;
   double foreign = 0.0;
   std::size_t lost = 0;
   for (const Result& r : results) {
@@ -162,10 +163,11 @@ void setGoals(const std::vector<Result>& results, const std::string& apart, Repo
     all.worst_iou = std::min(all.worst_iou, r.one_click.worst_iou);
     foreign += r.one_click.foreign / double(results.size());
     least_relief = std::min(least_relief, r.one_click.relief_share);
-    // What bends has many velocities: the grid's row tells of them.
+    // A bending object has many velocities: the grid's row has them.
     if (r.one_click.grid_share < 0) velocity = std::max(velocity, r.one_click.velocity_error);
     noise = std::max(noise, r.one_click.noise_N);
-    if (r.one_click.grid_share >= 0) untold = std::max(untold, 1.0 - r.one_click.grid_share);
+    if (r.one_click.grid_share >= 0)
+      unexplained = std::max(unexplained, 1.0 - r.one_click.grid_share);
     lost += r.one_click.lost;
   }
   report.add(Goal{"held, one click: 1 - IoU, mean" + apart, "", 0.10, 0.05, 1.0 - all.mean_iou});
@@ -176,21 +178,21 @@ void setGoals(const std::vector<Result>& results, const std::string& apart, Repo
                   1.0 - least_relief});
   report.add(
       Goal{"held: force noise at rest, estimated depth included" + apart, "N", 0.01, 0.0, noise});
-  report.add(Goal{"held: bending untold by the grid" + apart, "share", 0.50, 0.20, untold});
+  report.add(Goal{"held: bending untold by the grid" + apart, "share", 0.50, 0.20, unexplained});
   report.add(Goal{"held: velocity, worst rigid scene" + apart, "share", 0.10, 0.03, velocity});
 }
 
 // The scenes that are reported apart have tables and goals of their own.
-void tellGroup(const std::vector<Result>& all, bool apart, Report& report) {
+void reportGroup(const std::vector<Result>& all, bool apart, Report& report) {
   std::vector<Result> group;
   std::copy_if(all.begin(), all.end(), std::back_inserter(group),
                [&](const Result& r) { return r.reported_apart == apart; });
   if (group.empty()) return;
   const std::string ending = apart ? " (apart)" : "";
-  tellStarts(group, ending, report);
-  tellCorrections(group, ending, report);
-  tellTrials(group, ending, report);
-  tellGains(group, ending, report);
+  reportStarts(group, ending, report);
+  reportCorrections(group, ending, report);
+  reportTrials(group, ending, report);
+  reportGains(group, ending, report);
   setGoals(group, ending, report);
 }
 
@@ -213,9 +215,9 @@ void measureHeld(const Options& options, Report& report) {
   const held::Effort effort{options.quick ? 10.0 : 20.0, !options.quick};
   onAllCores(scenes.size(),
              [&](std::size_t i) { results[i] = held::measure(scenes[i], options.out, effort); });
-  tellScenes(results, report);
-  for (const bool apart : {false, true}) tellGroup(results, apart, report);
-  if (!options.quick) tellTimes(scenes, report);
+  reportScenes(results, report);
+  for (const bool apart : {false, true}) reportGroup(results, apart, report);
+  if (!options.quick) reportTimes(scenes, report);
 }
 
 }  // namespace hapticast::evaluate

@@ -11,11 +11,11 @@ namespace hapticast::evaluate {
 /// topic, `--only held/NAME` takes the scenes whose name begins so.
 void measureHeld(const Options& options, Report& report);
 
-/// What surface, range, layers and hold make of the same scenes where the source gives the true
+/// Results of surface, range, layers and hold for the same scenes where the source gives the true
 /// masks: relief used, rest, layers that change their names. `--only surface[/NAME]`.
 void measureHeldSurfaces(const Options& options, Report& report);
 
-/// What the grid tells of things that squeeze and bend, that it tells nothing of rigid ones, and
+/// The grid of things that squeeze and bend, the grid of rigid ones (it should be empty), and
 /// the velocity of both, with the true masks. `--only deform[/NAME]`.
 void measureDeforming(const Options& options, Report& report);
 

@@ -19,7 +19,8 @@ struct DeformCase {
   const char* sensor;
 };
 
-// What bends and squeezes, by exact depth and by two sensors; then rigid things, in hands and bare.
+// Objects that bend and squeeze, by exact depth and by two sensors; then rigid things, in hands and
+// bare.
 constexpr DeformCase kCases[] = {
     {"tube_bent", DepthSense::kExact, "exact"},
     {"tube_bent", DepthSense::kFlight, "flight"},
@@ -41,11 +42,11 @@ struct Measured {
 
 std::string orNothing(double value) { return value == -1.0 ? "" : text("%.3f", value); }
 
-void tellDeforming(const std::vector<Measured>& all, Report& report) {
+void reportDeforming(const std::vector<Measured>& all, Report& report) {
   std::vector<std::vector<std::string>> lines{
       {"scene", "deformation", "told", "in the picture", "in depth", "frames looked at", "grid",
        "surface's velocity", "middle's velocity", "ms/frame"}};
-  double untold = 0.0;
+  double unexplained = 0.0;
   double unseen = 0.0;
   double invented_mm_s = 0.0;
   double mug = 0.0;
@@ -64,7 +65,7 @@ void tellDeforming(const std::vector<Measured>& all, Report& report) {
     if (s.deforms) {
       row("deform: untold by the grid", 1.0 - s.share, "of the rms");
       row("deform: frames not looked at", 1.0 - s.looked, "share");
-      untold = std::max(untold, 1.0 - s.share);
+      unexplained = std::max(unexplained, 1.0 - s.share);
       unseen = std::max(unseen, 1.0 - s.looked);
       continue;
     }
@@ -85,7 +86,8 @@ void tellDeforming(const std::vector<Measured>& all, Report& report) {
       "clip. Velocities: of the whole surface as a viewer adds it up, and of the place that is "
       "followed; median error over the rms of the truth.\n\n" +
       markdown(lines));
-  report.add(Goal{"deforming: untold by the grid, worst scene", "of the rms", 0.50, 0.20, untold});
+  report.add(
+      Goal{"deforming: untold by the grid, worst scene", "of the rms", 0.50, 0.20, unexplained});
   report.add(Goal{"deforming: frames not looked at, worst scene", "share", 0.20, 0.05, unseen});
   report.add(Goal{"deforming: grid of rigid bodies, worst scene", "mm/s", 1.0, 0.0, invented_mm_s});
   if (mug > 0) report.add(Goal{"deforming: velocity of a held mug", "share", 0.10, 0.03, mug});
@@ -113,9 +115,9 @@ void measureDeforming(const Options& options, Report& report) {
     throw std::runtime_error("--only " + options.only + ": no deforming scene's name begins so");
   onAllCores(scenes.size(), [&](std::size_t i) {
     const held::Recording recording = held::record(scenes[i], {640, 480});
-    all[i].scores = deformScoresOf(recording, held::watchByTrueMasks(recording));
+    all[i].scores = deformScoresOf(recording, held::runVisionOnTrueMasks(recording));
   });
-  tellDeforming(all, report);
+  reportDeforming(all, report);
 }
 
 }  // namespace hapticast::evaluate

@@ -18,7 +18,7 @@ constexpr int kRounds = 5;
 constexpr std::size_t kEvery = 5;  // frames
 constexpr double kMeasurable = 1.0 / 3.0;
 
-// What the sensor gave, in mm; 0: nothing.
+// The sensor's depth, in mm; 0: none.
 cv::Mat depthInMillimetres(const Recording& recording, std::size_t frame) {
   const cv::Mat& depth = recording.frames[frame].depth;
   const Sensing& sensing = recording.sensing;
@@ -38,12 +38,12 @@ cv::Mat grabCutAt(const Recording& recording, std::size_t frame, const Vec2& cli
   const int reach_px = static_cast<int>(kReach_mm * recording.camera.fx_px / z_mm);
   const cv::Rect picture({}, color.size());
   const cv::Rect around = cv::Rect(at.x, at.y, 1, 1);
-  const cv::Rect inner = server::grown(around, reach_px, color.size());
-  const cv::Rect window = server::grown(around, reach_px + kFrame_px, color.size());
+  const cv::Rect inner = server::growRect(around, reach_px, color.size());
+  const cv::Rect window = server::growRect(around, reach_px + kFrame_px, color.size());
   cv::Mat marks(color.size(), CV_8UC1, cv::Scalar(cv::GC_BGD));
   // To begin with "probably the object" everywhere, or nowhere, gives GrabCut far worse masks.
   marks(inner).setTo(cv::GC_PR_BGD);
-  marks(server::grown(around, reach_px / kLikely, color.size())).setTo(cv::GC_PR_FGD);
+  marks(server::growRect(around, reach_px / kLikely, color.size())).setTo(cv::GC_PR_FGD);
   const cv::Mat depth = depthInMillimetres(recording, frame);
   const cv::Mat beyond = (cv::abs(depth - z_mm) > kReach_mm) & (depth > 0);
   marks.setTo(cv::GC_BGD, beyond);
@@ -56,7 +56,7 @@ cv::Mat grabCutAt(const Recording& recording, std::size_t frame, const Vec2& cli
   cv::setRNGSeed(1);  // its colours' clusters begin at random
   cv::grabCut(color(window), inside, {}, background, foreground, kRounds, cv::GC_INIT_WITH_MASK);
   cv::Mat((inside == cv::GC_FGD) | (inside == cv::GC_PR_FGD)).copyTo(out(window));
-  return server::pieceAt(out, at);
+  return server::findPiece(out, at);
 }
 
 }  // namespace

@@ -101,7 +101,7 @@ Result measure(const Scene& scene, const std::filesystem::path& sheets, const Ef
   out.held_at_start = scene.held_at_start;
   out.reported_apart = scene.reported_apart;
   const Words click{{{*innermost(recording.truth[0].mask())}}, {}, {}};
-  const Run run = watch(recording, click);
+  const Run run = runVision(recording, click);
   out.one_click = scoresOf(recording, run);
   out.refused = run.refused;
   if (!sheets.empty()) drawContactSheet(recording, run, sheets);
@@ -112,10 +112,10 @@ Result measure(const Scene& scene, const std::filesystem::path& sheets, const Ef
   Run by_points = run;
   Run by_masks = run;
   for (std::size_t n = 0; n < out.by_points.size(); ++n) {
-    if (correct(recording, by_points, points)) by_points = watch(recording, points);
+    if (correct(recording, by_points, points)) by_points = runVision(recording, points);
     out.by_points[n] = scoresOf(recording, by_points);
     masks.drawn.push_back(worstFrame(recording, by_masks));
-    by_masks = watch(recording, masks);
+    by_masks = runVision(recording, masks);
     out.by_masks[n] = scoresOf(recording, by_masks);
   }
   return out;
@@ -123,7 +123,8 @@ Result measure(const Scene& scene, const std::filesystem::path& sheets, const Ef
 
 Scores timesOf(const Scene& scene, const cv::Size& size, std::size_t frames) {
   const Recording recording = record(scene, size, frames);
-  return scoresOf(recording, watch(recording, {{{*innermost(recording.truth[0].mask())}}, {}, {}}));
+  return scoresOf(recording,
+                  runVision(recording, {{{*innermost(recording.truth[0].mask())}}, {}, {}}));
 }
 
 }  // namespace hapticast::evaluate::held

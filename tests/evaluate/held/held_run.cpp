@@ -110,8 +110,8 @@ Recording record(const Scene& scene, const cv::Size& size, std::size_t most_fram
 
 namespace {
 
-Run watchWith(const Recording& recording, const server::VisionSettings& settings, bool with_masks,
-              const std::vector<std::size_t>& drawn) {
+Run runVisionWith(const Recording& recording, const server::VisionSettings& settings,
+                  bool with_masks, const std::vector<std::size_t>& drawn) {
   Run run;
   const cv::Size size(recording.info.width_px, recording.info.height_px);
   try {
@@ -138,14 +138,14 @@ Run watchWith(const Recording& recording, const server::VisionSettings& settings
 
 }  // namespace
 
-Run watch(const Recording& recording, const Words& words) {
-  return watchWith(recording, settingsOf(words), false, words.drawn);
+Run runVision(const Recording& recording, const Words& words) {
+  return runVisionWith(recording, settingsOf(words), false, words.drawn);
 }
 
-Run watchByTrueMasks(const Recording& recording) {
+Run runVisionOnTrueMasks(const Recording& recording) {
   server::VisionSettings settings;
   settings.segment = server::SegmentMode::kSource;
-  return watchWith(recording, settings, true, {});
+  return runVisionWith(recording, settings, true, {});
 }
 
 std::optional<cv::Mat> startOf(const server::RgbdFrame& first, const server::SourceInfo& info,

@@ -24,14 +24,14 @@ struct Recording {
 };
 Recording record(const Scene& scene, const cv::Size& size, std::size_t most_frames = 1000);
 
-/// What the author says.
+/// The author's annotations.
 struct Words {
   std::vector<server::AuthorPoint> on;
   std::vector<server::AuthorPoint> off;
   std::vector<std::size_t> drawn;  ///< frames whose true mask is given
 };
 
-/// What vision made of it, frame by frame.
+/// The result of vision, frame by frame.
 struct Run {
   std::vector<cv::Mat> masks;                        ///< 0 / 255; empty: no object
   std::vector<cv::Mat> heights;                      ///< CV_32FC1, nominal mm; NaN outside
@@ -42,9 +42,9 @@ struct Run {
   std::optional<server::DepthRange> mapped;          ///< what became heights
   std::string refused;  ///< why there is nothing; empty: it went through
 };
-Run watch(const Recording& recording, const Words& words);
+Run runVision(const Recording& recording, const Words& words);
 /// The same with the true masks given by the source: what is left is the surface's share.
-Run watchByTrueMasks(const Recording& recording);
+Run runVisionOnTrueMasks(const Recording& recording);
 
 /// The mask of one frame with which a recording begins; nullopt: refused.
 std::optional<cv::Mat> startOf(const server::RgbdFrame& first, const server::SourceInfo& info,
@@ -64,7 +64,7 @@ struct Scores {
   std::size_t blank = 0;    ///< frames without the object where a third of it has been seen a while
   double noise_N = -1.0;    ///< on a finger that does not move; < 0: something does
   double renamed = 0.0;     ///< share of its pixels that change their layer, mean over frames
-  double grid_share = -1.0;  ///< of the motion that bending adds, what the grid tells; < 0: none
+  double grid_share = -1.0;  ///< of the motion that bending adds, the grid's share; < 0: none
   double median_ms = 0.0, slow_ms = 0.0;  ///< the latter: 95 %
 };
 Scores scoresOf(const Recording& recording, const Run& run);

@@ -173,14 +173,14 @@ Left leftBy(const Recording& recording, std::size_t frame, const HapticObject& o
           workspace.toNominal({u + 0.5, v + 0.5}) - object.motion.position_mm.head<2>();
       const Vec2 turning = object.motion.angular_velocity_rad_s * Vec2(-off.y(), off.x());
       const Vec2 left = exact - object.motion.velocity_mm_s.head<2>() - turning;
-      Vec2 told = Vec2::Zero();
+      Vec2 sent = Vec2::Zero();
       if (object.grid) {
         const auto cell = static_cast<std::size_t>(
             ((v - rect.v) / kGridCell_px) * object.grid->columns + (u - rect.u) / kGridCell_px);
-        told = object.grid->velocity_mm_s[cell].head<2>().cast<double>();
+        sent = object.grid->velocity_mm_s[cell].head<2>().cast<double>();
       }
       out.without += left.squaredNorm();
-      out.with += (left - told).squaredNorm();
+      out.with += (left - sent).squaredNorm();
     }
   }
   return out;

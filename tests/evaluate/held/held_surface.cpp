@@ -12,8 +12,8 @@ namespace {
 
 constexpr const char* kPart = "surface";
 
-void tell(const std::vector<held::Recording>& recordings, const std::vector<held::Scores>& all,
-          Report& report) {
+void reportScores(const std::vector<held::Recording>& recordings,
+                  const std::vector<held::Scores>& all, Report& report) {
   std::vector<std::vector<std::string>> lines{{"scene", "IoU mean", "relief share", "cut",
                                                "layer changes", "velocity error", "force noise",
                                                "ms/frame", "95 %"}};
@@ -65,11 +65,11 @@ void measureHeldSurfaces(const Options& options, Report& report) {
   std::vector<held::Scores> all(scenes.size());
   onAllCores(scenes.size(), [&](std::size_t i) {
     recordings[i] = held::record(scenes[i], {640, 480});
-    all[i] = scoresOf(recordings[i], watchByTrueMasks(recordings[i]));
+    all[i] = scoresOf(recordings[i], runVisionOnTrueMasks(recordings[i]));
     recordings[i].frames.clear();
     recordings[i].truth.clear();
   });
-  tell(recordings, all, report);
+  reportScores(recordings, all, report);
 }
 
 }  // namespace hapticast::evaluate

@@ -25,11 +25,11 @@ constexpr int kNear_px = 40;       // a hand beside the object
 cv::Mat handsIn(const Truth& truth) {
   const cv::Mat hands =
       (truth.id == static_cast<int>(kHand)) | (truth.id == static_cast<int>(kOtherHand));
-  return hands & ~server::dilatedBy(truth.mask(), 3);
+  return hands & ~server::dilateBy(truth.mask(), 3);
 }
 
 cv::Mat handsBeside(const Truth& truth, int reach_px) {
-  return handsIn(truth) & server::dilatedBy(truth.mask(), reach_px);
+  return handsIn(truth) & server::dilateBy(truth.mask(), reach_px);
 }
 
 // Adds a correction for `frame`. Returns whether it says something new.
@@ -164,8 +164,8 @@ Corrected correctAtRandomTimes(const Recording& recording, const Run& run, const
   Run now = run;
   for (int n = 0; n < 2; ++n) {
     const std::size_t frame = 1 + draw.oneOf(recording.frames.size() - 1);
-    if (!say(recording, now, frame, said)) ++out.truthful;
-    Run next = watch(recording, said);
+    if (!say(recording, now, frame, said)) ++out.uninformative;
+    Run next = runVision(recording, said);
     if (emptied(recording, now, next, frame)) ++out.emptied;
     now = std::move(next);
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a judge tries on a recorded scene: clicks at other frames, corrections at random times,
+// Trials on a recorded scene: clicks at other frames, corrections at random times,
 // turned pictures, and GrabCut anew in every frame. Thread: any; values.
 #pragma once
 
@@ -11,7 +11,7 @@
 
 namespace hapticast::evaluate::held {
 
-/// What clicks anywhere inside an object begin with.
+/// Results of clicks anywhere inside an object.
 struct Starts {
   std::size_t clicks = 0, good = 0, bad = 0, refused = 0;
 
@@ -44,8 +44,8 @@ std::optional<WrongPiece> findLargestWrong(const Recording& recording, const Run
 /// Two corrections, each at a random time.
 struct Corrected {
   Scores scores;
-  int emptied = 0;   ///< corrections after which less than a tenth of the object was left
-  int truthful = 0;  ///< corrections that said nothing new: a --not on a hand
+  int emptied = 0;        ///< corrections after which less than a tenth of the object was left
+  int uninformative = 0;  ///< corrections that said nothing new: a --not on a hand
 };
 /// Makes them, starting from `run`, the result of `words`.
 Corrected correctAtRandomTimes(const Recording& recording, const Run& run, const Words& words);

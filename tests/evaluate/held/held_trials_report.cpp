@@ -14,7 +14,7 @@ using Lines = std::vector<std::vector<std::string>>;
 std::string shownOr(double value) { return value < -1e3 ? "" : text("%.3f", value); }
 std::string where(const Result& r) { return r.name + "/" + r.sensor; }
 
-struct Told {
+struct TrialReport {
   const std::string& apart;
   Report& report;
 
@@ -26,7 +26,7 @@ struct Told {
   }
 };
 
-void tellLaterStarts(const std::vector<Result>& results, const Told& told) {
+void reportLaterStarts(const std::vector<Result>& results, const TrialReport& trial_report) {
   Lines lines{{"scene", "first frame", "a third", "two thirds", "clicks", "refused"}};
   held::Starts sum;
   for (const Result& r : results) {
@@ -41,20 +41,20 @@ void tellLaterStarts(const std::vector<Result>& results, const Told& told) {
     lines.push_back(line);
     sum.add(own);
     if (own.clicks > 0)
-      told.row(r, "held: starts, three frames", 1.0 - own.share(own.good),
-               "share of clicks not > .8");
+      trial_report.row(r, "held: starts, three frames", 1.0 - own.share(own.good),
+                       "share of clicks not > .8");
   }
-  told.report.say(
+  trial_report.report.say(
       "Clicks anywhere inside a held thing, on recordings that begin at the first frame, after a "
       "third and after two thirds of the clip; share that starts above .8:\n\n" +
       markdown(lines));
   if (sum.clicks == 0) return;
-  told.goal("held, clicks at three frames: bad starts", "share", 0.15, 0.05,
-            1.0 - sum.share(sum.good));
-  told.goal("held, clicks at three frames: refused", "", 0.0, 0.0, double(sum.refused));
+  trial_report.goal("held, clicks at three frames: bad starts", "share", 0.15, 0.05,
+                    1.0 - sum.share(sum.good));
+  trial_report.goal("held, clicks at three frames: refused", "", 0.0, 0.0, double(sum.refused));
 }
 
-void tellAutomatic(const std::vector<Result>& results, const Told& told) {
+void reportAutomatic(const std::vector<Result>& results, const TrialReport& trial_report) {
   Lines lines{{"scene", "first frame", "a third", "two thirds"}};
   std::vector<double> all;
   for (const Result& r : results) {
@@ -69,16 +69,17 @@ void tellAutomatic(const std::vector<Result>& results, const Told& told) {
       tried += 1.0;
     }
     lines.push_back(line);
-    if (tried > 0) told.row(r, "held: start without a click", 1.0 - own / tried, "1 - IoU");
+    if (tried > 0) trial_report.row(r, "held: start without a click", 1.0 - own / tried, "1 - IoU");
   }
   if (all.empty()) return;
   const auto right = std::count_if(all.begin(), all.end(), [](double iou) { return iou > 0.7; });
-  told.report.say("Without a click, at the same frames: IoU of the mask that vision chooses. " +
-                  text("%.0f", 100.0 * double(right) / double(all.size())) +
-                  " % are above .7.\n\n" + markdown(lines));
+  trial_report.report.say(
+      "Without a click, at the same frames: IoU of the mask that vision chooses. " +
+      text("%.0f", 100.0 * double(right) / double(all.size())) + " % are above .7.\n\n" +
+      markdown(lines));
 }
 
-void tellRandomCorrections(const std::vector<Result>& results, const Told& told) {
+void reportRandomCorrections(const std::vector<Result>& results, const TrialReport& trial_report) {
   Lines lines{{"scene", "IoU mean", "worst", "of one click", "worst", "new", "emptied"}};
   double mean = 0.0;
   double worst = 1.0;
@@ -87,25 +88,27 @@ void tellRandomCorrections(const std::vector<Result>& results, const Told& told)
     const held::Corrected& c = r.trials->corrected;
     lines.push_back({r.name, text("%.3f", c.scores.mean_iou), text("%.3f", c.scores.worst_iou),
                      text("%.3f", r.one_click.mean_iou), text("%.3f", r.one_click.worst_iou),
-                     text("%d of 2", 2 - c.truthful), std::to_string(c.emptied)});
-    told.row(r, "held: mask, corrected at random times", 1.0 - c.scores.mean_iou, "1 - IoU");
-    told.row(r, "held: worst mask, corrected at random times", 1.0 - c.scores.worst_iou, "1 - IoU");
-    told.row(r, "held: emptied by a correction", double(c.emptied), "runs");
+                     text("%d of 2", 2 - c.uninformative), std::to_string(c.emptied)});
+    trial_report.row(r, "held: mask, corrected at random times", 1.0 - c.scores.mean_iou,
+                     "1 - IoU");
+    trial_report.row(r, "held: worst mask, corrected at random times", 1.0 - c.scores.worst_iou,
+                     "1 - IoU");
+    trial_report.row(r, "held: emptied by a correction", double(c.emptied), "runs");
     mean += c.scores.mean_iou / double(results.size());
     worst = std::min(worst, c.scores.worst_iou);
     emptied += c.emptied;
   }
-  told.report.say(
+  trial_report.report.say(
       "Two corrections at random times: in the middle of the frame's largest wrong piece, or where "
       "none is worth it a --not on a hand beside the object, which says nothing new. Emptied: less "
       "than a tenth of the object is left within 5 frames.\n\n" +
       markdown(lines));
-  told.goal("held, corrected at random times: 1 - IoU, mean", "", 0.05, 0.02, 1.0 - mean);
-  told.goal("held, corrected at random times: 1 - IoU, worst", "", 0.12, 0.06, 1.0 - worst);
-  told.goal("held, corrected at random times: runs emptied", "", 0.0, 0.0, double(emptied));
+  trial_report.goal("held, corrected at random times: 1 - IoU, mean", "", 0.05, 0.02, 1.0 - mean);
+  trial_report.goal("held, corrected at random times: 1 - IoU, worst", "", 0.12, 0.06, 1.0 - worst);
+  trial_report.goal("held, corrected at random times: runs emptied", "", 0.0, 0.0, double(emptied));
 }
 
-void tellGrabCut(const std::vector<Result>& results, const Told& told) {
+void reportGrabCut(const std::vector<Result>& results, const TrialReport& trial_report) {
   Lines lines{{"scene", "GrabCut anew", "carried", "difference"}};
   double worst = -1.0;
   for (const Result& r : results) {
@@ -113,53 +116,54 @@ void tellGrabCut(const std::vector<Result>& results, const Told& told) {
     if (cut.carried < 0) continue;
     lines.push_back({r.name, text("%.3f", cut.grab_cut), text("%.3f", cut.carried),
                      text("%+.3f", cut.grab_cut - cut.carried)});
-    told.report.add(
+    trial_report.report.add(
         {where(r), "held: mask, every fifth frame", "GrabCut", 1.0 - cut.grab_cut, "1 - IoU"});
-    told.row(r, "held: mask, every fifth frame", 1.0 - cut.carried, "1 - IoU");
+    trial_report.row(r, "held: mask, every fifth frame", 1.0 - cut.carried, "1 - IoU");
     worst = std::max(worst, cut.grab_cut - cut.carried);
   }
-  told.report.say(
+  trial_report.report.say(
       "GrabCut anew in every fifth frame, from a click on the middle of the true mask, beside the "
       "mask that is carried from one click in the first frame; mean IoU:\n\n" +
       markdown(lines));
-  told.goal("held: IoU of GrabCut less that of the carried mask, worst scene", "", 0.0, -0.1,
-            worst);
+  trial_report.goal("held: IoU of GrabCut less that of the carried mask, worst scene", "", 0.0,
+                    -0.1, worst);
 }
 
-void tellTurned(const std::vector<Result>& results, const Told& told) {
+void reportTurned(const std::vector<Result>& results, const TrialReport& trial_report) {
   Lines lines{{"scene", "click on the object", "click on a hand"}};
   double least = 1.0;
   for (const Result& r : results) {
     const held::TurnedScores& turned = r.trials->turned;
     lines.push_back({r.name, text("%.3f", turned.on_object),
                      turned.on_hand < 0 ? "" : text("%.3f", turned.on_hand)});
-    told.row(r, "held: start, turned picture", 1.0 - turned.on_object, "1 - IoU");
+    trial_report.row(r, "held: start, turned picture", 1.0 - turned.on_object, "1 - IoU");
     least = std::min(least, turned.on_object);
     if (turned.on_hand < 0) continue;
-    told.row(r, "held: start on a hand, turned picture", 1.0 - turned.on_hand, "1 - IoU");
+    trial_report.row(r, "held: start on a hand, turned picture", 1.0 - turned.on_hand, "1 - IoU");
     least = std::min(least, turned.on_hand);
   }
-  told.report.say(
+  trial_report.report.say(
       "The first frame turned by 90, 180 and 270 degrees: the least overlap of its start mask, "
       "turned back, with the upright one.\n\n" +
       markdown(lines));
-  told.goal("held, turned picture: 1 - overlap of the starts, worst", "", 0.10, 0.03, 1.0 - least);
+  trial_report.goal("held, turned picture: 1 - overlap of the starts, worst", "", 0.10, 0.03,
+                    1.0 - least);
 }
 
 }  // namespace
 
-void tellTrials(const std::vector<Result>& results, const std::string& apart, Report& report) {
+void reportTrials(const std::vector<Result>& results, const std::string& apart, Report& report) {
   if (results.empty() || !results.front().trials) return;
-  const Told told{apart, report};
-  tellLaterStarts(results, told);
-  tellAutomatic(results, told);
-  tellRandomCorrections(results, told);
-  tellGrabCut(results, told);
-  tellTurned(results, told);
+  const TrialReport trial_report{apart, report};
+  reportLaterStarts(results, trial_report);
+  reportAutomatic(results, trial_report);
+  reportRandomCorrections(results, trial_report);
+  reportGrabCut(results, trial_report);
+  reportTurned(results, trial_report);
 }
 
-void tellGains(const std::vector<Result>& results, const std::string& apart, Report& report) {
-  const Told told{apart, report};
+void reportGains(const std::vector<Result>& results, const std::string& apart, Report& report) {
+  const TrialReport trial_report{apart, report};
   Lines lines{{"scene", "gain in x", "in y", "wrong sign", "without the object"}};
   double off = 0.0;
   double wrong_sign = 0.0;
@@ -169,11 +173,11 @@ void tellGains(const std::vector<Result>& results, const std::string& apart, Rep
     lines.push_back({r.name + (s.grid_share >= 0 ? " (bends)" : ""), shownOr(s.velocity_gain.x()),
                      shownOr(s.velocity_gain.y()), text("%.3f", s.wrong_sign),
                      text("%zu frames", s.blank)});
-    told.row(r, "held: without object", double(s.blank), "frames");
+    trial_report.row(r, "held: without object", double(s.blank), "frames");
     blank += s.blank;
     // What bends has many velocities.
     if (!r.held_at_start || s.grid_share >= 0) continue;
-    told.row(r, "held: velocity, wrong sign", s.wrong_sign, "share");
+    trial_report.row(r, "held: velocity, wrong sign", s.wrong_sign, "share");
     wrong_sign = std::max(wrong_sign, s.wrong_sign);
     for (const double gain : {s.velocity_gain.x(), s.velocity_gain.y()}) {
       if (gain > -1e3) off = std::max(off, std::abs(gain - 1.0));
@@ -184,10 +188,10 @@ void tellGains(const std::vector<Result>& results, const std::string& apart, Rep
       "share of the frames with more than 15 nominal mm/s. Without the object: frames with IoU < "
       ".1 where more than a third of it has been seen for 5 frames.\n\n" +
       markdown(lines));
-  told.goal("held: frames without the object", "", 0.0, 0.0, double(blank));
-  told.goal("held: velocity gain off 1, worst rigid held scene", "share", 0.20, 0.05, off);
-  told.goal("held: velocity of the wrong sign, worst rigid held scene", "share", 0.0, 0.0,
-            wrong_sign);
+  trial_report.goal("held: frames without the object", "", 0.0, 0.0, double(blank));
+  trial_report.goal("held: velocity gain off 1, worst rigid held scene", "share", 0.20, 0.05, off);
+  trial_report.goal("held: velocity of the wrong sign, worst rigid held scene", "share", 0.0, 0.0,
+                    wrong_sign);
 }
 
 }  // namespace hapticast::evaluate

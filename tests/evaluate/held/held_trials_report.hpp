@@ -11,9 +11,11 @@
 namespace hapticast::evaluate {
 
 /// Adds the trials of the results that have them. `apart` ends the names of the goals.
-void tellTrials(const std::vector<held::Result>& results, const std::string& apart, Report& report);
+void reportTrials(const std::vector<held::Result>& results, const std::string& apart,
+                  Report& report);
 
 /// Adds velocity gains, and the frames without the object.
-void tellGains(const std::vector<held::Result>& results, const std::string& apart, Report& report);
+void reportGains(const std::vector<held::Result>& results, const std::string& apart,
+                 Report& report);
 
 }  // namespace hapticast::evaluate

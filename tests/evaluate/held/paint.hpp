@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What surfaces look like, and how little of them a depth camera sees. Thread: any; values.
+// The look of surfaces, and the share that a depth camera measures. Thread: any; values.
 #pragma once
 
 #include <Eigen/Core>

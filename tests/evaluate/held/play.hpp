@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What happens with a thing and its hands, told in the table's frame (x right, y up, z to the
+// The motion of a thing and its hands, in the table's frame (x right, y up, z to the
 // viewer). Thread: one.
 #pragma once
 

@@ -32,7 +32,7 @@ namespace {
 constexpr int kTubeBalls = 12;
 
 // Half edges of the box about a part, in its frame.
-Vec3 boxAround(const Part& part) {
+Vec3 findBoxAround(const Part& part) {
   const Vec3& size = part.size_mm;
   if (part.form == Form::kCylinder) return {size.x(), size.y(), size.x()};
   if (part.form == Form::kMug) return {size.x() + 0.8 * size.y(), size.y(), size.x()};
@@ -91,7 +91,7 @@ bool Reach::span(std::size_t index, const Vec3& origin, const Vec3& direction, S
     // Between the six planes of the box about it, moved out by what flows into it.
     const Vec3 from = part.pose.in(origin);
     const Vec3 way = part.pose.turn.transpose() * direction;
-    const Vec3 half = boxAround(part) + Vec3::Constant(thing_.blend_mm + thing_.fur_mm + 0.5);
+    const Vec3 half = findBoxAround(part) + Vec3::Constant(thing_.blend_mm + thing_.fur_mm + 0.5);
     Span box{-1e12, 1e12};
     for (int axis = 0; axis < 3; ++axis) {
       const double slope = std::abs(way[axis]) < 1e-12 ? 1e-12 : way[axis];

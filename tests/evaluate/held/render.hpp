@@ -25,7 +25,7 @@ struct Light {
 /// Why a depth camera may see nothing at a pixel.
 enum Blindness : std::uint8_t { kSurface = 1, kGlare = 2, kGrazing = 4 };
 
-/// What has been drawn so far; colours are linear light.
+/// The picture so far; colours are linear light.
 struct Picture {
   cv::Mat depth;    ///< CV_32FC1, mm
   cv::Mat id;       ///< CV_8UC1, Thing::id

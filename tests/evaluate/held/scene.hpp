@@ -15,7 +15,7 @@
 
 namespace hapticast::evaluate::held {
 
-/// What truth calls the things of a scene.
+/// The names of the things of a scene.
 enum Id : std::uint8_t {
   kRoom = 0,
   kObject = 1,
@@ -26,7 +26,7 @@ enum Id : std::uint8_t {
   kOther = 6
 };
 
-/// Where a hand is at a moment, and what its pose is told against.
+/// Where a hand is at a moment, and the object of its pose's frame.
 struct Station {
   double time_s = 0.0;
   enum class On : std::uint8_t { kScene, kObject, kProp } on = On::kScene;

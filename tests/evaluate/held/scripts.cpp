@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What happens in the scenes of held things. Told in the table's frame (x right, y up, z to the
+// Scripts of the scenes of held things, in the table's frame (x right, y up, z to the
 // viewer), then placed before the camera.
 #include <cmath>
 

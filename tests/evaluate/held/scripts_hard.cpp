@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Held scenes with what misleads vision in real recordings: holes, rims of another colour, bare
-// arms, things that touch, things that are large, small or flat. Told in the table's frame.
+// arms, things that touch, things that are large, small or flat. In the table's frame.
 #include <cmath>
 
 #include "tests/evaluate/held/recipe.hpp"

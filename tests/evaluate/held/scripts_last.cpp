@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Held scenes that were drawn when the method of vision stood: no method was tuned on them. Hands,
-// lights, cameras and things that the other lists do not have. Told in the table's frame.
+// lights, cameras and things that the other lists do not have. In the table's frame.
 #include <cmath>
 
 #include "tests/evaluate/held/recipe.hpp"

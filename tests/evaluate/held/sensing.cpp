@@ -28,7 +28,7 @@ cv::Mat noiseOf(cv::RNG& random, const cv::Size& size, double sigma_px) {
   return noise * (2.0 * sigma_px * std::sqrt(CV_PI));  // back to rms 1
 }
 
-// Noise so wide that a few numbers tell it.
+// Noise so wide that a few numbers define it.
 cv::Mat wideNoise(cv::RNG& random, const cv::Size& size, int cells) {
   cv::Mat noise(cells * 3 / 4, cells, CV_32FC1);
   random.fill(noise, cv::RNG::NORMAL, 0.0, 1.0);
@@ -43,7 +43,7 @@ cv::Mat brightnessOf(const cv::Mat& color) {
   return gray;
 }
 
-// What the projector, to the right of the camera, does not reach: what is near hides what is left
+// Shadow of the projector, to the right of the camera: a near surface hides the one that is left
 // of it. Seen from the projector, places of a row have to come in the same order.
 void castShadows(const cv::Mat& exact, double focal_px, cv::Mat& depth) {
   for (int v = 0; v < exact.rows; ++v) {

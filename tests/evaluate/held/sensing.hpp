@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What cameras make of an exact picture: the depth of four kinds of sensors with their ways of
+// Cameras applied to an exact picture: the depth of four kinds of sensors with their ways of
 // being wrong, and colour with noise and compression. Every frame from its own seed. Thread: one.
 #pragma once
 

@@ -8,7 +8,7 @@
 
 namespace hapticast::evaluate::held {
 
-/// Scenes are told in the table's frame: x right, y up, z to the viewer, origin on the table.
+/// Scenes are in the table's frame: x right, y up, z to the viewer, origin on the table.
 struct StagePlan {
   double pitch_rad = 0.45;     ///< how far the camera looks down
   double distance_mm = 640.0;  ///< from it to the point above the origin that it looks at
@@ -29,7 +29,7 @@ class Stage {
   double mirror = 1.0;            ///< -1: left and right are exchanged
   std::size_t skin = 0, fingertip = 0, sleeve = 0, shirt = 0;  ///< paints of this person
 
-  /// A place or direction told for the unmirrored scene.
+  /// A place or direction of the unmirrored scene.
   [[nodiscard]] Vec3 at(double x, double y, double z) const { return {mirror * x, y, z}; }
   std::size_t add(const Paint& paint);
   /// Four paints of a kind of object, drawn.

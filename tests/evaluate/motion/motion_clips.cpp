@@ -145,7 +145,7 @@ std::vector<Motion> truthOf(const std::vector<Eigen::Isometry3d>& poses,
     const std::size_t last = std::min(samples.size() - 1, i + std::size_t(reach));
     const std::vector<server::Sample> window(samples.begin() + std::ptrdiff_t(first),
                                              samples.begin() + std::ptrdiff_t(last) + 1);
-    out.push_back(server::motionFrom(window, i - first, reach));
+    out.push_back(server::computeMotion(window, i - first, reach));
   }
   return out;
 }

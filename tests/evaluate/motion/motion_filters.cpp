@@ -98,10 +98,10 @@ void evaluateFilters(Report& report, const std::string& name, const TestSource& 
       const std::size_t first = i - std::size_t(reach);
       const std::vector<Sample> window(poses.begin() + std::ptrdiff_t(first),
                                        poses.begin() + std::ptrdiff_t(i) + reach + 1);
-      return server::motionFrom(window, std::size_t(reach), reach).acceleration_mm_s2;
+      return server::computeMotion(window, std::size_t(reach), reach).acceleration_mm_s2;
     });
     const double start_us = threadTime_us();
-    const std::vector<Motion> whole = server::smoothedTrack(poses, {}, reach);
+    const std::vector<Motion> whole = server::smoothTrack(poses, {}, reach);
     const double whole_us = (threadTime_us() - start_us) / double(poses.size());
     measure(
         "whole clip", false, false, [&](std::size_t i) { return whole[i].acceleration_mm_s2; },

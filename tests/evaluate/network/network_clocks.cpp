@@ -41,7 +41,7 @@ void clockErrors(const NetworkScene& scene, double seconds, Report& report) {
       Network network = each.network;
       network.link.seed = seed;
       for (const NetworkTick& tick :
-           feelThrough(scene.stream, network, scene.hand, seconds).ticks) {
+           renderThroughNetwork(scene.stream, network, scene.hand, seconds).ticks) {
         if (!tick.clock_offset) continue;
         double& worst = tick.time_s < kSettled_s ? first_ms : worst_ms;
         worst = std::max(worst, std::abs(tick.clock_error_ms));
@@ -54,7 +54,7 @@ void clockErrors(const NetworkScene& scene, double seconds, Report& report) {
   }
 }
 
-// What play time waits beyond what 95 of 100 frames and the interpolation need.
+// Wait of play time beyond the need of 95 of 100 frames and of the interpolation.
 void playoutDelay(const NetworkScene& scene, double seconds, Report& report) {
   const double interval_ms = 1e3 / scene.stream.description.fps;
   double worst_ms = -1e9;
@@ -63,11 +63,11 @@ void playoutDelay(const NetworkScene& scene, double seconds, Report& report) {
     for (const int jitter_ms : {5, 10, 20}) {
       Network network{true, 1, farLink(std::chrono::milliseconds(jitter_ms))};
       network.link.distribution = kind;
-      const NetworkFelt felt = feelThrough(scene.stream, network, scene.hand, seconds);
-      const double needed_ms = quantile(felt.conversation.waited_ms, 0.95) + interval_ms;
+      const NetworkTrace trace = renderThroughNetwork(scene.stream, network, scene.hand, seconds);
+      const double needed_ms = quantile(trace.conversation.waited_ms, 0.95) + interval_ms;
       double over_ms = 0.0;
       int ticks = 0;
-      for (const NetworkTick& tick : felt.ticks) {
+      for (const NetworkTick& tick : trace.ticks) {
         if (tick.time_s < kSettled_s) continue;
         // A clock that is off shifts both alike.
         over_ms += tick.delay_ms - tick.clock_error_ms - needed_ms;

@@ -161,8 +161,8 @@ void draw(const std::vector<Condition>& conditions, const std::vector<Sum>& sums
   report.show("network.png", "what loss adds to the force's error, and what it costs in delay");
 }
 
-void tell(const std::vector<Condition>& conditions, const std::vector<Run>& runs,
-          const Options& options, Report& report) {
+void reportRuns(const std::vector<Condition>& conditions, const std::vector<Run>& runs,
+                const Options& options, Report& report) {
   std::vector<Sum> sums;
   sums.reserve(conditions.size());
   std::vector<std::vector<std::string>> lines{
@@ -212,20 +212,22 @@ void networkForce(const std::vector<NetworkScene>& scenes, double seconds, const
         runs.push_back({&condition, &scene, seed});
     }
   }
-  std::vector<NetworkFelt> lossless(scenes.size());
+  std::vector<NetworkTrace> lossless(scenes.size());
   onAllCores(scenes.size(), [&](std::size_t i) {
-    lossless[i] = feelThrough(scenes[i].stream, {true, 1, farLink()}, scenes[i].hand, seconds);
+    lossless[i] =
+        renderThroughNetwork(scenes[i].stream, {true, 1, farLink()}, scenes[i].hand, seconds);
   });
   onAllCores(runs.size(), [&](std::size_t i) {
     Run& run = runs[i];
     Network network = run.condition->network;
     network.link.seed = run.seed;
-    const NetworkFelt felt = feelThrough(run.scene->stream, network, run.scene->hand, seconds);
+    const NetworkTrace trace =
+        renderThroughNetwork(run.scene->stream, network, run.scene->hand, seconds);
     const auto scene = static_cast<std::size_t>(run.scene - scenes.data());
-    measure(run, felt.ticks, lossless[scene].ticks);
-    run.copies = felt.conversation.mean_copies;
+    measure(run, trace.ticks, lossless[scene].ticks);
+    run.copies = trace.conversation.mean_copies;
   });
-  tell(all, runs, options, report);
+  reportRuns(all, runs, options, report);
 }
 
 }  // namespace hapticast::evaluate

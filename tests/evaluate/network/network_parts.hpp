@@ -23,10 +23,10 @@ testing::LinkProfile farLink(Duration jitter = {});
 /// Bodies that move, turn, rise and change their shape.
 std::vector<NetworkScene> networkScenes(double seconds);
 
-/// What loss, jitter and delay add to the error of the force.
+/// Error of the force due to loss, jitter and delay.
 void networkForce(const std::vector<NetworkScene>& scenes, double seconds, const Options& options,
                   Report& report);
-/// The whole room through the same and worse: steps of the force, and what is left of it when
+/// The whole renderer through the same and worse: steps of the force, and what is left of it when
 /// nothing comes any more.
 void networkSafety(const std::vector<NetworkScene>& scenes, const Options& options, Report& report);
 /// Error of the clock, playout delay, the first force of who joins.

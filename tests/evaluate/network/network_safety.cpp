@@ -13,7 +13,7 @@ namespace {
 using client::HandKind;
 using client::VirtualViewer;
 
-// What is not fresh may not be felt beyond this.
+// Stale data must not cause a force beyond this.
 constexpr Duration kSilentAfter = std::chrono::milliseconds(500);
 constexpr double kSeconds = 9.0;
 
@@ -81,7 +81,7 @@ void play(SafetyRun& run) {
                      run.stale_N = std::max(run.stale_N, report.force_N.norm());
                    });
   run.contact /= ticks;
-  run.unexplained_N = viewer.felt.max_unexplained_N;
+  run.unexplained_N = viewer.trace.max_unexplained_N;
 }
 
 }  // namespace

@@ -16,8 +16,9 @@ class ScriptedViewer {
  public:
   explicit ScriptedViewer(Hand hand)
       : hand_(std::move(hand)),
-        decode_thread_(*pool_, clock_, Method::kHapticast,
-                       [this](const client::PreparedFrame& frame) { receiver_.prepared(frame); }),
+        decode_thread_(
+            *pool_, clock_, Method::kHapticast,
+            [this](const client::PreparedFrame& frame) { receiver_.addPrepared(frame); }),
         receiver_(decode_thread_, state_, 1),
         lookup_(*pool_, defaultVariant().interpolation),
         touch_(defaultVariant().make()) {}
@@ -83,20 +84,20 @@ class ScriptedViewer {
 
 }  // namespace
 
-NetworkFelt feelThrough(const SentStream& stream, const Network& network, const Hand& hand,
-                        double seconds) {
+NetworkTrace renderThroughNetwork(const SentStream& stream, const Network& network,
+                                  const Hand& hand, double seconds) {
   ScriptedViewer viewer(hand);
-  NetworkFelt felt;
-  felt.ticks.reserve(static_cast<std::size_t>(seconds * 1e3));
-  felt.conversation =
+  NetworkTrace trace;
+  trace.ticks.reserve(static_cast<std::size_t>(seconds * 1e3));
+  trace.conversation =
       runSession(stream, network, seconds, viewer, [&](const Wire& wire, NetworkTick tick) {
         const LocalTime now = viewer.now();
         if (tick.clock_offset)
           tick.clock_error_ms = 1e3 * toSeconds(now.time_since_epoch() + *tick.clock_offset -
                                                 wire.mediaNow(now).time_since_epoch());
-        felt.ticks.push_back(tick);
+        trace.ticks.push_back(tick);
       });
-  return felt;
+  return trace;
 }
 
 }  // namespace hapticast::evaluate

@@ -30,7 +30,7 @@ struct Conversation {
   std::vector<double> waited_ms;
 };
 
-struct NetworkFelt {
+struct NetworkTrace {
   std::vector<NetworkTick> ticks;  ///< every millisecond since the viewer came
   Conversation conversation;
 };
@@ -77,8 +77,8 @@ Conversation runSession(const SentStream& stream, const Network& network, double
   return {copies_sum / (seconds * 1e3), wire.waited_ms()};
 }
 
-/// What a hand feels whose way is told in play time.
-NetworkFelt feelThrough(const SentStream& stream, const Network& network, const Hand& hand,
-                        double seconds);
+/// The force at a hand whose path is a function of play time.
+NetworkTrace renderThroughNetwork(const SentStream& stream, const Network& network,
+                                  const Hand& hand, double seconds);
 
 }  // namespace hapticast::evaluate

@@ -16,7 +16,7 @@
 
 namespace hapticast::evaluate {
 
-/// What lies between a server and a viewer.
+/// The path between a server and a viewer.
 struct Network {
   bool datagrams = true;      ///< else all travels over TCP
   std::uint32_t copies = 0;   ///< of each datagram; 0: as many as the loss asks for

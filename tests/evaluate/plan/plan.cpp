@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the plan saves, in time and bytes, and what it costs in force, against everything on; and
+// Savings of the plan in time and bytes, and its cost in force, against everything on; and
 // how many frames a second the whole server makes, up to the bytes.
 #include <algorithm>
 #include <chrono>
@@ -56,7 +56,7 @@ Run run(const Clip& clip, bool everything) {
   return out;
 }
 
-// Rms over frames of the force a finger 1 mm deep all over the object would feel otherwise.
+// Rms over frames of the change of the force at a finger 1 mm deep, all over the object.
 double forceApart_N(const Clip& clip, const Run& plan, const Run& everything) {
   Workspace workspace;
   workspace.width_px = clip.info.width_px;

@@ -33,7 +33,7 @@ struct Body {
   cv::Vec3f dark{30, 60, 140}, light{130, 215, 250};  ///< BGR of its texture
 };
 
-/// What the sensor makes of the exact picture. Its noise is that of common depth cameras
+/// The sensor, applied to the exact picture. Its noise is that of common depth cameras
 /// (README.md).
 struct Sensor {
   enum class Depth : std::uint8_t {
@@ -123,7 +123,7 @@ class TestSource final : public server::RgbdSource {
   std::uint32_t epoch_ = 0;
 };
 
-/// What motion is measured on, and what masks and reliefs are measured on.
+/// The scenes for motion, and those for masks and reliefs.
 std::vector<TestScene> motionScenes();
 std::vector<TestScene> segmentationScenes();
 

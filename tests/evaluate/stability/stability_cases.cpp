@@ -11,11 +11,11 @@ namespace hapticast::evaluate {
 
 namespace {
 
-std::string listNames(std::uint32_t interferences) {
+std::string listNames(std::uint32_t safety_actions) {
   std::string all;
-  for (std::size_t i = 0; i < client::kInterferenceNames.size(); ++i) {
-    if (((interferences >> i) & 1U) == 0) continue;
-    all += (all.empty() ? "" : " ") + std::string(client::kInterferenceNames[i]);
+  for (std::size_t i = 0; i < client::kSafetyActionNames.size(); ++i) {
+    if (((safety_actions >> i) & 1U) == 0) continue;
+    all += (all.empty() ? "" : " ") + std::string(client::kSafetyActionNames[i]);
   }
   return all.empty() ? "nothing had to be done" : all;
 }
@@ -69,7 +69,7 @@ void draw(const StabilityReport& to, const std::vector<ExtremeCase>& all) {
 
 void stabilityCases(const StabilityReport& to) {
   std::vector<ExtremeCase> all = planeCases();
-  for (const ExtremeCase& more : roomCases()) all.push_back(more);
+  for (const ExtremeCase& more : rendererCases()) all.push_back(more);
   std::vector<std::vector<std::string>> lines{{"case", "naive: step N, hand mm/s, mJ", "chain",
                                                "unexplained step N", "peak, end N",
                                                "what the chain did"}};
@@ -78,7 +78,7 @@ void stabilityCases(const StabilityReport& to) {
   for (const ExtremeCase& c : all) {
     const CaseOutcome& o = c.chain;
     lines.push_back({c.name, numbers(c.naive), numbers(o), text("%g", o.excess_N),
-                     text("%.2f, %.2f", o.peak_N, o.end_N), listNames(o.interferences)});
+                     text("%.2f, %.2f", o.peak_N, o.end_N), listNames(o.safety_actions)});
     std::string name = c.name;
     std::replace(name.begin(), name.end(), ',', ';');
     to.report.add({name, "extreme_energy", "naive", c.naive.energy_mJ, "mJ"});

@@ -16,7 +16,7 @@ struct CaseOutcome {
   double energy_mJ = 0.0;   ///< most that went into the hand since the event
   double end_N = 0.0;       ///< force at the end
   bool finite = true;
-  std::uint32_t interferences = 0;
+  std::uint32_t safety_actions = 0;
   std::vector<double> trace_N, trace_mm_s;  ///< force and the tip's speed up, tick by tick
 };
 
@@ -28,7 +28,7 @@ struct ExtremeCase {
 
 /// A wall, a virtual device, a light hand: what happens to the wall, the tip, the clock.
 std::vector<ExtremeCase> planeCases();
-/// The whole room, frames in and force out: what a stream does.
-std::vector<ExtremeCase> roomCases();
+/// Cases of a stream, through the whole renderer: frames in and force out.
+std::vector<ExtremeCase> rendererCases();
 
 }  // namespace hapticast::evaluate

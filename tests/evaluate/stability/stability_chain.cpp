@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The chain as it is: what is left of the battery's impact for every stiffness it allows, and what
-// soft walls keep of theirs.
+// The safety chain: the rest of the sweep's impact for every allowed stiffness, and the rest with
+// soft walls.
 #include <algorithm>
 #include <cmath>
 
@@ -13,25 +13,26 @@ namespace {
 using namespace client;
 
 struct ChainCell {
-  int told, real;
+  int assumed, real;
   double stiffness_N_mm, friction_N, count_mm;
   const NamedHand* hand;
   double damping_Ns_m = 0.0;
-  BatteryResult result{};
+  SweepResult result{};
   double excess_N = 0.0;
-  std::uint64_t alarms = 0, insured = 0;  ///< ticks of latency watch and passivity controller
+  std::uint64_t alarms = 0,
+                insured = 0;  ///< ticks of oscillation detector and passivity controller
 };
 
 void runAll(std::vector<ChainCell>& cells, bool quick) {
   onAllCores(cells.size(), [&](std::size_t i) {
     ChainCell& c = cells[i];
-    PlantProfile told = batteryProfile(c.stiffness_N_mm, c.told, c.friction_N);
-    told.count_mm = c.count_mm;
-    PlantProfile real = told;
+    PlantProfile assumed = sweepProfile(c.stiffness_N_mm, c.assumed, c.friction_N);
+    assumed.count_mm = c.count_mm;
+    PlantProfile real = assumed;
     real.delay_ticks = c.real;
-    ChainFixture rig(told, real, c.hand->hand);
+    ChainFixture rig(assumed, real, c.hand->hand);
     rig.damping_Ns_m = c.damping_Ns_m;
-    c.result = battery(rig, c.hand->hand, quick);
+    c.result = sweepPlant(rig, c.hand->hand, quick);
     c.excess_N = rig.max_excess_N;
     c.alarms = rig.count(SafetyAction::kLatency);
     c.insured = rig.count(SafetyAction::kPassivity);
@@ -68,7 +69,7 @@ void residuals(const StabilityReport& to) {
       for (const double k : stiffnesses(d)) {
         double counts = 0.0;
         for (const ChainCell& c : cells) {
-          if (c.told != d || c.hand != &hand || c.stiffness_N_mm != k) continue;
+          if (c.assumed != d || c.hand != &hand || c.stiffness_N_mm != k) continue;
           counts = std::max(counts, c.result.counts(c.count_mm));
         }
         worst = std::max(worst, counts);
@@ -115,7 +116,7 @@ void softWalls(const StabilityReport& to) {
   for (const ChainCell& c : cells) {
     least = std::min(least, c.result.kept);
     most = std::max(most, c.result.kept);
-    double& worst_mJ = c.told <= 1 ? work_mJ : late_mJ;
+    double& worst_mJ = c.assumed <= 1 ? work_mJ : late_mJ;
     worst_mJ = std::max(worst_mJ, c.result.work_mJ);
   }
   to.claims.add("walls of 0.5 and 1 N/mm, d 0-3: rendered stiffness", "100 %",
@@ -128,22 +129,23 @@ void softWalls(const StabilityReport& to) {
            late_mJ));
 }
 
-/// Told one delay, really another; and an author's damping at its bound.
+/// Assumed one delay, really another; and an author's damping at its bound.
 void wrongDelays(const StabilityReport& to) {
   std::vector<ChainCell> cells;
-  for (const int told : {0, 1, 2}) {
+  for (const int assumed : {0, 1, 2}) {
     for (const int off : {-1, 0, 1, 2}) {
-      if (told + off < 0) continue;
+      if (assumed + off < 0) continue;
       for (const double k : {0.5, 1.0, 2.0, 5.0}) {
         for (const NamedHand& hand : kHands)
-          cells.push_back({told, told + off, k, 0.05, 0.055, &hand});
+          cells.push_back({assumed, assumed + off, k, 0.05, 0.055, &hand});
       }
     }
   }
   runAll(cells, to.options.quick);
   for (const ChainCell& c : cells) {
-    to.report.add({text("told %d real %d %s", c.told, c.real, c.hand->name), "residual_wrong_delay",
-                   text("K %g", c.stiffness_N_mm), c.result.counts(c.count_mm), "counts"});
+    to.report.add({text("told %d real %d %s", c.assumed, c.real, c.hand->name),
+                   "residual_wrong_delay", text("K %g", c.stiffness_N_mm),
+                   c.result.counts(c.count_mm), "counts"});
   }
   std::vector<ChainCell> damped;
   for (const int d : {0, 1, 2, 3, 5}) {

@@ -110,7 +110,7 @@ class Kalman final : public Estimator {
   bool first_ = true;
 };
 
-/// What the room uses.
+/// As in the renderer.
 class Product final : public Estimator {
  public:
   explicit Product(int delay) { motion_.setDelay(delay); }

@@ -23,8 +23,8 @@ struct Seen {
 };
 
 /// A light hand rests 2 mm in a wall of K 1; then `event` acts for `ticks`.
-Seen watch(const SafetyLinks& links, double target_mm, int ticks,
-           const std::function<void(ChainFixture&, int)>& event) {
+Seen runLinks(const SafetyLinks& links, double target_mm, int ticks,
+              const std::function<void(ChainFixture&, int)>& event) {
   const PlantProfile profile = omni(1.0, 1, 0.05);
   ChainFixture rig(profile, profile, Hand::light(), links);
   rig.device.reset({0.0, 0.0, 10.0}, Vec3::Zero());
@@ -50,12 +50,12 @@ Seen watch(const SafetyLinks& links, double target_mm, int ticks,
   return seen;
 }
 
-double counts(const SafetyLinks& links, double stiffness_N_mm, int told, int real, const Hand& hand,
-              const std::function<void(ChainFixture&)>& change = {}) {
-  ChainFixture rig(batteryProfile(stiffness_N_mm, told), batteryProfile(stiffness_N_mm, real), hand,
+double counts(const SafetyLinks& links, double stiffness_N_mm, int assumed, int real,
+              const Hand& hand, const std::function<void(ChainFixture&)>& change = {}) {
+  ChainFixture rig(sweepProfile(stiffness_N_mm, assumed), sweepProfile(stiffness_N_mm, real), hand,
                    links);
   if (change) change(rig);
-  return battery(rig, hand, true).counts(0.055);
+  return sweepPlant(rig, hand, true).counts(0.055);
 }
 
 void withAndWithout(const StabilityReport& to) {
@@ -72,12 +72,12 @@ void withAndWithout(const StabilityReport& to) {
   double without = counts({.stiffness_limit = false}, 20.0, 1, 2, Hand::none());
   line("K_max", "20 N/mm asked, told d 1, really 2, without a hand: residual", "counts", with,
        without, with <= 2.0 && without > 10.0);
-  with = counts({.latency_watch = false}, 2.0, 1, 2, Hand::none());
-  without = counts({.damping = false, .latency_watch = false}, 2.0, 1, 2, Hand::none());
+  with = counts({.oscillation_detector = false}, 2.0, 1, 2, Hand::none());
+  without = counts({.damping = false, .oscillation_detector = false}, 2.0, 1, 2, Hand::none());
   line("damping B = sqrt(K m)", "2 N/mm told d 1, really 2, without a hand: residual", "counts",
        with, without, with <= 2.0 && without > 10.0);
   const SafetyLinks loose{
-      .stiffness_limit = false, .damping = false, .slew = false, .latency_watch = false};
+      .stiffness_limit = false, .damping = false, .slew = false, .oscillation_detector = false};
   SafetyLinks uninsured = loose;
   uninsured.passivity = false;
   with = counts(loose, 5.0, 3, 3, Hand::firmGrip());
@@ -85,7 +85,7 @@ void withAndWithout(const StabilityReport& to) {
   line("passivity controller", "damper, K_max and slew missing, 5 N/mm at d 3, firm grip: residual",
        "counts", with, without, with < without);
   with = counts({}, 5.0, 1, 3, Hand::lightGrip());
-  without = counts({.latency_watch = false}, 5.0, 1, 3, Hand::lightGrip());
+  without = counts({.oscillation_detector = false}, 5.0, 1, 3, Hand::lightGrip());
   line("latency watch", "5 N/mm told d 1, really 3, light grip: residual", "counts", with, without,
        with < without);
 
@@ -93,31 +93,31 @@ void withAndWithout(const StabilityReport& to) {
     rig.wall_velocity_mm_s = i < 40 ? 750.0 : 0.0;
     if (i < 40) rig.wall_mm += 0.75;
   };
-  with = watch({}, -5.0, 1000, rise).speed_mm_s;
-  without = watch({.tank = false}, -5.0, 1000, rise).speed_mm_s;
+  with = runLinks({}, -5.0, 1000, rise).speed_mm_s;
+  without = runLinks({.tank = false}, -5.0, 1000, rise).speed_mm_s;
   line("tank", "surface rises 30 mm in 40 ms: hand thrown at", "mm/s", with, without,
        with < without);
   const auto press = [](ChainFixture& rig, int) { rig.device.setTarget({0.0, 0.0, -30.0}); };
-  with = watch({}, -5.0, 60'000, press).rms_N;
-  without = watch({.thermal = false}, -5.0, 60'000, press).rms_N;
+  with = runLinks({}, -5.0, 60'000, press).rms_N;
+  without = runLinks({.thermal = false}, -5.0, 60'000, press).rms_N;
   line("thermal budget", "pressed hard for 60 s: force rms", "N", with, without,
        with < 1.1 && without > 3.0);
   const auto gain = [](ChainFixture& rig, int i) {
     rig.stiffness_N_mm = i / 100 % 2 == 0 ? 3.0 : 0.5;
   };
-  with = watch({}, -5.0, 1000, gain).excess_N;
-  without = watch({.slew = false}, -5.0, 1000, gain).excess_N;
+  with = runLinks({}, -5.0, 1000, gain).excess_N;
+  without = runLinks({.slew = false}, -5.0, 1000, gain).excess_N;
   line("slew", "the stream's stiffness changes under the hand: unexplained step", "N", with,
        without, with == 0.0 && without > 0.2);
   const auto stall = [](ChainFixture& rig, int i) { rig.touchable = i < 100 || i > 600; };
-  with = watch({.slew = false}, -5.0, 1000, stall).step_N;
-  without = watch({.slew = false, .fade = false}, -5.0, 1000, stall).step_N;
+  with = runLinks({.slew = false}, -5.0, 1000, stall).step_N;
+  without = runLinks({.slew = false, .fade = false}, -5.0, 1000, stall).step_N;
   line("fade", "a stall of 0.5 s, slew limit off: step", "N", with, without, with < without);
   const auto appear = [](ChainFixture& rig, int i) {
     if (i == 100) rig.wall_mm = 35.0;
   };
-  with = watch({}, 5.0, 1000, appear).speed_mm_s;
-  without = watch({.arming = false}, 5.0, 1000, appear).speed_mm_s;
+  with = runLinks({}, 5.0, 1000, appear).speed_mm_s;
+  without = runLinks({.arming = false}, 5.0, 1000, appear).speed_mm_s;
   line("arming", "a surface appears 30 mm above the tip: hand thrown at", "mm/s", with, without,
        with < 1.0 && without > 20.0);
   to.report.say(
@@ -181,7 +181,7 @@ void remedies(const StabilityReport& to) {
     const Remedy* remedy;
     double stiffness_N_mm;
     const NamedHand* hand;
-    BatteryResult result{};
+    SweepResult result{};
   };
   std::vector<Cell> cells;
   for (const Remedy& remedy : all) {
@@ -191,10 +191,10 @@ void remedies(const StabilityReport& to) {
   }
   onAllCores(cells.size(), [&](std::size_t i) {
     Cell& c = cells[i];
-    const PlantProfile profile = batteryProfile(c.stiffness_N_mm, 1);
+    const PlantProfile profile = sweepProfile(c.stiffness_N_mm, 1);
     ChainFixture rig(profile, profile, c.hand->hand);
     c.remedy->put(rig);
-    c.result = battery(rig, c.hand->hand, to.options.quick);
+    c.result = sweepPlant(rig, c.hand->hand, to.options.quick);
   });
   std::vector<std::vector<std::string>> lines{
       {"law", "K 1: hand / none", "K 2", "K 5", "K 5: most work into the hand, mJ"}};

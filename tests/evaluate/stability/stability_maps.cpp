@@ -54,15 +54,15 @@ Axes axesOf(bool quick) {
 }
 
 void run(MapCell& c) {
-  PlantProfile profile = batteryProfile(c.stiffness_N_mm, c.delay);
+  PlantProfile profile = sweepProfile(c.stiffness_N_mm, c.delay);
   profile.damping_Ns_m = kPhysicalDamping_Ns_m;
-  DeviceProfile told = profile;  // a filter needs some count; without them a fine one
-  told.count_mm = c.count_mm > 0.0 ? c.count_mm : 0.001;
+  DeviceProfile assumed = profile;  // a filter needs some count; without them a fine one
+  assumed.count_mm = c.count_mm > 0.0 ? c.count_mm : 0.001;
   profile.count_mm = c.count_mm;
-  ChainFixture rig(told, profile, c.hand->hand);
+  ChainFixture rig(assumed, profile, c.hand->hand);
   rig.by_counts = true;
   rig.law = bareLaw(c.damping_Ns_m, profile.peak_N);
-  const BatteryResult result = battery(rig, c.hand->hand, true);
+  const SweepResult result = sweepPlant(rig, c.hand->hand, true);
   c.residual_mm = result.residual_mm;
   c.work_mJ = result.work_mJ;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The wall under hands that move: the error of the force and what of it lies above 50 Hz, the first
-// touch, and devices that answer later than told.
+// touch, and devices that answer later than assumed.
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -19,7 +19,7 @@ struct Moving {
   int way, delay;
   double stiffness_N_mm, friction_N;
   double error_N = 0.0, above_50Hz_N = 0.0;
-  int alarms = 0;  // of the latency watch
+  int alarms = 0;  // of the oscillation detector
 };
 constexpr int kWays = 5;
 
@@ -42,8 +42,8 @@ double wayOf(int way, double t, double stretch_mm) {
 }
 
 /// The force against K times the true depth, and what of the difference lies above 50 Hz.
-void feel(Moving& c) {
-  const PlantProfile profile = batteryProfile(c.stiffness_N_mm, c.delay, c.friction_N);
+void runCase(Moving& c) {
+  const PlantProfile profile = sweepProfile(c.stiffness_N_mm, c.delay, c.friction_N);
   ChainFixture rig(profile, profile, c.hand->hand);
   const double stretch_mm = 1e3 / c.hand->hand.stiffness_N_m + 1.0 / c.stiffness_N_mm;
   rig.device.reset({0.0, 0.0, 3.0}, Vec3::Zero());
@@ -79,7 +79,7 @@ void inMotion(const StabilityReport& to) {
         }
       }
     }
-    onAllCores(cells.size(), [&](std::size_t i) { feel(cells[i]); });
+    onAllCores(cells.size(), [&](std::size_t i) { runCase(cells[i]); });
     double error_N = 0.0;
     double fast_N = 0.0;
     for (const Moving& c : cells) {
@@ -97,15 +97,15 @@ void inMotion(const StabilityReport& to) {
 }
 
 /// How far the tip goes to and fro in the last three seconds of a push into the wall, and when the
-/// latency watch first raised its alarm (< 0: never).
+/// oscillation detector first raised its alarm (< 0: never).
 struct Swing {
   double way_mm = 0.0;
   int alarm_tick = -1;
 };
 
-Swing swingOf(const PlantProfile& told, const PlantProfile& real, const Hand& hand, double push_N,
-              double speed_mm_s, bool watched) {
-  ChainFixture rig(told, real, hand, {.latency_watch = watched});
+Swing swingOf(const PlantProfile& assumed, const PlantProfile& real, const Hand& hand,
+              double push_N, double speed_mm_s, bool detects) {
+  ChainFixture rig(assumed, real, hand, {.oscillation_detector = detects});
   const bool free = hand.stiffness_N_m == 0.0;
   const double stretch_mm =
       push_N * ((free ? 0.0 : 1e3 / hand.stiffness_N_m) + 1.0 / rig.renderedStiffness_N_mm());
@@ -127,11 +127,11 @@ Swing swingOf(const PlantProfile& told, const PlantProfile& real, const Hand& ha
   return swing;
 }
 
-/// Devices that answer two ticks later than told, pushed at random: those that swing without the
-/// watch have to be found by it.
+/// Devices that answer two ticks later than assumed, pushed at random: those that swing without the
+/// detector have to be found by it.
 void slowDevices(const StabilityReport& to) {
   struct Cell {
-    Swing alone, watched;
+    Swing alone, detects;
   };
   std::vector<Cell> cells(300);
   onAllCores(cells.size(), [&](std::size_t i) {
@@ -144,22 +144,22 @@ void slowDevices(const StabilityReport& to) {
     const Hand hand = hands[random() % hands.size()].hand;
     const int d = static_cast<int>(random() % 4);
     const double k = std::min(stiffnessLimit_N_mm(omni(1.0, d)), std::exp(between(-1.2, 2.5)));
-    const PlantProfile told = batteryProfile(k, d, random() % 2 == 0 ? 0.0 : 0.05);
-    PlantProfile real = told;
+    const PlantProfile assumed = sweepProfile(k, d, random() % 2 == 0 ? 0.0 : 0.05);
+    PlantProfile real = assumed;
     real.delay_ticks += 2;
     const double push_N = between(0.4, 2.0), speed_mm_s = between(50.0, 400.0);
-    cells[i] = {swingOf(told, real, hand, push_N, speed_mm_s, false),
-                swingOf(told, real, hand, push_N, speed_mm_s, true)};
+    cells[i] = {swingOf(assumed, real, hand, push_N, speed_mm_s, false),
+                swingOf(assumed, real, hand, push_N, speed_mm_s, true)};
   });
   int swinging = 0, found = 0, latest_ms = 0;
   double left_mm = 0.0;
   for (const Cell& c : cells) {
     if (c.alone.way_mm < 10.0 * 0.055) continue;
     ++swinging;
-    if (c.watched.alarm_tick < 0) continue;
+    if (c.detects.alarm_tick < 0) continue;
     ++found;
-    latest_ms = std::max(latest_ms, c.watched.alarm_tick);
-    left_mm = std::max(left_mm, c.watched.way_mm);
+    latest_ms = std::max(latest_ms, c.detects.alarm_tick);
+    left_mm = std::max(left_mm, c.detects.way_mm);
   }
   to.claims.add(
       "two ticks more than told, 300 pushes at random: those that swing by more than ten "
@@ -184,7 +184,7 @@ void firstTouch(const StabilityReport& to) {
   for (const double damping_Ns_m : {0.0, 1e9}) {
     for (const int d : {0, 1, 2, 3, 5}) {
       for (int sub = 0; sub < 10; ++sub) {
-        const PlantProfile profile = batteryProfile(stiffnessLimit_N_mm(omni(1.0, d)), d);
+        const PlantProfile profile = sweepProfile(stiffnessLimit_N_mm(omni(1.0, d)), d);
         ChainFixture rig(profile, profile, Hand::none());
         rig.damping_Ns_m = damping_Ns_m;
         rig.wall_mm = 0.033 * sub;

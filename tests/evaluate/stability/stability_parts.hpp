@@ -14,7 +14,7 @@
 
 namespace hapticast::evaluate {
 
-/// What the report says first: required and got, line by line.
+/// First table of the report: required and measured values, line by line.
 class Claims {
  public:
   void add(const std::string& claim, const std::string& required, const std::string& got,
@@ -57,6 +57,6 @@ void stabilityIntegrators(const StabilityReport& to);
 void stabilityLife(const StabilityReport& to);
 void stabilityCases(const StabilityReport& to);
 void stabilityHonest(const StabilityReport& to);
-void stabilityLies(const StabilityReport& to);
+void stabilityFalseStreams(const StabilityReport& to);
 
 }  // namespace hapticast::evaluate

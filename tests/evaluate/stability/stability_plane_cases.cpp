@@ -43,7 +43,7 @@ CaseOutcome happens(const Plane& what, bool naive) {
     rig.step(what.period(i));
     out.speed_mm_s = std::max(out.speed_mm_s, rig.device.trueVelocity_mm_s().z());
     out.energy_mJ = std::max(out.energy_mJ, rig.true_work_mJ - before_mJ);
-    out.interferences |= rig.out.interferences;
+    out.safety_actions |= rig.out.safety_actions;
     out.trace_N.push_back(rig.out.force_N.norm());
     out.trace_mm_s.push_back(rig.device.trueVelocity_mm_s().z());
   }

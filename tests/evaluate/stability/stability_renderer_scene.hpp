@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the extreme cases of the room play in: a room, a stream and a hand under a virtual clock.
+// The scene of the renderer's extreme cases: a renderer, a stream and a hand under a virtual clock.
 #pragma once
 
 #include <algorithm>
@@ -17,17 +17,17 @@
 
 namespace hapticast::evaluate {
 
-inline constexpr PixelRect kRoomPlate_px{288, 208, 64, 64};  // +-8 mm about the middle
+inline constexpr PixelRect kRendererPlate_px{288, 208, 64, 64};  // +-8 mm about the middle
 inline constexpr double kRoomPixel_mm = 0.25;
 
 /// Made once, kept for both runs of a case.
-class RoomReliefs {
+class RendererReliefs {
  public:
   const HeightField* at(int shift_px, double height_mm, bool dome) {
     const auto key = std::make_tuple(shift_px, height_mm, dome);
     std::shared_ptr<const HeightField>& field = reliefs_[key];
     if (field) return field.get();
-    PixelRect rect = kRoomPlate_px;
+    PixelRect rect = kRendererPlate_px;
     rect.u += shift_px;
     const Vec2 centre(shift_px * kRoomPixel_mm, 0.0);
     field = client::makeField(
@@ -43,15 +43,15 @@ class RoomReliefs {
   std::map<std::tuple<int, double, bool>, std::shared_ptr<const HeightField>> reliefs_;
 };
 
-/// A room, a stream, a light hand; time t_s counts from the beginning, the event is at 0.
-class RoomScene {
+/// A renderer, a stream, a light hand; time t_s counts from the beginning, the event is at 0.
+class RendererScene {
  public:
   static constexpr double kEvent_s = 2.5;
   static constexpr double kEnd_s = 5.0;
   static constexpr double kFriction_N = 0.05;  // as in the profile of an Omni
   static constexpr double kBegin_s = 1.0;      // of the stream
 
-  RoomScene(bool naive, RoomReliefs& all) : reliefs(all), naive_(naive), settings_() {
+  RendererScene(bool naive, RendererReliefs& all) : reliefs(all), naive_(naive), settings_() {
     renderer =
         std::make_unique<client::HapticRenderer>(settings_, pool, stream_door, user_door, nullptr);
     device = std::make_unique<client::VirtualDevice>(
@@ -95,7 +95,7 @@ class RoomScene {
     (void)client::send(pool, frame);
   }
 
-  RoomReliefs& reliefs;
+  RendererReliefs& reliefs;
   client::FramePool pool;
   LatestValue<client::StreamTiming> stream_door;
   LatestValue<client::UserControls> user_door;
@@ -112,7 +112,7 @@ class RoomScene {
   double t_s = 0.0;
   std::function<Vec3(double)> target_mm = [](double) { return Vec3(0.1, 0.1, 5.0); };  // nominal
   std::function<void(client::PlayFrame&, double)> scene;  // at a time of the media
-  std::function<void(RoomScene&)> at_tick;
+  std::function<void(RendererScene&)> at_tick;
 
  private:
   /// From 20 mm above down to the target before the event.
@@ -158,7 +158,7 @@ class RoomScene {
     out.speed_mm_s = std::max(out.speed_mm_s, device->trueVelocity_mm_s().z());
     out.energy_mJ = std::max(out.energy_mJ, work_mJ_ - begin_mJ);
     out.finite = out.finite && force_N_.allFinite();
-    out.interferences |= report.interferences;
+    out.safety_actions |= report.safety_actions;
     out.trace_N.push_back(force_N_.norm());
     out.trace_mm_s.push_back(device->trueVelocity_mm_s().z());
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Force above 50 Hz in a steady press: on a plane with every hand, delay and stiffness, and through
-// the whole room on shapes drawn at random.
+// the whole renderer on shapes drawn at random.
 #include "tests/support/vibration.hpp"
 
 #include <cmath>
@@ -22,7 +22,7 @@ using namespace client;
 
 struct PlaneCell {
   const NamedHand* hand;
-  int told, real;
+  int assumed, real;
   double stiffness_N_mm, friction_N, real_kg, wall_mm;
   Silence got;
 };
@@ -50,11 +50,11 @@ struct Worst {
 Worst pressAll(std::vector<PlaneCell>& cells) {
   onAllCores(cells.size(), [&](std::size_t i) {
     PlaneCell& c = cells[i];
-    const PlantProfile told = batteryProfile(c.stiffness_N_mm, c.told, c.friction_N);
-    PlantProfile real = told;
+    const PlantProfile assumed = sweepProfile(c.stiffness_N_mm, c.assumed, c.friction_N);
+    PlantProfile real = assumed;
     real.delay_ticks = c.real;
     real.mass_kg = c.real_kg;
-    c.got = pressSteadily(told, real, c.hand->hand, {.wall_mm = c.wall_mm});
+    c.got = pressSteadily(assumed, real, c.hand->hand, {.wall_mm = c.wall_mm});
   });
   Worst worst;
   for (const PlaneCell& c : cells) {
@@ -187,11 +187,10 @@ void pressShape(ShapeCell& c) {
   LatestValue<UserControls> user;
   RendererSettings settings;
   static_cast<DeviceProfile&>(settings.profile) =
-      batteryProfile(c.stiffness_N_mm, c.delay, c.friction_N);
+      sweepProfile(c.stiffness_N_mm, c.delay, c.friction_N);
   settings.stiffness_N_mm = c.stiffness_N_mm;
   const auto renderer = std::make_unique<HapticRenderer>(settings, pool, stream, user, nullptr);
-  VirtualDevice device(batteryProfile(c.stiffness_N_mm, c.delay, c.friction_N), c.hand->hand,
-                       clock);
+  VirtualDevice device(sweepProfile(c.stiffness_N_mm, c.delay, c.friction_N), c.hand->hand, clock);
   StreamTiming control;
   control.connected = true;
   control.first_epoch = 1;

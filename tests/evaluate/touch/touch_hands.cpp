@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The hands that touch the scenes: where they are, and the exact displacement they should feel.
+// The hands that touch the scenes: where they are, and the exact expected displacement.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -87,7 +87,7 @@ Hand rimHand(const Wall& wall, double inside_mm) {
     const Vec2 at_mm = point.at_mm - in_mm * point.outward;
     HandPoint hand = below(wall.top_mm, at_mm, t, moved(-2.0, kRimDepth_mm, 0.5, t));
     if (in_mm >= 0.0) return hand;
-    // The top's nearest point has gone over the edge: only the side is left to be felt, as long as
+    // The top's nearest point has gone over the edge: only the side can be touched, as long as
     // the tip itself is inside.
     const double beyond_mm = (hand.hip_mm.head<2>() - point.at_mm).dot(point.outward);
     const Vec2 out_mm = std::max(0.0, -beyond_mm) * point.outward;

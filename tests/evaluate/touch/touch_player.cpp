@@ -32,8 +32,9 @@ class Viewer {
  public:
   Viewer(const Stream& stream, const Variant& variant)
       : stream_(stream),
-        decode_thread_(pool_, clock_, variant.method,
-                       [this](const client::PreparedFrame& frame) { receiver_.prepared(frame); }),
+        decode_thread_(
+            pool_, clock_, variant.method,
+            [this](const client::PreparedFrame& frame) { receiver_.addPrepared(frame); }),
         receiver_(decode_thread_, state_, 2),
         lookup_(pool_, variant.interpolation) {
     receiver_.connected(stream.description, clock_.now());
@@ -122,7 +123,7 @@ Touch perturbed(double texture_K_mm) {
   });
 }
 
-// What the proxy reads, for the tangent plane.
+// Input of the proxy for the tangent plane.
 client::SurfacePoint splineAt(const client::InterpolatedObject& object, const Vec2& nominal_mm,
                               const Workspace& workspace) {
   client::SurfacePoint point;
@@ -182,13 +183,14 @@ const Variant& thesisVariant() {
 namespace {
 
 // One after the other over the ticks between two frames: memory is warm for all alike.
-std::vector<Felt> feelTogether(const Stream& stream, const std::vector<const Variant*>& variants,
-                               const Hand& hand, const PlayTimes& times, const Look& look) {
+std::vector<ForceTrace> renderTogether(const Stream& stream,
+                                       const std::vector<const Variant*>& variants,
+                                       const Hand& hand, const PlayTimes& times, const Look& look) {
   Viewer viewer(stream, *variants.front());
   std::vector<Touch> touches;
   touches.reserve(variants.size());
   for (const Variant* variant : variants) touches.push_back(variant->make());
-  std::vector<Felt> out(variants.size());
+  std::vector<ForceTrace> out(variants.size());
   const double last_s = stream.frames[stream.frames.size() - 2].time_s;
   const auto last_tick = static_cast<std::int64_t>(std::min(times.to_s, last_s) * 1e3);
   const auto per_frame = static_cast<std::int64_t>(1e3 / stream.description.fps);
@@ -204,40 +206,41 @@ std::vector<Felt> feelTogether(const Stream& stream, const std::vector<const Var
       ticks.push_back({time_s, hand(time_s), Vec3::Zero(), Vec3::UnitZ(), false, new_frame});
     }
     for (std::size_t k = 0; k < touches.size(); ++k) {
-      std::vector<Tick>& felt = out[k].ticks;
-      const std::size_t begin = felt.size();
-      felt.insert(felt.end(), ticks.begin(), ticks.end());
+      std::vector<Tick>& trace = out[k].ticks;
+      const std::size_t begin = trace.size();
+      trace.insert(trace.end(), ticks.begin(), ticks.end());
       const double start_us = threadTime_us();
-      for (std::size_t i = begin; i < felt.size(); ++i) viewer.touch(touches[k], felt[i], look);
+      for (std::size_t i = begin; i < trace.size(); ++i) viewer.touch(touches[k], trace[i], look);
       out[k].tick_us += threadTime_us() - start_us;
     }
     tick = next;
   }
-  for (Felt& felt : out) felt.tick_us /= std::max(1.0, double(felt.ticks.size()));
+  for (ForceTrace& trace : out) trace.tick_us /= std::max(1.0, double(trace.ticks.size()));
   return out;
 }
 
 }  // namespace
 
-std::vector<Felt> feelAll(const std::function<const Stream&(Method)>& streams,
-                          const std::vector<Variant>& variants, const Hand& hand,
-                          const PlayTimes& times) {
+std::vector<ForceTrace> renderTraces(const std::function<const Stream&(Method)>& streams,
+                                     const std::vector<Variant>& variants, const Hand& hand,
+                                     const PlayTimes& times) {
   std::map<std::pair<Method, Interpolation>, std::vector<std::size_t>> groups;
   for (std::size_t i = 0; i < variants.size(); ++i)
     groups[{variants[i].method, variants[i].interpolation}].push_back(i);
-  std::vector<Felt> out(variants.size());
+  std::vector<ForceTrace> out(variants.size());
   for (const auto& [kind, indices] : groups) {
     std::vector<const Variant*> together;
     for (const std::size_t i : indices) together.push_back(&variants[i]);
-    std::vector<Felt> felt = feelTogether(streams(kind.first), together, hand, times, nullptr);
-    for (std::size_t k = 0; k < indices.size(); ++k) out[indices[k]] = std::move(felt[k]);
+    std::vector<ForceTrace> trace =
+        renderTogether(streams(kind.first), together, hand, times, nullptr);
+    for (std::size_t k = 0; k < indices.size(); ++k) out[indices[k]] = std::move(trace[k]);
   }
   return out;
 }
 
-Felt feel(const Stream& stream, const Variant& variant, const Hand& hand, const PlayTimes& times,
-          const Look& look) {
-  return feelTogether(stream, {&variant}, hand, times, look).front();
+ForceTrace renderTrace(const Stream& stream, const Variant& variant, const Hand& hand,
+                       const PlayTimes& times, const Look& look) {
+  return renderTogether(stream, {&variant}, hand, times, look).front();
 }
 
 double relativeError(const std::vector<Tick>& ticks) {

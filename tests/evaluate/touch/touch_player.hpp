@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A stream felt by a scripted hand, 1000 times a second of play time: bytes decoded, frames
+// A stream under a scripted hand, 1000 times a second of play time: bytes decoded, frames
 // prepared by the receiver, looked up and touched as the client does, without device and safety
 // chain. Thread: any, each player for itself.
 #pragma once
@@ -14,7 +14,7 @@
 
 namespace hapticast::evaluate {
 
-/// What feels: called once a tick, in order. It may keep state.
+/// Renders a tick. Called once a tick, in order. It may keep state.
 using Touch = std::function<client::Contact(const client::SceneInterpolator&, const client::Scene&,
                                             const Vec3& hip_mm, const Workspace&)>;
 
@@ -33,7 +33,7 @@ std::vector<Variant> allVariants();
 const Variant& defaultVariant();
 const Variant& thesisVariant();
 
-/// Where the hand is at a time, and the exact displacement it should feel (zero: no contact).
+/// Where the hand is at a time, and the exact displacement expected there (zero: no contact).
 struct HandPoint {
   Vec3 hip_mm = Vec3::Zero();
   Vec3 truth_mm = Vec3::Zero();
@@ -52,7 +52,7 @@ struct Tick {
   [[nodiscard]] Vec3 error_mm() const { return displacement_mm - hand.truth_mm; }
 };
 
-struct Felt {
+struct ForceTrace {
   std::vector<Tick> ticks;
   double tick_us = 0.0;  ///< look-up and surface, mean
 };
@@ -64,17 +64,17 @@ struct PlayTimes {
                              ///< that any interpolation asks for
 };
 
-/// What a hand feels by each of the variants; frames are made once for those that read the same
+/// The force at a hand by each of the variants; frames are made once for those that read the same
 /// ones. `streams` gives the stream of a method.
-std::vector<Felt> feelAll(const std::function<const Stream&(Method)>& streams,
-                          const std::vector<Variant>& variants, const Hand& hand,
-                          const PlayTimes& times = {});
+std::vector<ForceTrace> renderTraces(const std::function<const Stream&(Method)>& streams,
+                                     const std::vector<Variant>& variants, const Hand& hand,
+                                     const PlayTimes& times = {});
 
 /// One variant. `look`: what else is wanted of each tick; its time counts.
 using Look = std::function<void(const client::Scene&, const client::StreamTiming&,
                                 const client::Contact&, const Tick&)>;
-Felt feel(const Stream& stream, const Variant& variant, const Hand& hand,
-          const PlayTimes& times = {}, const Look& look = nullptr);
+ForceTrace renderTrace(const Stream& stream, const Variant& variant, const Hand& hand,
+                       const PlayTimes& times = {}, const Look& look = nullptr);
 
 /// Relative RMS of the error over the ticks in which the truth is in contact.
 double relativeError(const std::vector<Tick>& ticks);

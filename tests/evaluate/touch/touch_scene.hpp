@@ -21,7 +21,7 @@ inline constexpr double kSceneFps = 25.0;
 using HeightAt = std::function<double(const Vec2& nominal_mm, double time_s)>;
 using MotionAt = std::function<Motion(double time_s)>;
 
-/// What the source's depth and mask are made of.
+/// The origin of the source's depth and mask.
 struct Seen {
   bool eight_bit = true;  ///< 255 levels over the mapped 30 mm; else float
   bool give_mask = true;  ///< the exact one

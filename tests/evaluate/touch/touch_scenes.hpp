@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What is touched to tell how exact the force is, and the hands that touch it. Nominal
+// Objects that measure the error of the force, and the hands that touch it. Nominal
 // mm.
 #pragma once
 
@@ -60,8 +60,8 @@ Wall stepWall();                       ///< 10 mm inside an object, turned by 17
 Hand slidingHand(const TouchScene& scene, double reach_mm);
 /// Comes from above to a place of the body (turned with it), then stays there, this deep.
 Hand holdingHand(const TouchScene& scene, const Vec2& in_body_mm, double depth_mm);
-/// Comes from above, then stands still; what it should feel is the height over it: for surfaces
-/// that are level there.
+/// Comes from above, then stands still; the expected displacement is the height over it: for
+/// surfaces that are level there.
 Hand stillHand(const TouchScene& scene, const Vec3& hip_mm);
 
 /// From the side into the wall, `push_mm` deep, along it to and fro and away again.

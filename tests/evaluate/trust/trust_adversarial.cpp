@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What lying streams do to a hand: every lie through the wire to the client's parts, work and steps
-// summed from forces sent and ways made.
+// False streams at a hand: each one goes through the wire to the client's parts. Work and steps are
+// computed from the sent forces and the true motion.
 #include <algorithm>
 #include <set>
 
@@ -13,8 +13,8 @@ namespace {
 
 using testing::Verdict;
 
-struct LieRun {
-  const testing::Lie* lie;
+struct FalseStreamRun {
+  const testing::FalseStream* false_stream;
   client::AdversarialRun got;
 };
 
@@ -35,13 +35,15 @@ constexpr double kTouched_s = 2.0;  // the hand has come by then
 
 }  // namespace
 
-void stabilityLies(const StabilityReport& to) {
+void stabilityFalseStreams(const StabilityReport& to) {
   const double seconds = to.options.quick ? 8.0 : 21.0;
   const double net_s = to.options.quick ? 3.0 : 10.0;
-  std::vector<LieRun> runs;
-  for (const testing::Lie& lie : testing::lies()) runs.push_back({&lie, {}});
-  onAllCores(runs.size(),
-             [&](std::size_t i) { runs[i].got = client::lieTo(*runs[i].lie, seconds); });
+  std::vector<FalseStreamRun> runs;
+  for (const testing::FalseStream& false_stream : testing::falseStreams())
+    runs.push_back({&false_stream, {}});
+  onAllCores(runs.size(), [&](std::size_t i) {
+    runs[i].got = client::runFalseStream(*runs[i].false_stream, seconds);
+  });
   std::vector<std::vector<std::string>> lines{
       {"lie", "verdict", "force N", "mJ in 10 s", "step N up", "down", "step not the tip's N"}};
   double most_mJ = 0.0;
@@ -54,32 +56,33 @@ void stabilityLies(const StabilityReport& to) {
   differing.reserve(runs.size());
   double most_N = 0.0;
   bool finite = true;
-  for (const LieRun& run : runs) {
-    const client::Felt& felt = run.got.felt;
+  for (const FalseStreamRun& run : runs) {
+    const client::ForceTrace& trace = run.got.trace;
     const Verdict verdict = run.got.verdict();
-    if (run.lie->verdict == Verdict::kLimited && verdict == Verdict::kTrustLost)
+    if (run.false_stream->verdict == Verdict::kLimited && verdict == Verdict::kTrustLost)
       ++in_the_end;
-    else if (!run.got.is(run.lie->verdict))
-      differing.push_back(run.lie->name);
-    const double work_mJ = felt.mostWork_mJ(10.0);
+    else if (!run.got.is(run.false_stream->verdict))
+      differing.push_back(run.false_stream->name);
+    const double work_mJ = trace.mostWork_mJ(10.0);
     most_mJ = std::max(most_mJ, work_mJ);
-    if (kRelative.contains(run.lie->name))
-      relative_mJ = std::max(relative_mJ, felt.netWork_mJ(kTouched_s, net_s));
-    const double sum_mJ = felt.work_mJ.back();
-    const double off_mJ = std::abs(felt.metered_mJ - sum_mJ);
+    if (kRelative.contains(run.false_stream->name))
+      relative_mJ = std::max(relative_mJ, trace.netWork_mJ(kTouched_s, net_s));
+    const double sum_mJ = trace.work_mJ.back();
+    const double off_mJ = std::abs(trace.metered_mJ - sum_mJ);
     if (off_mJ > std::max(2.0, 0.05 * std::abs(sum_mJ))) {
       ++misread;
-      if (off_mJ > meter_mJ) meter_of = text("%s, of %.0f mJ", run.lie->name.c_str(), sum_mJ);
+      if (off_mJ > meter_mJ)
+        meter_of = text("%s, of %.0f mJ", run.false_stream->name.c_str(), sum_mJ);
       meter_mJ = std::max(meter_mJ, off_mJ);
     }
-    most_N = std::max(most_N, felt.max_force_N);
-    finite = finite && felt.finite;
-    to.report.add(
-        {run.lie->name, "lie_work", testing::verdictName(verdict), work_mJ, "mJ", 0.0, true});
-    lines.push_back({"`" + run.lie->name + "`", testing::verdictName(verdict),
-                     text("%.2f", felt.max_force_N), text("%.0f", work_mJ),
-                     text("%.2f", felt.max_rise_N), text("%.2f", felt.max_fall_N),
-                     text("%.2f", felt.max_unexplained_N)});
+    most_N = std::max(most_N, trace.max_force_N);
+    finite = finite && trace.finite;
+    to.report.add({run.false_stream->name, "lie_work", testing::verdictName(verdict), work_mJ, "mJ",
+                   0.0, true});
+    lines.push_back({"`" + run.false_stream->name + "`", testing::verdictName(verdict),
+                     text("%.2f", trace.max_force_N), text("%.0f", work_mJ),
+                     text("%.2f", trace.max_rise_N), text("%.2f", trace.max_fall_N),
+                     text("%.2f", trace.max_unexplained_N)});
   }
   to.claims.add(text("lies (%zu, %.0f s each): all forces finite, largest", runs.size(), seconds),
                 "<= 3.3 N", text("%.2f N", most_N), finite && most_N <= 3.3 + 1e-9);
@@ -98,7 +101,7 @@ void stabilityLies(const StabilityReport& to) {
                      meter_mJ, meter_of.c_str()),
                 misread == 0);
   to.report.say(
-      "### Lying streams\n\nA light hand, the Omni. A step that is not the tip's: beyond "
+      "### False streams\n\nA light hand, the Omni. A step that is not the tip's: beyond "
       "K_max times its counted way and B times its true change of speed.\n\n" +
       markdown(lines));
 }

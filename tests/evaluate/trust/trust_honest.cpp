@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the chain does to streams that do not lie: the scenes of the server, bodies in fast motion
+// The chain under honest streams: the scenes of the server, bodies in fast motion
 // and the real clips, through vision and wire, with frames lost on the way, under every scripted
 // hand.
 #include <algorithm>
@@ -76,7 +76,7 @@ struct HonestRun {
   double lost;
   HandKind kind;
   client::Hand hand;
-  client::Felt felt;
+  client::ForceTrace trace;
   TickReport last;
 };
 
@@ -86,7 +86,7 @@ void play(HonestRun& run) {
       std::make_unique<VirtualViewer>(RendererSettings{}, PlantProfile{}, run.hand, &script);
   StreamServer server(run.stream->stream, run.lost);
   run.last = runSession(server, *viewer, run.stream->stream.frames.back().time_s + 1.0);
-  run.felt = std::move(viewer->felt);
+  run.trace = std::move(viewer->trace);
 }
 
 /// The most of anything that one of several runs came to.
@@ -96,16 +96,16 @@ struct Worst {
   int lost_trust = 0;
 };
 
-double share(const client::Felt& felt, SafetyAction which) {
-  return double(felt.ticksWith(bit(which))) / double(felt.interferences.size());
+double share(const client::ForceTrace& trace, SafetyAction which) {
+  return double(trace.ticksWith(bit(which))) / double(trace.safety_actions.size());
 }
 
 void take(Worst& worst, const HonestRun& run) {
-  worst.doubted = std::max(worst.doubted, share(run.felt, SafetyAction::kImplausible));
-  worst.tank = std::max(worst.tank, share(run.felt, SafetyAction::kTank));
-  worst.slew = std::max(worst.slew, share(run.felt, SafetyAction::kSlew));
-  worst.score_ticks = std::max(worst.score_ticks, run.felt.max_trust_score_ticks);
-  worst.work_mJ = std::max(worst.work_mJ, run.felt.mostWork_mJ(10.0));
+  worst.doubted = std::max(worst.doubted, share(run.trace, SafetyAction::kImplausible));
+  worst.tank = std::max(worst.tank, share(run.trace, SafetyAction::kTank));
+  worst.slew = std::max(worst.slew, share(run.trace, SafetyAction::kSlew));
+  worst.score_ticks = std::max(worst.score_ticks, run.trace.max_trust_score_ticks);
+  worst.work_mJ = std::max(worst.work_mJ, run.trace.mostWork_mJ(10.0));
   worst.lost_trust += run.last.halt == Halt::kNone ? 0 : 1;
 }
 

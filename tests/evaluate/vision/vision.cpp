@@ -104,7 +104,7 @@ std::vector<NamedSensor> alignedSensors() {
   return out;
 }
 
-// What segment and enhance cost, by size of the picture: in the table, not drawn.
+// Cost of segment and enhance, by size of the picture: in the table, not drawn.
 void measureTimes(const Clip& clip, const char* size, Report& report) {
   const MaskRun run = runSegmenter(clip, server::SegmentMode::kBand, Method::kHapticast);
   const std::string scene = clip.name() + " " + size;

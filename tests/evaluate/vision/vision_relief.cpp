@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Reliefs against the true surface, and how still what is at rest feels.
+// Reliefs against the true surface, and the noise at rest.
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
@@ -77,7 +77,7 @@ ReliefErrors errorsOf(const Reliefs& reliefs, const Clip& clip) {
   const double gain = 30.0 / (reliefs.range.far_mm - reliefs.range.near_mm);
   for (std::size_t i = 0; i < reliefs.height_mm.size(); ++i) {
     const TestSource::Truth& truth = clip.truth[i];
-    const cv::Mat core = server::erodedBy(truth.mask, 5);
+    const cv::Mat core = server::erodeBy(truth.mask, 5);
     for (int v = 0; v < core.rows; ++v) {
       const auto* mask = truth.mask.ptr<unsigned char>(v);
       const auto* inner = core.ptr<unsigned char>(v);

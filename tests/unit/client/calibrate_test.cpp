@@ -46,7 +46,7 @@ Vec3 restingForce_N(double strength, double weight_N) {
   return Vec3::Zero();
 }
 
-TEST(Calibrate, AGripIsHeldWhateverTheGainReallyIs) {
+TEST(Calibrate, AGripIsHeldAtAnyTrueGain) {
   for (const double strength : {0.4, 1.0, 3.0}) {
     const Vec3 held_N = strength * restingForce_N(strength, 2.0);
     EXPECT_NEAR(held_N.y(), 2.0, 0.02) << strength;

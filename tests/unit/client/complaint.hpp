@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a reader of a device's files says of a wrong text.
+// The error of a reader of a device's files for a wrong text.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 
 namespace hapticast::client {
 
-/// What read(stream, file name) complains of, without the file's name; "accepted" if of nothing.
+/// The error of read(stream, file name), without the file's name; "accepted" if there is none.
 template <class Read>
 std::string complaint(Read read, const std::string& text) {
   std::istringstream in(text);

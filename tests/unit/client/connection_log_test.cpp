@@ -6,18 +6,18 @@
 namespace hapticast::client {
 namespace {
 
-TEST(ConnectionLog, SaysOnceWhatItWaitsForAndThenOnceAMinute) {
+TEST(ConnectionLog, ReportsTheReasonOfItsWaitOnceAndThenOnceAMinute) {
   ConnectionLog log("here:1");
-  EXPECT_EQ(log.lost("connection refused", localTime(0)),
+  EXPECT_EQ(log.logLoss("connection refused", localTime(0)),
             "waiting for a server at here:1 (connection refused)");
   int lines = 0;
-  for (int s = 1; s <= 600; ++s) lines += log.lost("connection refused", localTime(s)) ? 1 : 0;
+  for (int s = 1; s <= 600; ++s) lines += log.logLoss("connection refused", localTime(s)) ? 1 : 0;
   EXPECT_EQ(lines, 10) << "in ten minutes";
   EXPECT_FALSE(log.everConnected());
   EXPECT_EQ(log.reason(), "connection refused");
 }
 
-TEST(ConnectionLog, SaysHowFarTheServerIsInQuarters) {
+TEST(ConnectionLog, ReportsHowFarTheServerIsInQuarters) {
   ConnectionLog log("here:1");
   (void)log.connected("connected: x", localTime(0));
   EXPECT_EQ(log.preparing(0.1, localTime(1)), "the server scans its clip first: 10 % done");
@@ -28,17 +28,17 @@ TEST(ConnectionLog, SaysHowFarTheServerIsInQuarters) {
   EXPECT_FALSE(log.preparing(1.0, localTime(6))) << "nothing is waited for";
 }
 
-TEST(ConnectionLog, SaysEveryNewReasonAndEveryConnection) {
+TEST(ConnectionLog, ReportsEveryNewReasonAndEveryConnection) {
   ConnectionLog log("here:1");
-  EXPECT_TRUE(log.lost("connection refused", localTime(0)));
-  EXPECT_TRUE(log.lost("no route", localTime(1)));
+  EXPECT_TRUE(log.logLoss("connection refused", localTime(0)));
+  EXPECT_TRUE(log.logLoss("no route", localTime(1)));
   EXPECT_EQ(log.connected("connected: x", localTime(2)), "connected: x");
   EXPECT_TRUE(log.everConnected());
   EXPECT_EQ(log.reason(), "");
-  EXPECT_EQ(log.lost("the server ends", localTime(3)), "here:1: the server ends; trying again");
-  EXPECT_EQ(log.lost("connection refused", localTime(4)),
+  EXPECT_EQ(log.logLoss("the server ends", localTime(3)), "here:1: the server ends; trying again");
+  EXPECT_EQ(log.logLoss("connection refused", localTime(4)),
             "here:1: connection refused; trying again");
-  EXPECT_FALSE(log.lost("connection refused", localTime(5)));
+  EXPECT_FALSE(log.logLoss("connection refused", localTime(5)));
   EXPECT_EQ(log.connected("connected: x", localTime(6)), "connected: x");
 }
 
@@ -52,14 +52,14 @@ TEST(ConnectionLog, AServerThatComesAndGoesDoesNotFillTheLog) {
   };
   for (int s = 0; s < 59; ++s) {
     count(log.connected("connected: x", localTime(s)));
-    count(log.lost("go away " + std::to_string(s), localTime(s)));
+    count(log.logLoss("go away " + std::to_string(s), localTime(s)));
   }
   EXPECT_EQ(lines, LogRateLimiter::kBurst + 3) << "a token comes back at 15, 30 and 45 s";
   EXPECT_TRUE(last.ends_with(" lines more, not shown)")) << last;
   EXPECT_TRUE(log.connected("connected: x", localTime(61))) << "a minute later";
 }
 
-TEST(StreamErrorLog, SaysWhatIsNotShownOnceAMinute) {
+TEST(StreamErrorLog, ReportsErrorsThatAreNotShownOnceAMinute) {
   StreamErrorLog log;
   ReceiverCounts counts;
   counts.duplicates = 3;

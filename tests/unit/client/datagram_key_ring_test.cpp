@@ -151,7 +151,7 @@ TEST_F(DatagramKeyRingTest, AnIdThatReturnsIsAnotherKey) {
   EXPECT_TRUE(takes(sealed(&again)));
 }
 
-TEST_F(DatagramKeyRingTest, AReconnectionDoesNotForgetWhatHasCome) {
+TEST_F(DatagramKeyRingTest, AReconnectionKeepsTheReceivedCounters) {
   keys.begin(announce(first));
   const auto bytes = sealed(&first);
   EXPECT_TRUE(takes(bytes));

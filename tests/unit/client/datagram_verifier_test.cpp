@@ -32,7 +32,7 @@ class DatagramInboxTest : public ::testing::Test {
   DatagramVerifier verifier{kToken, kStream, VerifyingKey::from(key.verifyingKey()).value(), keys};
 };
 
-TEST_F(DatagramInboxTest, TakesWhatTheServerHasSigned) {
+TEST_F(DatagramInboxTest, AcceptsDatagramsThatTheServerHasSigned) {
   const auto bytes = datagram(9);
   const auto taken = verifier.verify(bytes, localTime(1), [](const auto&) { return Want::kNew; });
   ASSERT_TRUE(taken);

@@ -65,7 +65,7 @@ TEST_F(PreparerTest, AFrameIsReadyWhenItsStepIsDone) {
   EXPECT_FALSE(decode_thread.step());
 }
 
-TEST_F(PreparerTest, WhatIsLeftOutMayBeCalledUnchangedLater) {
+TEST_F(PreparerTest, ADroppedReliefMayBeSentAsUnchangedLater) {
   (void)decode_thread.push(frameOf(1, 1, true));
   (void)decode_thread.push(frameOf(2, 2, true));
   std::size_t left_out = 0;
@@ -82,7 +82,7 @@ TEST_F(PreparerTest, WhatIsLeftOutMayBeCalledUnchangedLater) {
   }
 }
 
-TEST_F(PreparerTest, WhatTheLoopHadNoRoomForMayBeCalledUnchangedLater) {
+TEST_F(PreparerTest, AReliefWithoutAFreeSlotMayBeSentAsUnchangedLater) {
   for (std::uint64_t id = 1; id <= FramePool::kSlots + 1; ++id) {
     (void)decode_thread.push(frameOf(id, id, true));
     (void)decode_thread.step();

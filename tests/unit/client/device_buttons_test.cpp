@@ -6,7 +6,7 @@
 namespace hapticast::client {
 namespace {
 
-TEST(DeviceButtons, AreHeardOncePerPress) {
+TEST(DeviceButtons, ArePassedOnOncePerPress) {
   DeviceProfile profile;
   profile.pause_button = 2;
   profile.rearm_button = 0;
@@ -20,7 +20,7 @@ TEST(DeviceButtons, AreHeardOncePerPress) {
   EXPECT_EQ(buttons.onButtons(0b1100).other, 3);
 }
 
-TEST(DeviceButtons, WithoutAMeaningNothingIsSaid) {
+TEST(DeviceButtons, WithoutAMeaningNothingIsSent) {
   DeviceProfile dead_man;
   dead_man.enable_button = 1;
   DeviceButtons buttons(dead_man);

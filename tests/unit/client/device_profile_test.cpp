@@ -65,13 +65,13 @@ TEST(DeviceProfileFile, IsReadFromAFile) {
   EXPECT_EQ(loadDeviceProfile(folder.write("device.txt", "mass_kg = 0.3")).mass_kg, 0.3);
 }
 
-TEST(DeviceProfileFile, WhatIsNotSaidIsOmni) {
+TEST(DeviceProfileFile, MissingKeysHaveTheValuesOfOmni) {
   const PlantProfile p = profileOf("friction_N = 0.1");
   EXPECT_EQ(p.friction_N, 0.1);
   EXPECT_EQ(p.mass_kg, 0.045);
 }
 
-TEST(DeviceProfileFile, ComplaintsNameLineKeyAndWhatIsAllowed) {
+TEST(DeviceProfileFile, ErrorsNameLineKeyAndAllowedValues) {
   EXPECT_EQ(profileComplaint("\nmass_kg = 0"), ":2: mass_kg: '0' is not a number from 0.001 to 10");
   EXPECT_EQ(profileComplaint("mass_kg = heavy"),
             ":1: mass_kg: 'heavy' is not a number from 0.001 to 10");

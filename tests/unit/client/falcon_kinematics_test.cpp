@@ -94,7 +94,7 @@ TEST(FalconKinematics, TorquesMoveAsMuchPowerAsTheForce) {
   EXPECT_NEAR(push.maxCoeff(), 0.0242, 1e-4);
 }
 
-TEST(FalconKinematics, WhatIsOutOfReachIsRefused) {
+TEST(FalconKinematics, RefusesAPlaceOutOfReach) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (const Vec3& far_m : {Vec3(0.0, 0.0, 0.4), Vec3(0.3, 0.0, 0.1), Vec3(0.0, -1.0, 0.1),
                             Vec3(nan, 0.0, 0.1), Vec3(0.0, 0.0, nan)}) {

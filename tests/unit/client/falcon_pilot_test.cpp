@@ -108,7 +108,7 @@ TEST(FalconPilot, TheForceIsRampedIn) {
   EXPECT_NEAR(last, PilotRig::kFalconGain_test * torques.cwiseAbs().maxCoeff(), 1.5);
 }
 
-TEST(FalconPilot, WhatTheMotorsGetIsTheForceAtTheGrip) {
+TEST(FalconPilot, TheMotorsGetTheForceAtTheGrip) {
   PilotRig rig;
   rig.offset_mm = {12.0, -20.0, 15.0};
   rig.force_N = {1.5, -2.0, 3.0};
@@ -129,7 +129,7 @@ TEST(FalconPilot, WhatTheMotorsGetIsTheForceAtTheGrip) {
   EXPECT_LT(saturated_N.cross(rig.force_N).norm(), 0.01 * saturated_N.norm() * rig.force_N.norm());
 }
 
-TEST(FalconPilot, AfterTwentySilentTicksTheMotorsAreToldZero) {
+TEST(FalconPilot, SendsZeroToTheMotorsAfterTwentySilentTicks) {
   PilotRig rig;
   rig.makeReady();
   rig.silence(18);
@@ -206,7 +206,7 @@ TEST(FalconPilot, HomingThatIsLostTakesTheForceAwayUntilItIsHomedAgain) {
 TEST(FalconPilot, ADeviceThatWasAwayBeginsAnew) {
   PilotRig rig;
   rig.makeReady();
-  rig.pilot.lost();
+  rig.pilot.onLost();
   rig.silence(1);
   EXPECT_EQ(rig.state.status, DeviceStatus::kLost);
   EXPECT_EQ(rig.request.motors, kNoMotor);

@@ -47,7 +47,7 @@ std::vector<FalconReply> someReplies(std::mt19937& random, int count) {
   return replies;
 }
 
-TEST(FalconProtocol, FramesAreWhatTheDeviceKnows) {
+TEST(FalconProtocol, FramesHaveTheBytesOfTheDevicesProtocol) {
   EXPECT_EQ(text(encode({.homing = false})), "<AAAAAAAAAAAAAA>");
   EXPECT_EQ(text(encode({.homing = true})), "<AAAAAAAAAAAABA>");
   EXPECT_EQ(text(encode({.motors = {1, -1, 0x123}, .homing = false, .lights = FalconLight::kRed})),
@@ -74,7 +74,7 @@ TEST(FalconProtocol, RepliesAreReadInEveryNumberAndFlag) {
   EXPECT_EQ(parsed(parser, countBytes({full})), (std::vector{full}));
 }
 
-TEST(FalconProtocol, AfterWhatIsCutOffOrPutBetweenTheNextWholeFrameIsRead) {
+TEST(FalconProtocol, ReadsTheNextWholeFrameAfterATruncatedOrForeignOne) {
   std::mt19937 random(2);
   const auto sent = someReplies(random, 3);
   const auto bytes = countBytes(sent);

@@ -72,7 +72,7 @@ TEST_F(FilmTest, FollowsPlayTimeThatIsSlewed) {
   EXPECT_NEAR(static_cast<double>(greys().size()), 1.02 * kFps, 1.0);
 }
 
-TEST_F(FilmTest, WithoutAPictureItSaysSo) {
+TEST_F(FilmTest, WithoutAPictureItReportsSo) {
   FilmView film(file);
   film.onReport({});
   try {

@@ -23,7 +23,7 @@ CodedFrame frameOf(std::uint64_t id, std::uint32_t epoch = 0) {
   return frame;
 }
 
-/// What TCP brings; nullopt where it is not taken. It leaves at once.
+/// The frame of TCP; nullopt if it is not accepted. It leaves at once.
 std::optional<AssembledFrame> whole(FrameAssembler& assembler, CodedFrame frame) {
   if (!assembler.add(std::move(frame), localTime(1.0))) return std::nullopt;
   return assembler.next(false);
@@ -45,7 +45,7 @@ TEST(FrameAssembler, PutsFramesInTheirPlace) {
   EXPECT_EQ(second->frame.id, 14U);
 }
 
-TEST(FrameAssembler, DropsWhatCameBeforeOrTooLate) {
+TEST(FrameAssembler, DropsDuplicatesAndLateFrames) {
   FrameAssembler assembler;
   assembler.restart();
   EXPECT_TRUE(whole(assembler, frameOf(5)));
@@ -74,7 +74,7 @@ TEST(FrameAssembler, OneAbsurdIdDoesNotSilenceTheStream) {
   EXPECT_FALSE(whole(assembler, frameOf(84))->place.resync);
 }
 
-TEST(FrameAssembler, WhatANetworkDoesIsNoJump) {
+TEST(FrameAssembler, NetworkDelaysAreNoJump) {
   FrameAssembler assembler;
   assembler.restart();
   constexpr std::uint64_t kJump = FrameAssembler::kLargestJump;
@@ -172,7 +172,7 @@ TEST_F(FrameAssemblerParts, AFrameLeavesWhenItsLastPartHasCome) {
   EXPECT_FALSE(assembler.oldestCame());
 }
 
-TEST_F(FrameAssemblerParts, AFrameThatIsDueLeavesWithWhatHasCome) {
+TEST_F(FrameAssemblerParts, AFrameThatIsDueLeavesWithItsReceivedParts) {
   const Packed frame = packed(11);
   (void)add(frame, 0);
   (void)add(frame, 1);
@@ -182,10 +182,10 @@ TEST_F(FrameAssemblerParts, AFrameThatIsDueLeavesWithWhatHasCome) {
   ASSERT_TRUE(left->frame.objects.at(0).relief);
   EXPECT_FALSE(left->frame.objects[0].relief->whole());
   // What comes later is told once, and fills up a frame that says "unchanged".
-  EXPECT_FALSE(assembler.late());
+  EXPECT_FALSE(assembler.takeLate());
   addAll(frame, 2);
-  ASSERT_TRUE(assembler.late());
-  EXPECT_FALSE(assembler.late());
+  ASSERT_TRUE(assembler.takeLate());
+  EXPECT_FALSE(assembler.takeLate());
   addAll(packed(12, false, 11));
   const auto next = assembler.next(false);
   ASSERT_TRUE(next);
@@ -215,7 +215,7 @@ TEST_F(FrameAssemblerParts, AnOlderFrameIsWaitedForUntilItIsDue) {
   EXPECT_EQ(left->place.lost, 1U);
   addAll(packed(13));
   EXPECT_FALSE(assembler.next(true)) << "never backwards";
-  EXPECT_TRUE(assembler.late());
+  EXPECT_TRUE(assembler.takeLate());
 }
 
 TEST_F(FrameAssemblerParts, FramesOverTcpTakeTheirPlaceAmongThem) {
@@ -229,7 +229,7 @@ TEST_F(FrameAssemblerParts, FramesOverTcpTakeTheirPlaceAmongThem) {
   // Its parts are taken all the same: they show that datagrams get through.
   addAll(packed(15));
   EXPECT_FALSE(assembler.next(true));
-  EXPECT_FALSE(assembler.late()) << "TCP was in time";
+  EXPECT_FALSE(assembler.takeLate()) << "TCP was in time";
 }
 
 TEST_F(FrameAssemblerParts, TheFirstFrameOfAConnectionHasAllReliefs) {
@@ -254,7 +254,7 @@ TEST_F(FrameAssemblerParts, TheFirstFrameOfAConnectionHasAllReliefs) {
   EXPECT_TRUE(assembler.next(false)) << "it has all reliefs";
 }
 
-TEST_F(FrameAssemblerParts, WhatIsFarFromTheStreamIsAstray) {
+TEST_F(FrameAssemblerParts, DropsFramesFarFromTheStream) {
   constexpr auto kAstray = FrameAssembler::Want::kAstray;
   DatagramHeader header = packed(11).headers[0];
   header.frame = 10 + FrameAssembler::kLargestJump + 1;
@@ -293,7 +293,7 @@ enum class Ids { kRise, kRace, kBackAndForth };
 class FrameAssemblerFlood : public FrameAssemblerParts,
                             public ::testing::WithParamInterface<std::tuple<Ids, bool, bool>> {};
 
-TEST_P(FrameAssemblerFlood, WhateverTheIdsLittleIsKept) {
+TEST_P(FrameAssemblerFlood, KeepsFewFramesAtAnyIds) {
   const auto [ids, any_before, broken] = GetParam();
   if (!any_before) assembler.restart();
   const Packed honest = packed(11);
@@ -310,7 +310,7 @@ TEST_P(FrameAssemblerFlood, WhateverTheIdsLittleIsKept) {
     taken += assembler.add(header, broken ? noise : honest.payloads[1], localTime(2.0)).ok();
     while (assembler.next(i % 3 == 0)) {
     }
-    while (assembler.late()) {
+    while (assembler.takeLate()) {
     }
     most_bytes = std::max(most_bytes, mallinfo2().uordblks);
   }
@@ -339,7 +339,7 @@ TEST_F(FrameAssemblerParts, AnAbsurdIdByDatagramEndsWithTheNextFrameByTcp) {
   EXPECT_TRUE(assembler.next(false));
 }
 
-TEST_F(FrameAssemblerParts, WhateverTheOrderFramesRiseAndNoneComesTwice) {
+TEST_F(FrameAssemblerParts, FrameIdsRiseWithoutRepetitionInAnyOrder) {
   std::mt19937 random(5);
   std::vector<Packed> frames;
   for (std::uint64_t id = 11; id < 60; ++id) frames.push_back(packed(id));

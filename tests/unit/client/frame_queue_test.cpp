@@ -32,7 +32,7 @@ TEST(FrameQueue, GivesFramesInTheirOrder) {
   EXPECT_TRUE(queue.empty());
 }
 
-TEST(FrameQueue, WhatIsHeldBackLeavesTheAssemblerLater) {
+TEST(FrameQueue, AHeldBackFrameLeavesTheAssemblerLater) {
   FrameQueue queue;
   (void)queue.push(frameWith(1));
   queue.holdBack(fromSeconds(0.03));
@@ -42,7 +42,7 @@ TEST(FrameQueue, WhatIsHeldBackLeavesTheAssemblerLater) {
   EXPECT_EQ(queue.pop()->assembled.place.left, localTime(0.01));
 }
 
-TEST(FrameQueue, TheNewestWinAndTheReliefsOfWhatIsLeftOutStay) {
+TEST(FrameQueue, KeepsTheNewestFramesAndTheReliefsOfDroppedOnes) {
   FrameQueue queue;
   (void)queue.push(frameWith(1, {objectOf(7, 1, 4), objectOf(8, 1, 4)}));
   (void)queue.push(frameWith(2, {objectOf(7, 2, 5), objectOf(8, 1, 0)}));

@@ -46,7 +46,7 @@ class GamepadTest : public ::testing::Test {
     device = open();
   }
   std::unique_ptr<HapticDevice> open() { return openDevice("gamepad", {.clock = clock}); }
-  /// Lives so long with this felt, a turn of the main thread every 10 ms.
+  /// Runs so long with this force, a turn of the main thread every 10 ms.
   DeviceState live(int ticks, double force_N = 0.0) {
     DeviceState state;
     for (int i = 0; i < ticks; ++i) {
@@ -96,7 +96,7 @@ TEST_F(GamepadTest, SticksLeadTheTip) {
   EXPECT_NEAR((let_go_mm - live(1000).position_mm).norm(), 0.0, 0.06) << "it stays";
 }
 
-TEST_F(GamepadTest, WhatHoldsTheTipIsPressedWithTwoNewtonsAtMost) {
+TEST_F(GamepadTest, PressesAWallWithTwoNewtonsAtMost) {
   live(100);
   pad.stick(SDL_CONTROLLER_AXIS_RIGHTY, -1.0);
   double depth_mm = 0.0;  // a wall of 1 N/mm where the tip was
@@ -132,7 +132,7 @@ TEST_F(GamepadTest, ContactRumblesAndAReleaseStopsIt) {
   EXPECT_EQ(pad.motors.high, 0);
 }
 
-TEST_F(GamepadTest, AForceThatIsNotHeardOfAnyMoreStopsTheMotors) {
+TEST_F(GamepadTest, StopsTheMotorsWithoutNewForces) {
   live(100, 1.0);
   EXPECT_GT(pad.motors.low, 0);
   clock.advance(std::chrono::milliseconds(150));
@@ -150,7 +150,7 @@ TEST_F(GamepadTest, ARumbleThatIsNotRenewedEnds) {
   EXPECT_EQ(pad.motors.low, 0);
 }
 
-TEST_F(GamepadTest, ASticksTurnThatIsNotHeardOfAnyMoreMovesNothing) {
+TEST_F(GamepadTest, MovesNothingWithoutNewEventsOfTheStick) {
   live(100);
   pad.stick(SDL_CONTROLLER_AXIS_LEFTX, 1.0);
   live(100);
@@ -160,7 +160,7 @@ TEST_F(GamepadTest, ASticksTurnThatIsNotHeardOfAnyMoreMovesNothing) {
   EXPECT_NEAR((tick().position_mm - then_mm).norm(), 0.0, 0.06);
 }
 
-TEST_F(GamepadTest, UnpluggedItSaysSoAndPluggedAgainItIsBack) {
+TEST_F(GamepadTest, UnpluggedItReportsSoAndPluggedAgainItIsBack) {
   EXPECT_EQ(live(100, 1.0).status, DeviceStatus::kOk);
   EXPECT_EQ(allNews(), "");
   pad.unplug();
@@ -194,7 +194,7 @@ TEST_F(GamepadTest, LeavesItsMotorsAtRest) {
   EXPECT_EQ(pad.motors.high, 0);
 }
 
-TEST_F(GamepadTest, OneWithoutMotorsSaysSo) {
+TEST_F(GamepadTest, OneWithoutMotorsReportsSo) {
   device.reset();
   pad.unplug();
   pad.plug(/*with_motors=*/false);
@@ -202,7 +202,7 @@ TEST_F(GamepadTest, OneWithoutMotorsSaysSo) {
   EXPECT_EQ(allNews(), "gamepad: this device cannot rumble and renders no force\n");
 }
 
-TEST_F(GamepadTest, IsListedAndTakenOnlyByWhoAsksForIt) {
+TEST_F(GamepadTest, IsListedAndOpenedOnlyOnRequest) {
   EXPECT_NE(listDevices({.clock = clock}).find("force; made-up pad\n"), std::string::npos)
       << listDevices({.clock = clock});
   EXPECT_EQ(device->description(),

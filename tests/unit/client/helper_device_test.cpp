@@ -88,7 +88,7 @@ DeviceReading readingAt(std::uint64_t number, LocalTime time, const Vec3& positi
   return reading;
 }
 
-TEST(StateCheck, AcceptsWhatAHandCanDo) {
+TEST(StateCheck, AcceptsReadingsThatAHandCanCause) {
   StateCheck check({160.0, 120.0, 70.0});
   EXPECT_EQ(check.check({}, kBegin).status, DeviceStatus::kNoData);
   const DeviceState first = check.check(readingAt(1, kBegin, {1.0, 2.0, 3.0}), kBegin);
@@ -184,9 +184,9 @@ TEST(DriverProfile, AStrongDeviceNeedsAWatchdogOrTheUsersProfile) {
   EXPECT_EQ(convertProfile("mine", strong, "").peak_N, 3.3);
   EXPECT_EQ(convertProfile("mine", strong, "falcon").peak_N, 8.0) << "the user allows it";
   strong.watchdog_ms = 20;
-  const PlantProfile watched = convertProfile("mine", strong, "");
-  EXPECT_EQ(watched.peak_N, 8.0);
-  EXPECT_NEAR(watched.slew_rise_N_per_tick, 0.2 * 8.0 / 3.3, 1e-12);
+  const PlantProfile watchdog_profile = convertProfile("mine", strong, "");
+  EXPECT_EQ(watchdog_profile.peak_N, 8.0);
+  EXPECT_NEAR(watchdog_profile.slew_rise_N_per_tick, 0.2 * 8.0 / 3.3, 1e-12);
   strong.delay_ticks = 3;
   EXPECT_EQ(convertProfile("mine", strong, "falcon").delay_ticks, 3) << "the longer one";
 }

@@ -45,7 +45,7 @@ TEST(Inverse3Protocol, AForceIsTurnedIntoTheServicesFrame) {
   EXPECT_NE(toSessionMessage("D", "p").find("org.hapticast:viewer"), std::string::npos);
 }
 
-TEST(Inverse3Protocol, WhatHasAnotherFormIsAbsent) {
+TEST(Inverse3Protocol, IgnoresFieldsOfAnotherForm) {
   EXPECT_FALSE(parseInverse3("[1]"));
   EXPECT_FALSE(parseInverse3("{"));
   EXPECT_FALSE(parseInverse3(""));

@@ -40,7 +40,7 @@ TEST(LossEstimator, AsksForNothingWhereNothingIsLostOnceItIsSure) {
   EXPECT_LT(network.meter.loss(), 1e-6);
 }
 
-TEST(LossEstimator, MeasuresWhatIsLostWhateverTheCopies) {
+TEST(LossEstimator, MeasuresTheLossAtAnyNumberOfCopies) {
   for (const double loss : {0.01, 0.05, 0.1, 0.2}) {
     Network network;
     (void)network.play(60.0, loss);
@@ -93,7 +93,7 @@ TEST(LossEstimator, AnotherNumberingIsNoLoss) {
   EXPECT_NEAR(network.meter.loss(), 0.1, 0.06) << "and loss is seen";
 }
 
-TEST(LossEstimator, WhatNobodyHasSignedBeginsNoFrame) {
+TEST(LossEstimator, AnUnsignedDatagramStartsNoFrame) {
   Network network;
   (void)network.play(75.0, 0.0);
   for (std::uint64_t i = 0; i < 10'000; ++i)

@@ -21,7 +21,7 @@ std::string complaintOf(const std::string& kind, const DeviceRequest& request) {
   return "";
 }
 
-TEST(OpenDevice, EveryKindHasANameAndSaysWhatItIs) {
+TEST(OpenDevice, EveryKindHasANameAndADescription) {
   ASSERT_FALSE(deviceKinds().empty());
   for (const DeviceKind& kind : deviceKinds()) {
     EXPECT_FALSE(std::string(kind.name).empty());
@@ -29,7 +29,7 @@ TEST(OpenDevice, EveryKindHasANameAndSaysWhatItIs) {
   }
 }
 
-TEST(OpenDevice, AVirtualOneSaysItsProfileAndItsHand) {
+TEST(OpenDevice, AVirtualOneReportsItsProfileAndItsHand) {
   const ManualClock clock;
   const auto device = openDevice("virtual", {.profile = "falcon", .hand = "slide", .clock = clock});
   EXPECT_EQ(device->profile().name, "falcon");
@@ -57,7 +57,7 @@ double reachOf(const char* hand) {
   return reach_mm;
 }
 
-TEST(OpenDevice, AVirtualHandDoesWhatItsNameSays) {
+TEST(OpenDevice, AVirtualHandFollowsTheScriptOfItsName) {
   EXPECT_LT(reachOf("press"), 0.5);
   EXPECT_LT(reachOf("follow"), 0.5);
   EXPECT_GT(reachOf("slide"), 3.0);

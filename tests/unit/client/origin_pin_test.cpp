@@ -49,7 +49,7 @@ TEST(OriginPinTest, AcceptsTheExpectedKeysOnly) {
             "or the server has a new key (--origin-key)");
 }
 
-TEST(OriginPinTest, ReadsKeysAndTheWordFirst) {
+TEST(OriginPinTest, ReadsKeysAndFirst) {
   EXPECT_EQ(parseOriginKey("first"), OriginKey{});
   EXPECT_EQ(parseOriginKey(hexOf(0xAB)), OriginKey{keyOf(0xAB)});
   std::string capitals = hexOf(0xAB);

@@ -63,7 +63,7 @@ class ReceiverTest : public ::testing::Test {
   LatestValue<StreamTiming> stream;
   ManualClock clock;
   DecodeThread decode_thread{*pool, clock, Method::kHapticast,
-                             [this](const PreparedFrame& frame) { receiver.prepared(frame); }};
+                             [this](const PreparedFrame& frame) { receiver.addPrepared(frame); }};
   Receiver receiver{decode_thread, stream, 1};
   StreamDescription description;
   std::vector<FramePool::Index> taken;
@@ -291,7 +291,7 @@ TEST_F(ReceiverTest, EpochsNeverRepeat) {
   EXPECT_EQ(got->objects[0].field, nullptr) << "reliefs of the connection before are void";
 }
 
-TEST_F(ReceiverTest, CountsWhatDoesNotFitThePoolAndGoesOn) {
+TEST_F(ReceiverTest, CountsFramesThatDoNotFitThePoolAndGoesOn) {
   receiver.connected(description, localTime(1));
   for (std::uint64_t id = 1; id <= FramePool::kSlots; ++id) arrive(frame(id));
   arrive(frame(FramePool::kSlots + 1, flatRelief({0, 0, 8, 8}), FramePool::kSlots + 1));

@@ -38,7 +38,7 @@ TEST(ReliefCache, ASameReliefResentIsTheSameToTouch) {
   EXPECT_NE(fieldOf(flatRelief({101, 100, 40, 30}, 5.5F)), third);
 }
 
-TEST(ReliefCache, WhatNeverCameIsTheReliefBeforeMovedWithTheObject) {
+TEST(ReliefCache, AMissingReliefIsThePreviousOneMovedWithTheObject) {
   ReliefCache cache;
   const Workspace workspace;
   cache.reset(workspace, Method::kHapticast);
@@ -78,7 +78,7 @@ TEST(CarriedRect, HoldsATurnedRelief) {
   before.motion.position_mm.head<2>() = workspace.toNominal({320.0, 210.0});
   Motion now = before.motion;
   now.angle_rad = 0.5 * M_PI;
-  const PixelRect rect = warpedRect(before, now, workspace);
+  const PixelRect rect = warpRect(before, now, workspace);
   EXPECT_NEAR(rect.u, 310, 1);
   EXPECT_NEAR(rect.v, 190, 1);
   EXPECT_NEAR(rect.width, 20, 2);

@@ -75,7 +75,7 @@ TEST_F(ScreenshotTest, APictureOfAnotherSizeThanAnnouncedIsNotShown) {
   EXPECT_LT(written().at<cv::Vec3b>(kInPicture)[0], 100);
 }
 
-TEST(Screenshot, TellsWhatItCannotWrite) {
+TEST(Screenshot, ReportsAFileThatCannotBeWritten) {
   Screenshot nowhere("/nonexistent/picture.png");
   try {
     nowhere.finish();

@@ -16,8 +16,8 @@ FoundServer announced(const std::string& name, const std::string& address = "192
 }
 
 TEST(FoundServers, OneThatIsOnManyNetworksIsShownOnceByIPv4First) {
-  const auto servers = eachOnce({announced("b"), announced("a", "fe80::1%eth0"),
-                                 announced("a", "10.0.0.5", "wlan0"), announced("a")});
+  const auto servers = removeDuplicates({announced("b"), announced("a", "fe80::1%eth0"),
+                                         announced("a", "10.0.0.5", "wlan0"), announced("a")});
   ASSERT_EQ(servers.size(), 2U);
   EXPECT_EQ(servers[0], announced("a"));
   EXPECT_EQ(servers[1], announced("b"));
@@ -32,7 +32,7 @@ TEST(FoundServers, ANameThatTwoHostsAnnounceIsNotChosen) {
   EXPECT_EQ(why, "more than one host announces this name: 192.168.1.5:7447, 10.0.0.9:7447");
 }
 
-TEST(FoundServers, WhatStrangersSayIsBoundedAndClean) {
+TEST(FoundServers, LimitsAndCleansTextsOfTheNetwork) {
   FoundServer evil = announced("\x1b[31mred\n1  safe");
   evil.host = std::string(500, 'h');
   evil.plays = std::string(500, 'p') + "\x07";

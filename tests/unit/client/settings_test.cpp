@@ -48,7 +48,7 @@ TEST(ClientSettings, Defaults) {
               run.settings.screenshot_file.empty() && run.settings.film_file.empty());
 }
 
-TEST(ClientSettings, EachFlagOfTheServerIsTold) {
+TEST(ClientSettings, RefusesEachFlagOfTheServer) {
   for (const std::string_view flag : ownFlags(kServerProgram)) {
     const std::string word = "--" + std::string(flag);
     const Probe run({word + "=1"});
@@ -177,7 +177,7 @@ TEST(ClientSettings, AFlagWinsOverTheConfigFile) {
   EXPECT_EQ(run.settings.profile, "falcon");
 }
 
-TEST(ClientSettings, WrongValuesAreToldWithFlagValueAndWhatIsAllowed) {
+TEST(ClientSettings, ReportsAWrongValueWithFlagValueAndAllowedRange) {
   const std::vector<std::array<std::string, 3>> wrong = {
       {"--device", "spoon", "mouse|touch|virtual"},  {"--transport", "upd", "multicast|tcp|udp"},
       {"--redundancy", "5", "auto or 1..4"},         {"--redundancy", "some", "auto or 1..4"},
@@ -220,7 +220,7 @@ TEST(ClientSettings, AServerThatIsAnnounced) {
   EXPECT_FALSE(Probe({"--list=false"}).settings.list_servers);
 }
 
-TEST(ClientSettings, WhatIsUnknownIsTold) {
+TEST(ClientSettings, RefusesUnknownFlagsWithAMessage) {
   const Probe unknown({"--forse", "1"});
   EXPECT_EQ(unknown.exit_code, 2);
   unknown.expectErrorWith({"--forse"});

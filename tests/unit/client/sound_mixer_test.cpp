@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a force sounds like, sample by sample.
+// The sound of a force, sample by sample.
 #include "client/view/sound_mixer.hpp"
 
 #include <gtest/gtest.h>
@@ -13,13 +13,13 @@ namespace {
 
 class SoundMixerTest : public ::testing::Test {
  protected:
-  /// The loudest sample of so many buffers under this force; `news`: they are told of it.
-  double listen(int buffers, const ForceComponents& felt, bool news = true) {
+  /// The loudest sample of so many buffers under this force; `news`: the mixer receives it.
+  double listen(int buffers, const ForceComponents& trace, bool news = true) {
     double loudest = 0.0;
     for (int i = 0; i < buffers; ++i) {
       std::vector<float> samples(512);
       if (news) ++tick_;
-      mixer_.fill(samples, {.force = felt, .tick = tick_});
+      mixer_.fill(samples, {.force = trace, .tick = tick_});
       for (const float sample : samples) {
         loudest = std::max(loudest, std::abs(double{sample}));
         largest_step = std::max(largest_step, std::abs(double{sample} - last_));
@@ -53,7 +53,7 @@ TEST_F(SoundMixerTest, IsLouderTheStrongerTheForceIsAndNeverTooLoud) {
   EXPECT_LE(listen(100, {.sustained_N = 1e9, .transient_N = 1e9}), SoundMixer::kLoudest);
 }
 
-TEST_F(SoundMixerTest, ABlowIsHeardBesideAPress) {
+TEST_F(SoundMixerTest, ABlowIsAudibleBesideAPress) {
   (void)listen(20, {.sustained_N = 1.0});
   const double press = listen(20, {.sustained_N = 1.0});
   EXPECT_GT(listen(2, {.sustained_N = 1.0, .transient_N = 1.0}), 1.5 * press);
@@ -70,7 +70,7 @@ TEST_F(SoundMixerTest, NoChangeOfTheForceIsAStep) {
   EXPECT_GT(largest_step, 0.02) << "it was loud";
 }
 
-TEST_F(SoundMixerTest, FadesWhenNothingIsHeardOfTheForceAnyMore) {
+TEST_F(SoundMixerTest, FadesWithoutNewForces) {
   (void)listen(20, {.sustained_N = 2.0});
   EXPECT_GT(listen(5, {.sustained_N = 2.0}, /*news=*/false), 0.2) << "a moment";
   (void)listen(20, {.sustained_N = 2.0}, /*news=*/false);

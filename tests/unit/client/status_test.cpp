@@ -16,15 +16,15 @@ class StatusTest : public ::testing::Test {
     report.height_at_hip_mm = 10.0;
     report.hip_mm = {0.0, 0.0, 22.3};
   }
-  void touch(double force_N, std::uint32_t interferences = 0) {
+  void touch(double force_N, std::uint32_t safety_actions = 0) {
     report.contact = true;
     report.static_force_N = {0.0, 0.0, 1.5};
     report.force_N = {0.0, 0.0, force_N};
-    report.interferences = interferences;
+    report.safety_actions = safety_actions;
   }
   [[nodiscard]] std::string status() const { return statusLine(report, ui_state); }
   [[nodiscard]] std::string hint() const {
-    TickWatch ticks;
+    TickStatus ticks;
     ticks.add(report);
     return hintLine(ticks, ui_state);
   }
@@ -113,7 +113,7 @@ TEST_F(StatusTest, AHintExplainsTheFirstTouch) {
   EXPECT_EQ(hint(), "Move over the object, turn the wheel down to press. F1: keys and colours.");
   ui_state.pointer_is_device = false;
   EXPECT_EQ(hint().find("wheel"), std::string::npos) << "no wheel moves this device";
-  TickWatch ticks;
+  TickStatus ticks;
   ticks.add(report);
   touch(0.5);
   ticks.add(report);
@@ -123,10 +123,10 @@ TEST_F(StatusTest, AHintExplainsTheFirstTouch) {
 }
 
 TEST_F(StatusTest, TheChainUsesPlainWords) {
-  TickWatch ticks;
+  TickStatus ticks;
   ticks.add(report);
   EXPECT_EQ(ticks.chain(), "no action");
-  report.interferences = bit(SafetyAction::kSlew) | bit(SafetyAction::kFade);
+  report.safety_actions = bit(SafetyAction::kSlew) | bit(SafetyAction::kFade);
   ticks.add(report);
   EXPECT_EQ(ticks.chain(), "a step was slowed");
 }

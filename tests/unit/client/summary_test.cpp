@@ -18,7 +18,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// What a strict reader (RFC 8259) finds in the summary; a key that stands twice fails the test.
+/// The summary, read by a strict reader (RFC 8259); a key that stands twice fails the test.
 Json written(const RunResult& result) {
   const TempFolder folder;
   const std::string file = (folder / "summary.json").string();
@@ -45,8 +45,8 @@ RunResult eventful() {
   for (int i = 0; i < 1000; ++i) result.loop.tick_ns.add(10'000);
   result.loop.lookup = {1, 2, 3, 4, 5};
   result.loop.contact_lookup = {0, 1500, 400, 100, 0};
-  for (std::size_t i = 0; i < result.loop.interferences.size(); ++i) {
-    result.loop.interferences[i] = 100 + i;
+  for (std::size_t i = 0; i < result.loop.safety_actions.size(); ++i) {
+    result.loop.safety_actions[i] = 100 + i;
   }
   result.loop.contact_ticks = 2000;
   result.loop.max_force_N = 1.25;
@@ -98,13 +98,13 @@ TEST(Summary, EveryKeyWithItsNumber) {
     "realtime": {"fifo": true, "mlock": false},
     "faults": []
   })");
-  for (std::size_t i = 0; i < kInterferenceNames.size(); ++i) {
-    expected["interferences"][kInterferenceNames[i]] = 100 + i;
+  for (std::size_t i = 0; i < kSafetyActionNames.size(); ++i) {
+    expected["interferences"][kSafetyActionNames[i]] = 100 + i;
   }
   EXPECT_EQ(written(eventful()), expected);
 }
 
-TEST(Summary, WhatIsNotFiniteIsNull) {
+TEST(Summary, WritesNullForNonFiniteValues) {
   RunResult result;
   result.loop.step_excess_max_N = std::numeric_limits<double>::infinity();
   result.loop.work.object_mJ = std::numeric_limits<double>::quiet_NaN();
@@ -159,10 +159,10 @@ TEST(SummaryInWords, OfARun) {
 
 TEST(SummaryInWords, OfAChainThatHadLittleToDo) {
   RunResult result;
-  result.loop.interferences[static_cast<std::size_t>(SafetyAction::kFade)] = 300;
+  result.loop.safety_actions[static_cast<std::size_t>(SafetyAction::kFade)] = 300;
   EXPECT_NE(toText(result).find("The hand's own motion explains every force step.\n"),
             std::string::npos);
-  result.loop.interferences[static_cast<std::size_t>(SafetyAction::kTank)] = 1;
+  result.loop.safety_actions[static_cast<std::size_t>(SafetyAction::kTank)] = 1;
   const std::string words = toText(result);
   EXPECT_NE(words.find("acted: the energy into the hand was limited (1 tick).\n"),
             std::string::npos);

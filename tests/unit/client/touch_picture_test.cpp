@@ -27,7 +27,7 @@ TickReport pressing(int tick, double force_N) {
   return report;
 }
 
-/// The room of the video in the picture of a touch.
+/// The place of the video in the picture of a touch.
 cv::Mat drawnScene(const cv::Mat& picture, const TickReport& report) {
   const cv::Mat plot(kTouchPlot_px, CV_8UC3, kGroundColor);
   return drawTouchPicture(picture, report, {}, "", plot)(kPictureRoom).clone();

@@ -37,7 +37,7 @@ struct Story {
   std::vector<std::string> news;
 };
 
-TEST(TransportSelector, LeavesTcpOnceDatagramsHaveComeAndSaysNothing) {
+TEST(TransportSelector, LeavesTcpOnceDatagramsHaveComeAndReportsNothing) {
   Story story({Transport::kDatagrams, Transport::kTcp});
   story.turn();
   EXPECT_EQ(story.order, (Delivery{true, true, 2})) << "both, until it works";

@@ -42,7 +42,7 @@ double growth(double stiffness_N_m, double damping_Ns_m, int delay_ticks) {
   return late / early;
 }
 
-TEST(VirtualDevice, RawSpringTurnsUnstableWhereTheTheorySays) {
+TEST(VirtualDevice, RawSpringTurnsUnstableWhereTheTheoryReports) {
   for (const double b : {0.1, 0.2, 0.5}) {
     for (const int d : {0, 1, 2, 5}) {
       double low = 0.5 * b / (0.5e-3 + d * 1e-3);

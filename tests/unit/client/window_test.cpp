@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The window itself on SDL's display for machines without one: what it draws, what it hears.
+// The window itself on SDL's display for machines without one: its pictures and its events.
 #include "client/view/window/window.hpp"
 
 #include <gtest/gtest.h>
@@ -105,7 +105,7 @@ TEST_F(WindowTest, ThePictureOfAPausedFrameStaysHoweverLongThePauseIs) {
   EXPECT_NEAR(shown(), 200, 3);
 }
 
-TEST_F(WindowTest, HearsKeysPointerAndWheel) {
+TEST_F(WindowTest, ReceivesKeysPointerAndWheel) {
   ViewerWindow window(640, 480);
   window.onPicture(grey(90), Workspace{});
   TickReport report = touch();
@@ -183,7 +183,7 @@ TEST_F(WindowTest, APointerInTheWindowAtItsStartDoesNotSetTheDepth) {
       1.0);
 }
 
-TEST_F(WindowTest, OutlinesAndShadesTheReliefThatIsFelt) {
+TEST_F(WindowTest, OutlinesAndShadesTheTouchedRelief) {
   ViewerWindow window(640, 480);
   const Workspace workspace;
   window.onPicture(grey(60), workspace);
@@ -324,7 +324,7 @@ TEST_F(WindowTest, MeasuresHowFarEyeAndHandAreApart) {
   EXPECT_EQ(window.eyeHand()->max_ns(), 20'000'000U);
 }
 
-TEST_F(WindowTest, WithoutADisplayItSaysSoInOneLine) {
+TEST_F(WindowTest, WithoutADisplayItReportsSoInOneLine) {
   setenv("SDL_VIDEODRIVER", "x11", 1);
   setenv("DISPLAY", ":987", 1);
   try {

@@ -58,7 +58,7 @@ TEST(ClockSync, IsReadyAfterAFewPingsAndExactOnAQuietNetwork) {
   EXPECT_NEAR(toSeconds(sync.errorBound()), 0.010, 1e-6) << "half a round trip";
 }
 
-TEST(ClockSync, StaysWithinItsBoundWhateverTheAsymmetry) {
+TEST(ClockSync, StaysWithinItsBoundAtAnyAsymmetry) {
   for (const auto& [up, down] : {std::pair{0.001, 0.030}, {0.030, 0.001}, {0.0, 0.050}}) {
     Network network;
     network.up_s = up;
@@ -70,7 +70,7 @@ TEST(ClockSync, StaysWithinItsBoundWhateverTheAsymmetry) {
   }
 }
 
-TEST(ClockSync, LeavesAtOnceWhatABetterPingRulesOut) {
+TEST(ClockSync, ReplacesAnOffsetThatABetterPingRulesOutAtOnce) {
   Network network;
   network.up_s = 0.1;  // only at first
   ClockSync sync;
@@ -121,7 +121,7 @@ TEST(ClockSync, FollowsADriftOf200MillisecondsAnHour) {
   }
 }
 
-TEST(ClockSync, HandsOutAnOffsetThatRunsNoFasterThanTheLimitUnlessAPingTellsMore) {
+TEST(ClockSync, HandsOutAnOffsetThatRunsNoFasterThanTheLimitUnlessAPingShowsMore) {
   Network network;
   network.queue_s = 0.030;
   ClockSync sync;

@@ -114,7 +114,7 @@ TEST_F(CommandLineTest, ComplaintsNameTheCause) {
   EXPECT_NE(testing::internal::GetCapturedStderr().find("'--sourc'"), std::string::npos);
 }
 
-TEST(CommandLine, SuggestsWhatIsNearOnly) {
+TEST(CommandLine, SuggestsSimilarWordsOnly) {
   const std::vector<std::string> words = {"--seconds", "--summary", "--log", "on"};
   EXPECT_EQ(spellingHint("--second", words), "; did you mean --seconds?");
   EXPECT_EQ(spellingHint("--sumamry", words), "; did you mean --summary?") << "swapped";
@@ -159,7 +159,7 @@ TEST_F(CommandLineTest, ConfigFileCollectsAListFromAllItsLines) {
   EXPECT_EQ(points_, (std::vector<Vec2>{{1.0, 2.0}, {3.0, 4.0}}));
 }
 
-TEST_F(CommandLineTest, WrongConfigFileIsToldWithItsLine) {
+TEST_F(CommandLineTest, WrongConfigFileIsReportedWithItsLine) {
   const std::vector<std::pair<std::string, std::string>> wrong = {
       {"fps = 60\n[section]\n", ".conf:2: '[section]' is not a `key = value` line"},
       {"fps\n", ".conf:1: 'fps' is not a `key = value` line"},

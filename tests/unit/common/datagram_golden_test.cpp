@@ -77,7 +77,7 @@ std::vector<std::uint8_t> bytesOfLine(const std::string& line) {
   return bytes;
 }
 
-/// What stands in the code block behind a line of a file.
+/// The code block behind a line of a file.
 std::vector<std::uint8_t> blockBehind(const std::filesystem::path& file, const std::string& mark) {
   std::ifstream in(file);
   std::vector<std::uint8_t> bytes;
@@ -131,7 +131,7 @@ TEST(DatagramGoldenTest, ThePageShowsThem) {
             std::string::npos);
 }
 
-TEST(DatagramGoldenTest, ItIsReadAsItWasMeant) {
+TEST(DatagramGoldenTest, IsDecodedToItsFields) {
   const auto bytes = exampleDatagram();
   const auto datagram = readDatagram(bytes);
   ASSERT_TRUE(datagram);

@@ -15,7 +15,7 @@ using DatagramBytes = std::vector<std::uint8_t>;
 
 DatagramHeader someHeader() { return {0x01020304, 7, 0x1122334455667788, mediaTime(1.5), 3, 9}; }
 
-TEST(DatagramTest, WhatIsWrittenIsRead) {
+TEST(DatagramTest, ReadsAWrittenDatagram) {
   SigningKey key;
   const auto verifying = VerifyingKey::from(key.verifyingKey());
   for (const std::size_t size : {std::size_t{0}, std::size_t{1}, kMostPieceBytes}) {

@@ -20,7 +20,7 @@ TEST(DistanceTransform, EqualsBruteForceOnRandomMasks) {
     std::bernoulli_distribution covered(trial % 3 == 0 ? 0.02 : 0.3);
     std::vector<std::uint8_t> mask(static_cast<std::size_t>(width * height));
     for (auto& pixel : mask) pixel = covered(random) ? 1 : 0;
-    const NearestPixel result = nearestPixel(mask, width, height, 1, step);
+    const NearestPixel result = findNearestPixel(mask, width, height, 1, step);
     const auto distance = [&](int i, int j) {
       const int rows = i / width - j / width;
       return std::hypot(step.x() * (i % width - j % width), step.y() * rows);

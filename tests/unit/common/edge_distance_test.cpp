@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where the proxy feels the edge of a mask, against the shape the mask was drawn from.
+// The edge of a mask for the proxy, against the shape the mask was drawn from.
 #include "common/relief/distance_transform.hpp"
 
 #include <gtest/gtest.h>
@@ -101,7 +101,7 @@ EdgeErrors circleErrors(const Workspace& workspace, double radius_mm) {
 
 // A Gaussian alone draws circles in by 3 px² / R and follows the stretches where the mask runs
 // along whole pixels: 0.175 px at R = 20 px, 0.1 px at 60, 1.5 deg.
-TEST(EdgeDistance, FeelsCirclesWhereTheyAre) {
+TEST(EdgeDistance, MeasuresCirclesAtTheirPlace) {
   for (const double radius_px : {20.0, 40.0, 60.0, 120.0}) {
     const EdgeErrors errors = circleErrors(Workspace{}, 0.25 * radius_px);
     errors.print("circle, px", radius_px);
@@ -111,7 +111,7 @@ TEST(EdgeDistance, FeelsCirclesWhereTheyAre) {
   }
 }
 
-TEST(EdgeDistance, FeelsACircleInOblongPixels) {
+TEST(EdgeDistance, MeasuresACircleInOblongPixels) {
   const EdgeErrors errors = circleErrors(kOblong, 10.0);
   errors.print("circle in oblong pixels, mm", 10.0);
   EXPECT_LT(errors.rms_px(), 0.12);
@@ -136,7 +136,7 @@ void addSides(EdgeErrors& errors, double angle_rad, double first_mm, double last
 }
 
 // A Gaussian alone: 0.088 px, 1.45 deg.
-TEST(EdgeDistance, FeelsStraightEdgesAtAnyAngle) {
+TEST(EdgeDistance, MeasuresStraightEdgesAtAnyAngle) {
   std::mt19937 random(2);
   EdgeErrors errors;
   for (double angle_deg = 0.0; angle_deg <= 45.0; angle_deg += 1.5) {

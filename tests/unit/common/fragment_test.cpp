@@ -53,7 +53,7 @@ CodedFrame largeFrame(std::uint32_t seed) {
 }
 
 /// The same order of objects and slices, whichever they came in.
-CodedFrame inOrder(CodedFrame frame) {
+CodedFrame sortSlices(CodedFrame frame) {
   std::sort(frame.objects.begin(), frame.objects.end(), [](const auto& a, const auto& b) {
     return std::pair(a.id, a.layer) < std::pair(b.id, b.layer);
   });
@@ -88,7 +88,7 @@ Reassembly joined(const CodedFrame& frame, const Payloads& payloads,
   return join;
 }
 
-TEST(FramePiecesTest, WhatIsPackedComesOutWhateverTheOrder) {
+TEST(FramePiecesTest, UnpacksAFrameFromPiecesInAnyOrder) {
   for (std::uint32_t seed = 1; seed <= 5; ++seed) {
     const CodedFrame frame = largeFrame(seed);
     const Payloads payloads = packFrame(frame);
@@ -102,11 +102,11 @@ TEST(FramePiecesTest, WhatIsPackedComesOutWhateverTheOrder) {
     const CodedFrame out = join.frame();
     for (const CodedObject& object : out.objects)
       EXPECT_TRUE(!object.relief || object.relief->whole());
-    EXPECT_EQ(encode(inOrder(out)), encode(inOrder(frame)));
+    EXPECT_EQ(encode(sortSlices(out)), encode(sortSlices(frame)));
   }
 }
 
-TEST(FramePiecesTest, WhatArrivesIsUsable) {
+TEST(FramePiecesTest, AllReceivedPiecesAreUsable) {
   const CodedFrame frame = largeFrame(9);
   const Payloads payloads = packFrame(frame);
   std::mt19937 random(3);
@@ -254,7 +254,7 @@ TEST(FramePiecesTest, AHeadAnnouncesNoMoreSlicesThanThereAreCells) {
   EXPECT_FALSE(readPiece(head, 9).ok());
 }
 
-TEST(FramePiecesTest, AReliefHasNoMoreSlicesThanItsHeadSays) {
+TEST(FramePiecesTest, AReliefHasNoMoreSlicesThanItsHeadAnnounces) {
   CodedFrame frame = largeFrame(4);
   const Payloads honest = packFrame(frame);
   for (CodedObject& object : frame.objects) {

@@ -194,7 +194,7 @@ TEST(HeightCodec, HostileBytesAreHarmless) {
   }
 }
 
-TEST(HeightCodec, RefusesWhatIsNoSlice) {
+TEST(HeightCodec, RefusesBytesThatAreNoSlice) {
   Relief into = emptyRelief(100, 80);
   HeightEncoder encoder;
   const SliceBytes good = encoder.encode(testing::dome(100, 80)).at(0);

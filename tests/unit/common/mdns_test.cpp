@@ -6,7 +6,7 @@
 namespace hapticast {
 namespace {
 
-TEST(Service, TextOfStrangersIsCleaned) {
+TEST(Service, TextsOfTheNetworkAreCleaned) {
   EXPECT_EQ(sanitizeUtf8("Living room", 63), "Living room");
   EXPECT_EQ(sanitizeUtf8("Küche \xF0\x9F\x8F\x80 漢", 63), "Küche \xF0\x9F\x8F\x80 漢");
   EXPECT_EQ(sanitizeUtf8("\x1b[2J\r\n\x7f", 63), "?[2J???") << "escapes of a terminal";

@@ -25,7 +25,7 @@ TEST(PrivateFileTest, WritesAFileThatOnlyItsOwnerMayRead) {
   EXPECT_EQ(std::distance(fs::directory_iterator(file.parent_path()), {}), 1) << "no other file";
 }
 
-TEST(PrivateFileTest, SaysWhyNot) {
+TEST(PrivateFileTest, ReportsWhyNot) {
   const TempFolder folder;
   const std::string file = folder.write("file", "text");
   const auto below = writePrivateFile(fs::path(file) / "below", "text");

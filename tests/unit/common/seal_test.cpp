@@ -43,7 +43,7 @@ std::optional<SealedBytes> openBytes(const SealedBytes& bytes, const OpeningKey&
   return payload;
 }
 
-TEST(Seal, WhatIsSealedIsOpenedWhateverItsSize) {
+TEST(Seal, OpensASealedDatagramOfAnySize) {
   std::mt19937 random(1);
   SigningKey signer;
   SealingKey seal(9);

@@ -119,7 +119,7 @@ TEST(SignatureTest, AsTheStandardsExamplesSay) {
   }
 }
 
-TEST(SignatureTest, ABitElsewhereIsNotBelieved) {
+TEST(SignatureTest, RefusesASignatureWithAChangedBit) {
   SigningKey key;
   const auto verifying = VerifyingKey::from(key.verifyingKey());
   ASSERT_TRUE(verifying.ok());
@@ -146,9 +146,9 @@ TEST(SignatureTest, AKeyHasItsSize) {
     EXPECT_FALSE(VerifyingKey::from(SignedBytes(size, 1)).ok()) << size;
 }
 
-TEST(SignatureTest, WhatNobodyCanGuessComesOnce) {
+TEST(SignatureTest, RandomNumbersDoNotRepeat) {
   std::set<std::uint64_t> seen{0};
-  for (int i = 0; i < 1000; ++i) EXPECT_TRUE(seen.insert(unguessable()).second);
+  for (int i = 0; i < 1000; ++i) EXPECT_TRUE(seen.insert(makeUnguessable()).second);
 }
 
 }  // namespace

@@ -31,7 +31,7 @@ struct TcpChannelTest : ::testing::Test {
   std::unique_ptr<TcpChannel> channel;
 };
 
-TEST_F(TcpChannelTest, WritesAtOnceWhatFits) {
+TEST_F(TcpChannelTest, WritesDataThatFitsAtOnce) {
   const SharedBytes sent = payload(100);
   ASSERT_TRUE(channel->writeNow(sent));
   EXPECT_EQ(channel->bytesWritten(), kPrefixBytes + 100U);
@@ -68,7 +68,7 @@ TEST_F(TcpChannelTest, AWriteGoesOnWhereWriteNowHasStopped) {
   }
 }
 
-TEST_F(TcpChannelTest, SaysByTheWriteThatTheConnectionHasEnded) {
+TEST_F(TcpChannelTest, ReportsTheEndOfTheConnectionByTheWrite) {
   channel->close();
   const SharedBytes sent = payload(10);
   EXPECT_FALSE(channel->writeNow(sent));

@@ -53,7 +53,7 @@ TEST(Text, AByteOrderMarkIsIgnored) {
       << "at the begin only";
 }
 
-TEST(Text, OtherLinesAreToldWithTheirNumber) {
+TEST(Text, OtherLinesAreReportedWithTheirNumber) {
   EXPECT_EQ(complaint("a = 1\nb"), "f:2: 'b' is not a `key = value` line");
   EXPECT_EQ(complaint("= 1"), "f:1: '= 1' is not a `key = value` line");
   for (const char* text : {"[a]", "[a = 1]", "-- = 1", "++ = 1", "2a = 1", "a b = 1", "a.b = 1"}) {
@@ -64,7 +64,7 @@ TEST(Text, OtherLinesAreToldWithTheirNumber) {
   EXPECT_NE(complaint(std::string(65, 'k') + " = 1"), "accepted");
 }
 
-TEST(Text, ABinaryFileIsToldWithoutItsBytes) {
+TEST(Text, ABinaryFileIsReportedWithoutItsBytes) {
   const std::string all(
       "\x7f"
       "ELF\x02\x01\x01\0 = 1\n",
@@ -87,7 +87,7 @@ TEST(Text, SizeIsLimited) {
   EXPECT_EQ(complaint(""), "accepted");
 }
 
-TEST(Text, AStreamThatFailsIsTold) {
+TEST(Text, AStreamThatFailsIsReported) {
   std::istringstream in("a = 1");
   in.setstate(std::ios::failbit);
   const auto result = readKeyValues(in, "f");

@@ -13,7 +13,7 @@
 
 namespace hapticast::testing {
 
-/// What arrives of a message that is sent.
+/// The received form of a sent message.
 template <class T>
 T roundTrip(const T& message) {
   auto decoded = decode(encode(message));
@@ -21,7 +21,7 @@ T roundTrip(const T& message) {
   return std::get<T>(std::move(decoded).value());
 }
 
-/// What arrives of a frame; its reliefs as slices.
+/// The received form of a frame; its reliefs are slices.
 inline CodedFrame roundTrip(const HapticFrame& frame) { return roundTrip(coded(frame)); }
 
 /// The error that a message gives at the other side; fails the test when it is taken.

@@ -11,7 +11,7 @@ using testing::refusal;
 using testing::roundTrip;
 using Bytes = std::vector<std::uint8_t>;
 
-/// The golden frame with one relief of slices as they are told.
+/// The golden frame with one relief of the given slices.
 CodedFrame withSlices(PixelRect rect, std::vector<SliceBytes> slices) {
   CodedFrame frame = testing::coded(goldenFrame());
   frame.objects[0].grid = nullptr;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What comes over the wire and is not taken: limits, texts, damage.
+// Wire data that is rejected: limits, texts, damage.
 #include <functional>
 #include <limits>
 #include <random>
@@ -184,7 +184,7 @@ struct Padded {
   void append(const Bytes& bytes) { frame.insert(frame.end(), bytes.begin(), bytes.end()); }
 };
 
-TEST(WireRefuses, CountsWhateverTheParserWouldSkip) {
+TEST(WireRefuses, UnknownFieldsInExcess) {
   constexpr std::uint32_t kObjects = 4;  // field number
   std::mt19937 random(11);
   for (int round = 0; round < 400; ++round) {
@@ -282,7 +282,7 @@ TEST(WireRefuses, MakesTextsShortAndPrintable) {
             63U);
 }
 
-TEST(WireRefuses, TextsThatOthersSendBadly) {
+TEST(WireRefuses, MalformedTexts) {
   const Bytes good = encode(Hello{1, "abcd", false, true});
   Bytes bad = good;
   bad[std::size_t(std::find(bad.begin(), bad.end(), 'c') - bad.begin())] = 0xFF;

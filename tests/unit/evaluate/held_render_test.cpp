@@ -148,8 +148,8 @@ TEST(HeldRender, DepthOfACapsuleIsThatOfItsPieces) {
   }
 }
 
-// What no closed formula gives: the pixel's point is on the surface, and the ray is outside of the
-// thing all the way to it.
+// Cases without a closed formula: the pixel's point is on the surface, and the ray is outside of
+// the thing all the way to it.
 TEST(HeldRender, NothingIsBeforeTheFirstSurface) {
   for (const Part& part : {makePart(Form::kMug, {45, 50, 4}, Vec3::Zero(), 0),
                            makePart(Form::kTube, {20, 90, 0.009}, Vec3::Zero(), 0),

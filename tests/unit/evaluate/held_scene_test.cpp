@@ -99,7 +99,7 @@ double distanceToHand_mm(const Thing& object, const Thing& hand, bool of_palm) {
   return nearest_mm;
 }
 
-TEST(HeldScene, WhatIsHeldIsTouchedAndNotRunThrough) {
+TEST(HeldScene, HandsTouchTheHeldObjectWithoutPenetration) {
   for (const Scene& scene : heldScenes(1)) {
     if (!scene.held_at_start) continue;
     const Thing object = scene.object.at(0.0);
@@ -149,7 +149,7 @@ TEST(HeldScene, TheMugLeavesThePictureByHalfAndComesBack) {
   }
 }
 
-TEST(HeldScene, ASeedSaysEverything) {
+TEST(HeldScene, TheSeedDefinesTheScene) {
   const cv::Mat once = Film(sceneOf("mug_turned"), kSmall).shoot(3).frame.color;
   const cv::Mat again = Film(sceneOf("mug_turned"), kSmall).shoot(3).frame.color;
   const cv::Mat other = Film(sceneOf("mug_turned", 2), kSmall).shoot(3).frame.color;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What --check asserts: a figure that got worse or went missing fails, another does not; baselines
+// The checks of --check: a figure that got worse or went missing fails, another does not; baselines
 // that cannot be read are refused.
 #include <gtest/gtest.h>
 
@@ -103,7 +103,7 @@ TEST(ReportCheck, TheMarginOfANegativeFigureIsOfItsSize) {
       isOneLine(findFailures({makeFigure(-60.0, "mJ")}, {makeFigure(-100.0, "mJ")}), "got -60 mJ"));
 }
 
-TEST(ReportCheck, WhatIsNoNumberFails) {
+TEST(ReportCheck, FailsForValuesThatAreNoNumbers) {
   EXPECT_TRUE(isOneLine(findFailures({makeFigure(std::nan(""))}, {makeFigure(10.0)}), "nan"));
   EXPECT_TRUE(isWorse(std::numeric_limits<double>::infinity(), makeFigure(400.0)));
   EXPECT_TRUE(isWorse(std::nan(""), makeFigure(400.0, "N/m")));
@@ -159,7 +159,7 @@ TEST(ReportCheck, AnotherUnitFails) {
                         "got 1 mN, baseline 1, limit 1.301 N"));
 }
 
-TEST(ReportCsv, ReadsWhatWasWritten) {
+TEST(ReportCsv, ReadsAWrittenReport) {
   const TempFolder folder;
   Row other{"box", "roughness", "normal", 1e-13, "mN per tick", 0.0, false, true};
   writeRows(folder / "accuracy.csv", {makeFigure(-0.7148), other});
@@ -232,14 +232,14 @@ TEST(ReportCheckOfAReport, ARequirementThatTheBaselineMissesMayGetLittleWorse) {
   }
 }
 
-TEST(ReportCheckOfAReport, SaysWhichBaselineIsMissingBeforeItMeasures) {
+TEST(ReportCheckOfAReport, ReportsWhichBaselineIsMissingBeforeItMeasures) {
   const TempFolder folder;
   EXPECT_EQ(catchRefusal([&] { Report("probe", makeOptions(folder, "none")); }),
             "--check: there is no baseline " + (folder / "none/probe.csv").string() +
                 " (--baseline names its folder)");
 }
 
-TEST(ReportCheckOfAReport, WhatItWritesIsItsOwnBaseline) {
+TEST(ReportCheckOfAReport, AWrittenReportIsItsOwnBaseline) {
   const TempFolder folder;
   Options options;
   options.out = folder / "out";

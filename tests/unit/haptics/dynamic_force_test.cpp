@@ -136,7 +136,7 @@ TEST_F(DynamicForceTest, NoiseOfARealStreamStaysGentle) {
   EXPECT_LT(std::sqrt(square_N2), 0.4);
 }
 
-TEST_F(DynamicForceTest, RotationAddsWhatTheContactFeels) {
+TEST_F(DynamicForceTest, RotationAddsTheMotionAtTheContact) {
   PlayObject after = before;
   before.motion.angular_velocity_rad_s = 4.0;
   after.motion.angular_velocity_rad_s = 6.0;
@@ -164,18 +164,19 @@ TEST_F(DynamicForceTest, AddsTheGridAtTheContactCarriedBack) {
   before.grid = &grid;
   before.grid_rect = {304, 224, 48, 32};
   now.position_mm = {2.0, 0.0, 0.0};  // moved on by 8 px since the frame
-  const auto feel = [&](double u, double v) {
+  const auto computeForce = [&](double u, double v) {
     const Vec2 at = stream.workspace.toNominal({u + 8.0, v});
     const Vec3 contact(at.x(), at.y(), 0.0);
     return Vec3(force(0.0, kDeep_mm, Vec3::Zero(), 1.0, &contact) / 0.5e-3);
   };
-  EXPECT_NEAR((feel(312, 232) - Vec3(0, 0, 0)).norm(), 0.0, 1e-9);  // centre of the first cell
-  EXPECT_NEAR((feel(328, 240) - Vec3(100, 500, 0)).norm(), 0.0,
+  EXPECT_NEAR((computeForce(312, 232) - Vec3(0, 0, 0)).norm(), 0.0,
+              1e-9);  // centre of the first cell
+  EXPECT_NEAR((computeForce(328, 240) - Vec3(100, 500, 0)).norm(), 0.0,
               1e-9);  // second column, between the rows
-  EXPECT_NEAR((feel(336, 248) - Vec3(150, 1000, 0)).norm(), 0.0, 1e-9);
-  EXPECT_NEAR((feel(9999, 9999) - Vec3(200, 1000, 0)).norm(), 0.0, 1e-9);
+  EXPECT_NEAR((computeForce(336, 248) - Vec3(150, 1000, 0)).norm(), 0.0, 1e-9);
+  EXPECT_NEAR((computeForce(9999, 9999) - Vec3(200, 1000, 0)).norm(), 0.0, 1e-9);
   grid.acceleration_mm_s2.resize(2);  // shorter than announced
-  EXPECT_EQ(feel(312, 232).norm(), 0.0);
+  EXPECT_EQ(computeForce(312, 232).norm(), 0.0);
 }
 
 TEST_F(DynamicForceTest, AnImpactIsAHalfSineAlongItsChangeOfVelocity) {
@@ -228,11 +229,11 @@ TEST_F(DynamicForceTest, AnImpactIsRenderedOnceThoughFramesDisagreeOrForgetIt) {
   EXPECT_GT(force(1.1075).z(), 0.0);  // another one
 }
 
-TEST_F(DynamicForceTest, AnImpactIsDoubtedByWhatIsFeltOfIt) {
+TEST_F(DynamicForceTest, AnImpactIsDoubtedByItsRenderedShare) {
   before.impact_count = 1;
-  const auto doubts = [&](double time_s, double logged_mm_s, double believed_mm_s) {
+  const auto doubts = [&](double time_s, double logged_mm_s, double plausible_mm_s) {
     before.impacts[0] = {mediaTime(time_s), {0, 0, logged_mm_s}};
-    now.plausibility.impact_mm_s = believed_mm_s;
+    now.plausibility.impact_mm_s = plausible_mm_s;
     (void)force(time_s + 0.001);
     return dynamic.implausible();
   };

@@ -106,7 +106,7 @@ TEST_F(FaultFilesTest, OfEveryRunStay) {
   folder_ = folder_.parent_path();
 }
 
-TEST_F(FaultFilesTest, AFolderThatCannotBeMadeIsToldAtOnce) {
+TEST_F(FaultFilesTest, AFolderThatCannotBeMadeIsReportedAtOnce) {
   std::ofstream(folder_.string()) << "a file";
   try {
     const FaultLogWriter out(folder_ / "below");

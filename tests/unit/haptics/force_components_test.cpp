@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What of a force is a press, what a blow.
+// Parts of a force: press and blow.
 #include "client/haptics/force_components.hpp"
 
 #include <gtest/gtest.h>
@@ -45,7 +45,7 @@ TEST(ForceComponents, ADynamicForceIsABlowThatIsHeldForAMoment) {
   EXPECT_LT(after(meter, 300, pushedBy({0.0, 0.0, 1.0})).transient_N, 0.01);
 }
 
-TEST(ForceComponents, OnlyWhatTheChainLetThroughIsFelt) {
+TEST(ForceComponents, OnlyTheForceAfterTheChainCounts) {
   TransientDetector meter;
   const ForceComponents parts = meter.next(pushedBy({0.0, 0.0, 2.0}, Vec3::Zero(), 0.25));
   EXPECT_NEAR(parts.sustained_N, 0.5, 1e-12);

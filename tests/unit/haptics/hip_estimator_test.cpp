@@ -89,7 +89,7 @@ TEST(HipEstimator, ALeapIsNotAMovement) {
   EXPECT_TRUE(motion.update(stateAt(2e-3, 60.0)).restarted);  // 58 m/s: the device was re-homed
 }
 
-TEST(HipEstimator, KeepsTheLastWhenTheDeviceSaysNothingOrNonsense) {
+TEST(HipEstimator, KeepsTheLastWhenTheDeviceReportsNothingOrNonsense) {
   HipEstimator motion(DeviceProfile{});
   for (int i = 0; i < 20; ++i) (void)motion.update(stateAt(i * 1e-3, 0.1 * i));
   const double before_mm_s = motion.update(stateAt(20e-3, 2.0)).velocity_mm_s.z();

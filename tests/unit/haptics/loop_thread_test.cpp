@@ -59,7 +59,7 @@ TEST(LoopThread, StopRampsToZeroAndCountsStay) {
   EXPECT_EQ(on.ticks, ticks);
 }
 
-TEST(LoopThread, WhateverIsThrownInItsOwnersScopeTheForceEndsAndSoDoesTheThread) {
+TEST(LoopThread, AnExceptionInTheOwnersScopeEndsForceAndThread) {
   Threaded on;
   const auto touchAndThrow = [&] {
     const LoopThread loop(on.device, *on.stage.renderer, on.stage.clock);

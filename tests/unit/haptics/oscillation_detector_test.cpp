@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the latency watch takes for a loop that swings, and what for a hand or a surface.
+// The oscillation detector separates an unstable loop from a moving hand or surface.
 #include "client/haptics/safety/oscillation_detector.hpp"
 
 #include <gtest/gtest.h>
@@ -17,11 +17,12 @@ int alarms(
     int ticks, const std::function<double(int)>& tip_mm,
     const std::function<double(int)>& surface_mm = [](int) { return 0.0; },
     const std::function<bool(int)>& acts = [](int) { return true; }) {
-  OscillationDetector watch(kCount_mm);
+  OscillationDetector detector(kCount_mm);
   const auto counted = [&](int i) { return std::round(tip_mm(i) / kCount_mm) * kCount_mm; };
   int count = 0;
   for (int i = 1; i <= ticks; ++i) {
-    count += watch.alarmed(counted(i) - counted(i - 1), surface_mm(i) - surface_mm(i - 1), acts(i));
+    count += detector.detectsAlarm(counted(i) - counted(i - 1), surface_mm(i) - surface_mm(i - 1),
+                                   acts(i));
   }
   return count;
 }
@@ -32,7 +33,7 @@ std::function<double(int)> wave(double amplitude_mm, double frequency_Hz, double
   };
 }
 
-TEST(OscillationDetector, SeesALastingOrGrowingSwing) {
+TEST(OscillationDetector, DetectsALastingOrGrowingSwing) {
   for (const double frequency_Hz : {18.0, 30.0, 60.0, 100.0}) {
     EXPECT_GE(alarms(1000, wave(0.5, frequency_Hz)), 1) << frequency_Hz;
     EXPECT_GE(alarms(1000, wave(0.05, frequency_Hz, 5.0)), 1) << frequency_Hz;
@@ -55,7 +56,7 @@ TEST(OscillationDetector, LeavesASwingingSurfaceAlone) {
   EXPECT_GE(alarms(5000, wave(0.5, 30.0), wave(0.2, 30.0)), 1);  // less than half of it
 }
 
-TEST(OscillationDetector, WatchesOnlyWhileAForceActs) {
+TEST(OscillationDetector, IsActiveOnlyWhileAForceActs) {
   EXPECT_EQ(alarms(5000, wave(0.5, 30.0), wave(0.0, 1.0), [](int) { return false; }), 0);
   // A tip that bounces is without a force for a part of each swing.
   EXPECT_GE(alarms(5000, wave(0.5, 30.0), wave(0.0, 1.0), [](int i) { return i % 33 < 10; }), 1);
@@ -73,15 +74,15 @@ struct Bounces {
 
 /// Alarms in ten contacts with a flight between them.
 int bounceAlarms(const Bounces& what) {
-  BounceDetector watch(0.045);
+  BounceDetector detector(0.045);
   int count = 0;
   const auto tick = [&](double tip_mm_s, bool contact) {
     const Vec3 normal = contact ? Vec3::UnitX() : Vec3::UnitZ();  // none without contact
     const double surface_mm_s = contact ? what.surface_mm_s : 0.0;
-    count +=
-        watch.alarmed({(tip_mm_s + what.surface_mm_s) * Vec3::UnitX(), surface_mm_s * Vec3::UnitX(),
-                       normal, contact ? what.stiffness_N_mm : 0.0, contact, what.acts, false},
-                      1);
+    count += detector.detectsAlarm(
+        {(tip_mm_s + what.surface_mm_s) * Vec3::UnitX(), surface_mm_s * Vec3::UnitX(), normal,
+         contact ? what.stiffness_N_mm : 0.0, contact, what.acts, false},
+        1);
   };
   const double out_mm_s = what.share * what.in_mm_s;
   for (int bounce = 0; bounce < 10; ++bounce) {
@@ -95,7 +96,7 @@ int bounceAlarms(const Bounces& what) {
   return count;
 }
 
-TEST(BounceDetector, SeesATipThatIsThrownBackAsFastAsItCame) {
+TEST(BounceDetector, DetectsATipThatIsThrownBackAsFastAsItCame) {
   EXPECT_EQ(bounceAlarms({.share = 0.95}), 2);  // of nine that are judged, three and one between
   EXPECT_EQ(bounceAlarms({.share = 1.3, .flight_ticks = 200}), 2);
   EXPECT_EQ(bounceAlarms({.surface_mm_s = 100.0}), 2);
@@ -108,7 +109,7 @@ TEST(BounceDetector, LeavesHandsAndDampedBouncesAlone) {
   EXPECT_EQ(bounceAlarms({.flight_ticks = 8}), 0);      // brushes the edge
   EXPECT_EQ(bounceAlarms({.in_mm_s = 60.0}), 0);        // a count
   EXPECT_EQ(bounceAlarms({.surface_mm_s = 200.0}), 0);  // the surface strikes
-  EXPECT_EQ(bounceAlarms({.acts = false}), 0);          // nothing is felt
+  EXPECT_EQ(bounceAlarms({.acts = false}), 0);          // no force acts
   EXPECT_EQ(bounceAlarms({.contact_ticks = 300, .stiffness_N_mm = 0.0}), 0);
 }
 

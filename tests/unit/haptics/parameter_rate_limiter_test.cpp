@@ -44,8 +44,8 @@ TEST(ParameterRateLimiter, ANumberThatIsNoneLeavesNoTrace) {
   EXPECT_EQ(ramp.step(1.0, true), 1.0);
 }
 
-/// Stiffness that a hand feels that is pressed 2 mm into a dome, over `ticks`.
-double felt_N_mm(RendererFixture& stage, int ticks) {
+/// Rendered stiffness at a hand that is pressed 2 mm into a dome, over `ticks`.
+double settleStiffness_N_mm(RendererFixture& stage, int ticks) {
   double force_N = 0.0;
   double device_mm = 0.0;
   for (int i = 0; i < ticks; ++i) {
@@ -64,23 +64,23 @@ void press(RendererFixture& stage) {
   (void)stage.run(2000);
 }
 
-TEST(RoomMaterial, StiffnessChangesSlowlyUnderTheHand) {
+TEST(RendererMaterial, StiffnessChangesSlowlyUnderTheHand) {
   RendererFixture stage({}, nullptr);
   stage.material.stiffness_N_mm = 0.3;
   press(stage);
-  EXPECT_NEAR(felt_N_mm(stage, 200), 0.3, 0.01);
+  EXPECT_NEAR(settleStiffness_N_mm(stage, 200), 0.3, 0.01);
   stage.material.stiffness_N_mm = 1.5;
-  while (felt_N_mm(stage, 1) < 0.32) {  // until the frame is played
+  while (settleStiffness_N_mm(stage, 1) < 0.32) {  // until the frame is played
   }
   (void)stage.run(75);
-  EXPECT_NEAR(felt_N_mm(stage, 150), 0.9, 0.1);  // the mean of the ramp's middle
+  EXPECT_NEAR(settleStiffness_N_mm(stage, 150), 0.9, 0.1);  // the mean of the ramp's middle
   (void)stage.run(300);
-  EXPECT_NEAR(felt_N_mm(stage, 500), 1.5, 0.03);
+  EXPECT_NEAR(settleStiffness_N_mm(stage, 500), 1.5, 0.03);
 }
 
-TEST(RoomMaterial, AnAuthorsStiffnessHasALimit) {
+TEST(RendererMaterial, AnAuthorsStiffnessHasALimit) {
   struct Case {
-    double limit, asked, felt;
+    double limit, asked, settled;
   };
   for (const Case& c : {Case{0.0, 3.0, 1.5}, Case{2.5, 3.0, 2.5}, Case{3.0, 2.0, 2.0}}) {
     RendererSettings settings;
@@ -88,14 +88,14 @@ TEST(RoomMaterial, AnAuthorsStiffnessHasALimit) {
     RendererFixture stage(settings, nullptr);
     stage.material.stiffness_N_mm = c.asked;
     press(stage);
-    EXPECT_NEAR(felt_N_mm(stage, 500), c.felt, 0.02 * c.felt);
-    const bool told =
-        (stage.renderer->report().interferences & bit(SafetyAction::kStiffness)) != 0U;
-    EXPECT_EQ(told, c.felt < c.asked);
+    EXPECT_NEAR(settleStiffness_N_mm(stage, 500), c.settled, 0.02 * c.settled);
+    const bool logged =
+        (stage.renderer->report().safety_actions & bit(SafetyAction::kStiffness)) != 0U;
+    EXPECT_EQ(logged, c.settled < c.asked);
   }
 }
 
-TEST(RoomMaterial, FrictionChangesSlowlyUnderTheHandAndHasALimit) {
+TEST(RendererMaterial, FrictionChangesSlowlyUnderTheHandAndHasALimit) {
   Table table;
   table.put(1, relief(20.0, level(10.0), slantedBox()));
   Material& material = table.object(0).material;

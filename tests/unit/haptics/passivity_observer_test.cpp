@@ -83,7 +83,7 @@ TEST(SurfaceHistory, GivesTheMotionAtTheMeasuredPosition) {
   }
 }
 
-TEST(PassivityObserver, TellsTheSurfacesPushFromTheContactsOwnWork) {
+TEST(PassivityObserver, SeparatesTheSurfacesPushFromTheContactsWork) {
   PassivityObserver ports(0, 0.0);
   Tip tip;
   ports.sent(kForce, {0.0, 0.0, 0.5});
@@ -94,7 +94,7 @@ TEST(PassivityObserver, TellsTheSurfacesPushFromTheContactsOwnWork) {
   EXPECT_DOUBLE_EQ(ports.work().user_mJ(), kForce_N);
 }
 
-TEST(PassivityObserver, ObserverCountsWhatIsStoredAsNotGenerated) {
+TEST(PassivityObserver, ObserverCountsStoredEnergyAsNotGenerated) {
   PassivityObserver ports(0, 0.0);
   Tip tip;
   ports.sent(kForce, Vec3::Zero());
@@ -171,7 +171,7 @@ TEST(EnergyTank, IsEmptiedByTheForceAndFilledByTheHandAndByPower) {
   EXPECT_EQ(tank.content_mJ(), 15.0);
 }
 
-TEST(EnergyTank, RemembersWhatWasGivenBeyondItsContent) {
+TEST(EnergyTank, KeepsTheDebtOfEnergyBeyondItsContent) {
   EnergyTank tank{DeviceProfile{}};
   const Vec3 fast_mm_s(500.0, 0.0, 0.0);
   tank.withdraw(20.0, fast_mm_s);
@@ -209,7 +209,7 @@ TEST(EnergyTank, ShakesForAMomentOnly) {
   EXPECT_LT(sum_mJ, 500.0);
 }
 
-/// What a full (or empty) tank leaves of `force_N` at a lasting velocity.
+/// The rest of `force_N` with a full (or empty) tank at a lasting velocity.
 double factorAt(const Vec3& force_N, const Vec3& velocity_mm_s, bool empty = false) {
   EnergyTank tank{DeviceProfile{}};
   for (int i = 0; i < 100; ++i) tank.withdraw(empty ? 1.0 : 0.0, velocity_mm_s);

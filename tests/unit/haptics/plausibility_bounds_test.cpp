@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How far a stream is believed: what frames bear out, and what only one of them says.
+// The plausibility bounds: motion that successive frames support, and motion of one frame only.
 #include "client/haptics/playback/plausibility_bounds.hpp"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ namespace {
 constexpr double kStep_s = 0.04;
 using MotionAt = std::function<Motion(double time_s)>;
 
-class BeliefTest : public ::testing::Test {
+class PlausibilityTest : public ::testing::Test {
  protected:
   /// Five frames of a body whose relief moves with it, the third at `time_s`.
   PlausibilityBounds of(const MotionAt& motion, double time_s, bool moves = true) {
@@ -27,7 +27,7 @@ class BeliefTest : public ::testing::Test {
       seen.object[i] = &objects_[i];
     }
     seen.interval_s.fill(kStep_s);
-    return boundsFrom(seen);
+    return computePlausibilityBounds(seen);
   }
   static MotionAt swinging(double hz, double amplitude_mm) {
     return [=](double t) {
@@ -44,17 +44,17 @@ class BeliefTest : public ::testing::Test {
   std::array<HeightField, ObjectHistory::kFrames> fields_;
 };
 
-TEST_F(BeliefTest, ABodyAtRestHasNoAccelerationWhateverItSays) {
-  Motion lie;
-  lie.acceleration_mm_s2.z() = 1e8;
-  const PlausibilityBounds plausibility = of([&](double) { return lie; }, 1.0);
+TEST_F(PlausibilityTest, ABodyAtRestHasNoAccelerationWhateverTheStreamSends) {
+  Motion false_stream;
+  false_stream.acceleration_mm_s2.z() = 1e8;
+  const PlausibilityBounds plausibility = of([&](double) { return false_stream; }, 1.0);
   EXPECT_EQ(plausibility.acceleration_mm_s2, 0.0);
   EXPECT_EQ(plausibility.impact_mm_s, 0.0);
   EXPECT_EQ(plausibility.turn_rad_s, 0.0);
   EXPECT_EQ(plausibility.turn_rate_rad_s2, 0.0);
 }
 
-TEST_F(BeliefTest, VelocitiesThatThePositionsDoNotFollowBearNothingOut) {
+TEST_F(PlausibilityTest, RejectsVelocitiesThatThePositionsDoNotFollow) {
   const PlausibilityBounds plausibility = of(
       [](double t) {
         Motion motion;
@@ -68,19 +68,19 @@ TEST_F(BeliefTest, VelocitiesThatThePositionsDoNotFollowBearNothingOut) {
   EXPECT_EQ(plausibility.turn_rate_rad_s2, 0.0);
 }
 
-TEST_F(BeliefTest, PositionsThatAReliefDoesNotFollowBearNothingOut) {
+TEST_F(PlausibilityTest, RejectsPositionsThatTheReliefDoesNotFollow) {
   const PlausibilityBounds plausibility = of(swinging(4.0, 5.0), 1.0, /*moves=*/false);
   EXPECT_EQ(plausibility.acceleration_mm_s2, 0.0);
   EXPECT_EQ(plausibility.grid_mm_s2, 0.0);
 }
 
-TEST_F(BeliefTest, AnHonestSwingIsBelievedAtEveryPhase) {
+TEST_F(PlausibilityTest, AcceptsAPlausibleSwingAtEveryPhase) {
   for (const double hz : {0.5, 1.0, 2.0, 3.0, 4.0, 6.0}) {
     for (int i = 0; i < 100; ++i) {
       const double time_s = i * 0.013;
       const PlausibilityBounds plausibility = of(swinging(hz, 5.0), time_s);
-      const Motion told = swinging(hz, 5.0)(time_s);
-      EXPECT_GE(plausibility.acceleration_mm_s2, told.acceleration_mm_s2.norm())
+      const Motion announced = swinging(hz, 5.0)(time_s);
+      EXPECT_GE(plausibility.acceleration_mm_s2, announced.acceleration_mm_s2.norm())
           << hz << " Hz at " << time_s;
       const double w = 2.0 * M_PI * hz;
       EXPECT_LE(plausibility.acceleration_mm_s2, 3.1 * 5.0 * w * w) << hz << " Hz at " << time_s;
@@ -88,7 +88,7 @@ TEST_F(BeliefTest, AnHonestSwingIsBelievedAtEveryPhase) {
   }
 }
 
-TEST_F(BeliefTest, AnHonestBounceIsBelieved) {
+TEST_F(PlausibilityTest, AcceptsAPlausibleBounce) {
   for (const double into : {0.1, 0.5, 0.9}) {  // of the interval
     const double hit_s = 1.0 + into * kStep_s;
     const PlausibilityBounds plausibility = of(
@@ -105,7 +105,7 @@ TEST_F(BeliefTest, AnHonestBounceIsBelieved) {
   }
 }
 
-TEST_F(BeliefTest, FramesCloserThanAnyStreamsBearNothingOut) {
+TEST_F(PlausibilityTest, RejectsFramesThatAreCloserThanThoseOfAnyStream) {
   ObjectHistory seen;
   for (std::size_t i = 0; i < ObjectHistory::kFrames; ++i) {
     objects_[i].motion.position_mm.z() = i % 2 == 0 ? 10.0 : 10.01;
@@ -113,16 +113,17 @@ TEST_F(BeliefTest, FramesCloserThanAnyStreamsBearNothingOut) {
     seen.object[i] = &objects_[i];
   }
   seen.interval_s = {1e-6, 0.08, 1e-6, 0.08};
-  EXPECT_LE(boundsFrom(seen).acceleration_mm_s2, 20.0);
+  EXPECT_LE(computePlausibilityBounds(seen).acceleration_mm_s2, 20.0);
   seen.interval_s.fill(1.0 / 240.0);
-  EXPECT_GE(boundsFrom(seen).acceleration_mm_s2, 0.02 * 240.0 * 240.0) << "the fastest stream's do";
+  EXPECT_GE(computePlausibilityBounds(seen).acceleration_mm_s2, 0.02 * 240.0 * 240.0)
+      << "the fastest stream's do";
 }
 
-TEST_F(BeliefTest, WithoutNeighboursOnlyWhatIsThereCounts) {
+TEST_F(PlausibilityTest, WithoutNeighboursOnlyTheFramePresentCounts) {
   const PlayObject alone;
   ObjectHistory seen;
   seen.object[ObjectHistory::kNow] = &alone;
-  const PlausibilityBounds plausibility = boundsFrom(seen);
+  const PlausibilityBounds plausibility = computePlausibilityBounds(seen);
   EXPECT_EQ(plausibility.acceleration_mm_s2, 0.0);
   EXPECT_EQ(plausibility.impact_mm_s, 0.0);
 }

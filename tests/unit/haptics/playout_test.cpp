@@ -143,7 +143,7 @@ TEST(Playout, StartsOverWhenTheClockBecomesKnown) {
             fresh.advance(localMs(1001), stream, false));
 }
 
-TEST(Playout, IsMonotoneWhateverIsAskedWithinAConnection) {
+TEST(Playout, IsMonotoneAtAnyTargetWithinAConnection) {
   std::mt19937_64 random(2);
   const auto any = [&] {
     constexpr std::int64_t kExtreme[] = {0, 1, -1, std::numeric_limits<std::int64_t>::max(),

@@ -130,7 +130,7 @@ class Table {
   std::vector<std::unique_ptr<PlayObject>> objects_;
 };
 
-/// A film at 25 frames/s: frame k is told by a function, one is always known ahead.
+/// A film at 25 frames/s: a function returns frame k, and the next frame is always known.
 class Film {
  public:
   static constexpr double kFrame_s = 0.04;

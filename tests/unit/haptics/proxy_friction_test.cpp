@@ -70,7 +70,7 @@ Friction given(std::optional<double> sticking, std::optional<double> sliding) {
   return toFriction(material);
 }
 
-TEST(Friction, WhatTheAuthorLeavesOutIsTheViewersAndZeroIsAValue) {
+TEST(Friction, TheViewersFrictionFillsGapsOfTheAuthorAndZeroIsAValue) {
   EXPECT_EQ(given({}, {}).sticking, kDefaultFriction);
   EXPECT_EQ(given({}, {}).sliding, kDefaultFriction);
   EXPECT_EQ(given(0.0, 0.0).sticking, 0.0);

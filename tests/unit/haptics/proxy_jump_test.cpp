@@ -38,7 +38,7 @@ TEST(ProxyJump, ASurfaceThatJumpsUpFadesIn) {
   }
 }
 
-TEST(ProxyJump, WhatAppearsOverTheHipStartsAtZero) {
+TEST(ProxyJump, AnObjectThatAppearsOverTheHipStartsAtZero) {
   Table table;
   table.put(1, relief(10.0, level(5.0)));
   const Vec3 hip(0.0, 0.0, 8.5);
@@ -133,7 +133,7 @@ TEST(ProxyJump, AnImpactIsNoJump) {
   EXPECT_NEAR(table.touch({0.0, 0.0, 9.9}).displacement_mm.z(), 1.1, 1e-3);
 }
 
-TEST(ProxyJump, ANewEpochIsToldAtFullDepth) {
+TEST(ProxyJump, ReportsAJumpOfANewEpochAtFullDepth) {
   // The chain fades it and refuses to arm where it is too deep: it has to see how deep it is.
   Table table;
   table.put(1, relief(10.0, level(10.0)));

@@ -219,7 +219,7 @@ TEST(ProxyMotion, AStickingFingerIsCarriedAlong) {
 // --- the residual
 // ---------------------------------------------------------------------------------------------------
 
-TEST(ProxyMotion, ChangesOfShapeAreBlendedAndTold) {
+TEST(ProxyMotion, BlendsAndReportsChangesOfShape) {
   // Rises by 0.5 mm per frame although the pose says it stands.
   const auto height = [](double t) { return 8.0 + 12.5 * t; };
   Fields fields([&](double t) {
@@ -235,7 +235,7 @@ TEST(ProxyMotion, ChangesOfShapeAreBlendedAndTold) {
   }
 }
 
-TEST(ProxyMotion, AWallThatGrowsIsToldAsMovingOutwards) {
+TEST(ProxyMotion, ReportsAGrowingWallAsMovingOutwards) {
   const auto edge = [](double t) { return 5.0 + 12.5 * t; };
   Fields fields([&](double t) {
     return makeField({240, 160, 200, 160}, kWorkspace, level(12.0),

@@ -10,7 +10,7 @@
 namespace hapticast::client {
 namespace {
 
-TEST(Proxy, TwoLayersAreFeltAsTwoSurfaces) {
+TEST(Proxy, TwoLayersAreTwoSurfaces) {
   // A step of 10 mm, turned: the near layer ends where it does, the far one goes on 4 mm under it.
   const auto beyond = [](double from_mm) {
     return [=](const Vec2& at) { return (Eigen::Rotation2Dd(-kSlant) * at).x() > from_mm; };

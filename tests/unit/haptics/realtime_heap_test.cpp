@@ -106,7 +106,7 @@ TEST(RealtimeHeap, TheTickUsesNone) {
 }
 
 /// Each way to the heap, called so that no compiler can leave it out.
-TEST(RealtimeHeapDeathTest, TheGuardSeesEveryWayToTheHeap) {
+TEST(RealtimeHeapDeathTest, TheGuardDetectsEveryAllocation) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
   struct alignas(64) Wide {
     char bytes[64];

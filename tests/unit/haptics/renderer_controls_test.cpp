@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the user may change while something is touched: it is felt, and never as a step.
+// The user's controls during contact: they take effect without a step.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -10,9 +10,9 @@ namespace hapticast::client {
 namespace {
 
 /// A hand that lies on the dome and follows it.
-class RoomControls : public ::testing::Test {
+class RendererControls : public ::testing::Test {
  protected:
-  RoomControls() { (void)stage.run(3000); }
+  RendererControls() { (void)stage.run(3000); }
   const TickReport& after(int ticks) {
     stage.user.store(stage.wishes);
     return stage.run(ticks);
@@ -29,7 +29,7 @@ class RoomControls : public ::testing::Test {
   RendererFixture stage{{}, &hand, 3.0};
 };
 
-TEST_F(RoomControls, StaticAndDynamicForceGoOffAndOnWithoutAStep) {
+TEST_F(RendererControls, StaticAndDynamicForceGoOffAndOnWithoutAStep) {
   ASSERT_GT(force_N(), 0.2);
   stage.wishes.static_on = false;
   EXPECT_EQ(after(1000).static_force_N, Vec3(Vec3::Zero()));
@@ -42,7 +42,7 @@ TEST_F(RoomControls, StaticAndDynamicForceGoOffAndOnWithoutAStep) {
   EXPECT_EQ(stage.max_excess_N, 0.0);
 }
 
-TEST_F(RoomControls, LessForceAndASofterWallAreFelt) {
+TEST_F(RendererControls, ALowerForceAndASofterWallTakeEffect) {
   const double all_N = force_N();
   stage.wishes.force_factor = 0.0;
   (void)after(1000);
@@ -57,7 +57,7 @@ TEST_F(RoomControls, LessForceAndASofterWallAreFelt) {
   EXPECT_EQ(stage.max_excess_N, 0.0);
 }
 
-TEST_F(RoomControls, MethodAndSurfaceAreSwitchedUnderTheHand) {
+TEST_F(RendererControls, MethodAndSurfaceAreSwitchedUnderTheHand) {
   for (int i = 0; i < 4; ++i) {
     stage.wishes.method = i % 2 == 0 ? Method::kThesis : Method::kHapticast;
     EXPECT_EQ(after(10).force_N.norm() > 3.3, false);
@@ -69,7 +69,7 @@ TEST_F(RoomControls, MethodAndSurfaceAreSwitchedUnderTheHand) {
   EXPECT_EQ(stage.max_excess_N, 0.0);
 }
 
-TEST(RoomPaused, TheThesissMethodLetsTheHandLeaveAFrameThatStands) {
+TEST(RendererPaused, TheThesissMethodLetsTheHandLeaveAFrameThatStands) {
   RendererSettings settings;
   settings.method = Method::kThesis;
   settings.surface = SurfaceKind::kPerturbed;
@@ -87,7 +87,7 @@ TEST(RoomPaused, TheThesissMethodLetsTheHandLeaveAFrameThatStands) {
   EXPECT_EQ(stage.max_excess_N, 0.0);
 }
 
-TEST_F(RoomControls, NothingThatIsSetLeavesTheLimits) {
+TEST_F(RendererControls, NothingThatIsSetLeavesTheLimits) {
   const double nan = std::nan("");
   for (const double value : {1e9, -5.0, double{INFINITY}, nan, 3.0}) {
     stage.wishes.stiffness_factor = value;

@@ -14,7 +14,7 @@ RendererSettings withButton() {
 }
 const HandScript kFollows{HandKind::kFollow, HandStiffness{}};
 
-TEST(RoomEnable, NoForceBeforeTheButtonIsHeld) {
+TEST(RendererEnable, NoForceBeforeTheButtonIsHeld) {
   RendererFixture stage(withButton(), &kFollows);
   stage.holds = false;
   (void)stage.run(3000);
@@ -22,7 +22,7 @@ TEST(RoomEnable, NoForceBeforeTheButtonIsHeld) {
   EXPECT_FALSE(stage.renderer->report().enabled);
 }
 
-TEST(RoomEnable, HeldItIsFeltAndLetGoItFadesToZeroWithoutAStep) {
+TEST(RendererEnable, RendersWhileTheButtonIsHeldAndFadesAfterwards) {
   RendererFixture stage(withButton(), &kFollows);
   (void)stage.run(3000);
   EXPECT_TRUE(stage.renderer->report().enabled);
@@ -38,7 +38,7 @@ TEST(RoomEnable, HeldItIsFeltAndLetGoItFadesToZeroWithoutAStep) {
   EXPECT_EQ(stage.max_excess_N, 0.0);
 }
 
-TEST(RoomEnable, ATipThatSankInMeanwhileIsNotThrownOut) {
+TEST(RendererEnable, ATipThatSankInMeanwhileIsNotThrownOut) {
   RendererFixture stage(withButton(), nullptr);
   stage.device.setTarget(stage.renderer->report().mapping.toDevice({10.0, 5.0, 40.0}));
   (void)stage.run(2000);
@@ -49,16 +49,16 @@ TEST(RoomEnable, ATipThatSankInMeanwhileIsNotThrownOut) {
   stage.holds = true;
   (void)stage.run(1000);
   EXPECT_EQ(stage.max_force_N, 0.0);
-  EXPECT_TRUE((stage.renderer->report().interferences & bit(SafetyAction::kDisarmed)) != 0);
+  EXPECT_TRUE((stage.renderer->report().safety_actions & bit(SafetyAction::kDisarmed)) != 0);
 }
 
-TEST(RoomEnable, ADeviceWithoutTheButtonNeedsNone) {
+TEST(RendererEnable, ADeviceWithoutTheButtonNeedsNone) {
   RendererFixture stage({}, &kFollows);
   stage.holds = false;
   EXPECT_GT(stage.run(3000).force_N.norm(), 0.2);
 }
 
-TEST(RoomEnable, WithoutDataTheLastWordOfTheButtonHoldsForAMoment) {
+TEST(RendererEnable, WithoutDataTheLastStateOfTheButtonHoldsForAMoment) {
   RendererFixture stage(withButton(), &kFollows);
   (void)stage.run(3000);
   stage.silent = true;
@@ -67,7 +67,7 @@ TEST(RoomEnable, WithoutDataTheLastWordOfTheButtonHoldsForAMoment) {
   EXPECT_EQ(stage.run(200).force_N, Vec3(Vec3::Zero()));
 }
 
-TEST(RoomEnable, ADeviceThatHasNotAnsweredYetIsNotHeld) {
+TEST(RendererEnable, ADeviceWithoutAnAnswerIsNotHeld) {
   RendererFixture stage(withButton(), &kFollows);
   stage.silent = true;
   (void)stage.run(100);
@@ -75,7 +75,7 @@ TEST(RoomEnable, ADeviceThatHasNotAnsweredYetIsNotHeld) {
   EXPECT_EQ(stage.max_force_N, 0.0);
 }
 
-TEST(RoomEnable, ATipThatSinksInWhileTheForceStillFadesIsNotThrownOut) {
+TEST(RendererEnable, ATipThatSinksInWhileTheForceStillFadesIsNotThrownOut) {
   RendererFixture stage(withButton(), nullptr);
   stage.device.setTarget(stage.renderer->report().mapping.toDevice({10.0, 5.0, 40.0}));
   (void)stage.run(2000);

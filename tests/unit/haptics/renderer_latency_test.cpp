@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A device slower than its profile says, through the whole room; the author's damping and the work
-// in the report.
+// A device slower than its profile says, through the whole renderer; the author's damping and the
+// work in the report.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -11,16 +11,16 @@
 namespace hapticast::client {
 namespace {
 
-RendererSettings stiffRoom() {
+RendererSettings makeStiffRenderer() {
   RendererSettings renderer;
   renderer.profile.peak_N = renderer.profile.continuous_N = 8.0;
   renderer.stiffness_N_mm = 5.0;
   return renderer;
 }
 
-/// A hand on a still plate with a device that takes `ticks` longer than the room was told.
+/// A hand on a still plate with a device that takes `ticks` longer than the renderer's profile.
 struct SlowDevice {
-  explicit SlowDevice(int ticks) : attack(stiffRoom()) {
+  explicit SlowDevice(int ticks) : attack(makeStiffRenderer()) {
     attack.name = "a slow device";
     attack.scene = [this](PlayFrame& frame, double) { attack.add(frame, plateAt(8.0)); };
     PlantProfile real{attack.settings.profile};
@@ -40,7 +40,7 @@ struct SlowDevice {
     for (int i = 0; i < ticks; ++i) {
       const TickReport& report = attack.step();
       faults += report.fault == Fault::kLatency;
-      softened += (report.interferences & bit(SafetyAction::kLatency)) != 0;
+      softened += (report.safety_actions & bit(SafetyAction::kLatency)) != 0;
     }
   }
   Attack attack;
@@ -49,11 +49,11 @@ struct SlowDevice {
   int softened = 0;
 };
 
-TEST(RoomLatency, ADeviceSlowerThanItsProfileIsAFaultOnceAConnection) {
-  SlowDevice told(0);
-  told.run(3000);
-  EXPECT_EQ(told.faults, 0);
-  EXPECT_EQ(told.softened, 0);
+TEST(RendererLatency, ADeviceSlowerThanItsProfileIsAFaultOnceAConnection) {
+  SlowDevice exact(0);
+  exact.run(3000);
+  EXPECT_EQ(exact.faults, 0);
+  EXPECT_EQ(exact.softened, 0);
 
   SlowDevice slow(2);
   slow.run(3000);
@@ -62,7 +62,7 @@ TEST(RoomLatency, ADeviceSlowerThanItsProfileIsAFaultOnceAConnection) {
   EXPECT_TRUE(slow.attack.renderer->recorder().frozen());
 }
 
-TEST(RoomLatency, ANewConnectionTrustsTheProfileAgain) {
+TEST(RendererLatency, ANewConnectionTrustsTheProfileAgain) {
   SlowDevice slow(2);
   slow.run(3000);
   slow.target(20.0);
@@ -78,7 +78,7 @@ TEST(RoomLatency, ANewConnectionTrustsTheProfileAgain) {
   EXPECT_EQ(slow.softened, 0);
 }
 
-TEST(RoomWork, ARisingPlatePushesAtTheSurfacesPort) {
+TEST(RendererWork, ARisingPlatePushesAtTheSurfacesPort) {
   Attack attack{RendererSettings{}};
   attack.name = "a plate to and fro";
   attack.scene = [&](PlayFrame& frame, double time_s) {
@@ -102,7 +102,7 @@ TEST(RoomWork, ARisingPlatePushesAtTheSurfacesPort) {
   EXPECT_NEAR(after.object_mJ, before.object_mJ, 0.1);  // the hand's own inertia only
 }
 
-TEST(RoomWork, TheAuthorsDampingReachesTheWall) {
+TEST(RendererWork, TheAuthorsDampingReachesTheWall) {
   double mean_N[2] = {0.0, 0.0};
   for (const bool damped : {false, true}) {
     Attack attack{RendererSettings{}, 14.0};

@@ -69,7 +69,7 @@ TEST(HapticRenderer, SlideStaysOneMillimetreDeepAtTwoCentimetresPerSecond) {
   EXPECT_NEAR(way_mm / 8.0, 15.0, 5.0);  // 20 at most; slower where the figure turns
 }
 
-TEST(HapticRenderer, ReportsWhatIsBelowTheTip) {
+TEST(HapticRenderer, ReportsTheSurfaceBelowTheTip) {
   RendererFixture stage({}, nullptr);
   stage.device.reset(DeviceMapping::fit(Workspace{}, {160, 120, 70}).toDevice({12.0, 5.0, 40.0}),
                      Vec3::Zero());

@@ -52,7 +52,7 @@ void pressIn(ChainFixture& rig) {
   rig.run(1000);
 }
 
-TEST(SafetyMeters, WhatTheSlewLimitHoldsBackIsNotTheWalls) {
+TEST(SafetyMeters, WorkOfTheSlewLimitIsNotCountedForTheWall) {
   for (const double frequency_hz : {4.0, 8.0, 16.0}) {
     for (const Vec3& axis : {Vec3(Vec3::UnitX()), Vec3(Vec3::UnitZ())}) {
       const PlantProfile profile = omni(1.0, 1);

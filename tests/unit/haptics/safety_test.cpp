@@ -67,7 +67,7 @@ TEST(SafetyChain, TheDamperGrowsWithDepthAndWithTheTicksInContact) {
   EXPECT_DOUBLE_EQ(limit.most_N(3.0), 0.04);
 }
 
-TEST(SafetyChain, NoFirstTouchIsABlowWhateverTheObjectDoes) {
+TEST(SafetyChain, NoFirstTouchIsABlowAtAnyMotionOfTheObject) {
   constexpr double kWay_mm = 0.33;  // a tick at 330 mm/s
   for (const double stiffness_N_mm : {0.5, 1.5, 5.0}) {
     SafetyChain chain = armedChain(omni(stiffness_N_mm, 1));
@@ -97,7 +97,7 @@ TEST(SafetyChain, RestingForceIsStiffnessTimesDisplacement) {
   input.displacement_mm = {0.6, 0.0, 1.6};  // spring along the displacement, not along the normal
   const SafetyOutput out = settled(chain, input);
   EXPECT_NEAR((out.force_N - Vec3(0.3, 0.0, 0.8)).norm(), 0.0, 1e-12);
-  EXPECT_EQ(out.interferences, 0u);
+  EXPECT_EQ(out.safety_actions, 0u);
 }
 
 TEST(SafetyChain, DampsAlongTheNormalOnlyAndNeverPulls) {
@@ -120,7 +120,7 @@ TEST(SafetyChain, DampsAlongTheNormalOnlyAndNeverPulls) {
       input.ahead.velocity_mm_s = {0.0, 0.0, 300.0};  // leaves quickly: 0.25 N of spring, no pull
   const SafetyOutput out = chain.step(input);
   EXPECT_NEAR(out.static_force_N.z(), 0.0, 1e-12);
-  EXPECT_TRUE(out.interferences & bit(SafetyAction::kNoPull));
+  EXPECT_TRUE(out.safety_actions & bit(SafetyAction::kNoPull));
 }
 
 TEST(SafetyChain, SurfaceVelocityCountsAgainstTheHands) {
@@ -131,7 +131,7 @@ TEST(SafetyChain, SurfaceVelocityCountsAgainstTheHands) {
       input.surface_velocity_mm_s = {0.0, 0.0, 80.0};  // carried along: no damping
   EXPECT_NEAR(chain.step(input).static_force_N.z(), 1.0, 1e-12);
   input.surface_velocity_mm_s = {1e6, 0.0, 0.0};
-  EXPECT_TRUE(chain.step(input).interferences & bit(SafetyAction::kSurfaceSpeed));
+  EXPECT_TRUE(chain.step(input).safety_actions & bit(SafetyAction::kSurfaceSpeed));
 }
 
 TEST(SafetyChain, LocalStiffnessIsCutAtTheLimit) {
@@ -142,7 +142,7 @@ TEST(SafetyChain, LocalStiffnessIsCutAtTheLimit) {
     input.stiffness_factor = factor;
     const SafetyOutput out = settled(chain, input);
     EXPECT_NEAR(out.static_force_N.z(), 0.2 * stiffnessLimit_N_mm(omni(0.5, 1)) / factor, 1e-12);
-    EXPECT_TRUE(out.interferences & bit(SafetyAction::kStiffness));
+    EXPECT_TRUE(out.safety_actions & bit(SafetyAction::kStiffness));
   }
 }
 
@@ -152,7 +152,7 @@ TEST(SafetyChain, ForceIsClampedAsAVector) {
   input.displacement_mm = {9.0, 0.0, 12.0};  // 7.5 N wanted
   const SafetyOutput out = settled(chain, input);
   EXPECT_NEAR((out.force_N - Vec3(1.98, 0.0, 2.64)).norm(), 0.0, 1e-9);
-  EXPECT_TRUE(out.interferences & bit(SafetyAction::kPeak));
+  EXPECT_TRUE(out.safety_actions & bit(SafetyAction::kPeak));
 }
 
 TEST(SafetyChain, DynamicForceIsAddedAndFades) {
@@ -189,12 +189,12 @@ TEST(SafetyChain, FadesInFromZeroAtTheStart) {
   EXPECT_NEAR(last_N, 1.0, 1e-9);
 }
 
-TEST(SafetyChain, TooDeepAtTheStartStaysUnarmedUntilTheHandHasLeft) {
+TEST(SafetyChain, ADeepStartStaysDisarmedUntilTheHandHasLeft) {
   SafetyChain chain(omni(0.5, 1));
   for (int i = 0; i < 500; ++i) {
     const SafetyOutput out = chain.step(pressed(7.0));  // above 3.3 / 0.5 mm
     EXPECT_EQ(out.force_N, Vec3(Vec3::Zero()));
-    EXPECT_TRUE(out.interferences & bit(SafetyAction::kDisarmed));
+    EXPECT_TRUE(out.safety_actions & bit(SafetyAction::kDisarmed));
   }
   for (int i = 0; i < 500; ++i) EXPECT_EQ(chain.step(pressed(7.0 - i * 0.0139)).force_N.z(), 0.0);
   SafetyInput air;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What holds of a lookup whatever comes: disordered streams, random frames.
+// Invariants of a lookup under any input: disordered streams, random frames.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -37,7 +37,7 @@ TEST_F(LookupTest, HermiteMeetsACubicExactly) {
   }
 }
 
-// Its relief differs a little from the last one's: that must not be felt as a step.
+// Its relief differs a little from the last one's: that must not cause a step of the force.
 TEST_F(LookupTest, ALateFrameIsBlendedInFromWhereItCame) {
   sendAt(0, Vec3::Zero());
   EXPECT_EQ(at(0.010).kind, Lookup::kExtrapolated);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What of a step of the force is taken for the hand's doing, what not, and what is left of it.
+// Steps of the force: the part that the hand's motion explains, and the limit of the rest.
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -14,7 +14,7 @@ class StepMeter {
  public:
   double excess_N(const StepState& now, bool measurement_jumped) {
     const MotionExplainedStep hand =
-        measurement_jumped ? MotionExplainedStep{} : stepAllowedByMotion(now, last_);
+        measurement_jumped ? MotionExplainedStep{} : computeStepAllowedByMotion(now, last_);
     const double excess_N = limit_.excess_N(now.force_N, last_.force_N, hand);
     last_ = now;
     return excess_N;
@@ -133,7 +133,7 @@ TEST(StepLimit, ANumberThatIsNoneIsNoSilence) {
   }
 }
 
-TEST(StepLimit, SeesAStepThatNothingExplains) {
+TEST(StepLimit, DetectsAnUnexplainedStep) {
   StepMeter meter;
   StepState state;
   EXPECT_EQ(meter.excess_N(state, false), 0.0);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Trust in a stream: lost, told, forgiven.
+// Trust in a stream: its loss, its report and its return.
 #include "client/haptics/safety/trust.hpp"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::uint32_t kTankBit = bit(SafetyAction::kTank);
 
-TEST(Trust, IsLostToWhatLastsAndNotToWhatPasses) {
+TEST(Trust, IsLostToLastingActionsAndNotToShortOnes) {
   Trust lasting;
   int ticks = 0;
   for (; !lasting.lost() && ticks < 10000; ++ticks) lasting.add(kTankBit);
@@ -31,17 +31,17 @@ TEST(Trust, IsLostToWhatLastsAndNotToWhatPasses) {
   EXPECT_TRUE(often.lost());
 }
 
-TEST(Trust, CountsWhatAStreamDoesAndAHandCannot) {
+TEST(Trust, CountsActionsThatOnlyAStreamCanCause) {
   using enum SafetyAction;
-  for (std::size_t i = 0; i < kInterferenceNames.size(); ++i) {
+  for (std::size_t i = 0; i < kSafetyActionNames.size(); ++i) {
     const auto which = static_cast<SafetyAction>(i);
     const bool counts = which == kImplausible || which == kTank || which == kSlew ||
                         which == kSurfaceSpeed || which == kJump;
     Trust trust;
     for (int tick = 0; tick < 5000; ++tick) trust.add(bit(which), which == SafetyAction::kJump);
-    EXPECT_EQ(trust.lost(), counts) << kInterferenceNames[i];
+    EXPECT_EQ(trust.lost(), counts) << kSafetyActionNames[i];
     if (counts) {
-      EXPECT_EQ(trust.mostly(), which);
+      EXPECT_EQ(trust.findMostFrequent(), which);
     }
   }
 }
@@ -97,7 +97,7 @@ TEST(Trust, SeveralInOneTickAreOne) {
   EXPECT_FALSE(trust.lost());
   for (int i = 0; i < 100; ++i) trust.add(kTankBit);
   EXPECT_TRUE(trust.lost());
-  EXPECT_EQ(trust.mostly(), SafetyAction::kTank);
+  EXPECT_EQ(trust.findMostFrequent(), SafetyAction::kTank);
   trust.renew();
   EXPECT_FALSE(trust.lost());
 }
@@ -145,11 +145,11 @@ TEST(SafetyTrust, AStepOfTheStreamCountsOnceThoughTheForceCatchesUpForTicks) {
 }
 
 /// A report at a time.
-TickReport at(double time_s, Halt halt, std::uint32_t interferences = 0) {
+TickReport at(double time_s, Halt halt, std::uint32_t safety_actions = 0) {
   TickReport report;
   report.time = localTime(time_s);
   report.halt = halt;
-  report.interferences = interferences;
+  report.safety_actions = safety_actions;
   report.trust_loss_cause = SafetyAction::kTank;
   report.lookup = Lookup::kInterpolated;
   return report;
@@ -209,7 +209,7 @@ TEST(RearmPolicy, WithoutTheFlagNothingComesBack) {
 
 const RearmPolicy kNever(false);
 
-TEST(HapticStatusLog, SaysWhyThereIsNoForceAndThatItIsBack) {
+TEST(HapticStatusLog, ReportsWhyThereIsNoForceAndThatItIsBack) {
   HapticStatusLog log;
   EXPECT_FALSE(log.onReport(at(1.0, Halt::kNone), kNever));
   EXPECT_EQ(log.onReport(at(2.0, Halt::kTrustLost), kNever),
@@ -227,7 +227,7 @@ TEST(HapticStatusLog, SaysWhyThereIsNoForceAndThatItIsBack) {
   EXPECT_FALSE(log.onReport(at(7.0, Halt::kStopped), kNever)) << "the end is no news";
 }
 
-TEST(HapticStatusLog, SaysThatFramesStayOutAndComeAgain) {
+TEST(HapticStatusLog, ReportsThatFramesStayOutAndComeAgain) {
   HapticStatusLog log;
   TickReport report = at(1.0, Halt::kNone);
   EXPECT_FALSE(log.onReport(report, kNever));
@@ -240,7 +240,7 @@ TEST(HapticStatusLog, SaysThatFramesStayOutAndComeAgain) {
   EXPECT_EQ(log.onReport(report, kNever), "frames arrive again");
 }
 
-TEST(HapticStatusLog, SaysOnceThatNoFrameHasEverArrived) {
+TEST(HapticStatusLog, ReportsOnceThatNoFrameHasEverArrived) {
   HapticStatusLog log;
   const auto line = [&](double time_s, Lookup lookup = Lookup::kEmpty) {
     TickReport report = at(time_s, Halt::kNone);
@@ -255,7 +255,7 @@ TEST(HapticStatusLog, SaysOnceThatNoFrameHasEverArrived) {
   EXPECT_FALSE(line(9.0));
 }
 
-TEST(HapticStatusLog, SaysThatADeviceComesBackThoughNoTrustIsLeftToForgive) {
+TEST(HapticStatusLog, ReportsThatADeviceComesBackThoughNoTrustIsLeftToForgive) {
   HapticStatusLog log;
   EXPECT_EQ(log.onReport(at(1.0, Halt::kDeviceLost), rearmAfter(3)),
             "the device does not answer: no force until it answers again");
@@ -263,7 +263,7 @@ TEST(HapticStatusLog, SaysThatADeviceComesBackThoughNoTrustIsLeftToForgive) {
                   ->ends_with("no force from now on; restart the client to touch this stream"));
 }
 
-TEST(HapticStatusLog, SaysAHaltWhateverElseHasUsedUpTheLines) {
+TEST(HapticStatusLog, ReportsAHaltEvenIfOtherLinesUsedUpTheLimit) {
   HapticStatusLog log;
   for (int i = 0; i < 100; ++i) {
     TickReport report = at(1.0 + i * 0.1, Halt::kNone);
@@ -273,7 +273,7 @@ TEST(HapticStatusLog, SaysAHaltWhateverElseHasUsedUpTheLines) {
   EXPECT_TRUE(log.onReport(at(20.0, Halt::kTrustLost), kNever));
 }
 
-TEST(HapticStatusLog, SaysAtMostTenHaltsAndTenOtherLinesAMinute) {
+TEST(HapticStatusLog, ReportsAtMostTenHaltsAndTenOtherLinesAMinute) {
   HapticStatusLog log;
   int lines = 0;
   for (int i = 0; i < 59'000; ++i) {
@@ -285,7 +285,7 @@ TEST(HapticStatusLog, SaysAtMostTenHaltsAndTenOtherLinesAMinute) {
   EXPECT_EQ(lines, 2 * (LogRateLimiter::kBurst + 3)) << "a token comes back at 15, 30 and 45 s";
 }
 
-TEST(HapticStatusLog, SaysOnceAMinuteThatAWallIsSofter) {
+TEST(HapticStatusLog, ReportsOnceAMinuteThatAWallIsSofter) {
   HapticStatusLog log;
   int lines = 0;
   for (int i = 0; i < 150; ++i) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// What the viewer feels when one frame changes the mask, the id or the layer of the object that the
-// hand presses on, as a timed correction of the author does. The bytes of each frame go through the
-// receiver, the renderer and the safety chain to a virtual device, in virtual time.
+// The force at the viewer when one frame changes the mask, the id or the layer of the object that
+// the hand presses on, as a timed correction of the author does. The bytes of each frame go through
+// the receiver, the renderer and the safety chain to a virtual device, in virtual time.
 #include <gtest/gtest.h>
 
 #include <cstddef>
@@ -21,7 +21,7 @@ namespace {
 constexpr std::uint64_t kCorrectedFrame = 45;
 constexpr std::size_t kCorrected_ticks = 40 * kCorrectedFrame;  // at 25 frames a second
 constexpr double kEnd_s = 3.0;
-constexpr double kPressed_N = 0.3;  // a tip that presses feels more
+constexpr double kPressed_N = 0.3;  // a pressed tip has a larger force
 constexpr SurfaceKind kSurfaces[] = {SurfaceKind::kProxy, SurfaceKind::kNormal,
                                      SurfaceKind::kPerturbed};
 
@@ -35,7 +35,7 @@ std::shared_ptr<const Relief> plateau(bool whole) {
   return relief;
 }
 
-/// What the corrected frame changes under the hand.
+/// The change of the corrected frame under the hand.
 struct Correction {
   const char* name;
   bool whole_before = true;
@@ -62,20 +62,20 @@ constexpr Correction kCorrections[] = {{.name = "mask_loses_the_tip", .whole_aft
                                        {.name = "lost_without_another", .remains = false},
                                        {.name = "another_layer", .layer = 1}};
 
-/// What the viewer felt.
+/// The viewer's force trace.
 struct CorrectedRun {
-  Felt felt;  ///< its steps are those since the corrected frame was sent
+  ForceTrace trace;  ///< its steps are those since the corrected frame was sent
   std::vector<double> forces_N;
   TickReport last;
 };
 
 /// A light hand wants to be 6 mm below the plateau. With `nail_mm` the tip cannot leave that
 /// height.
-CorrectedRun feel(const Correction& correction, SurfaceKind surface,
-                  std::optional<double> nail_mm = std::nullopt) {
-  testing::Lie stream;
+CorrectedRun renderTrace(const Correction& correction, SurfaceKind surface,
+                         std::optional<double> nail_mm = std::nullopt) {
+  testing::FalseStream stream;
   stream.name = correction.name;
-  stream.tell = [&](testing::Telling& telling) { correction.apply(telling.frame); };
+  stream.alter = [&](testing::OutgoingFrame& outgoing) { correction.apply(outgoing.frame); };
   testing::MaliciousServer server(stream);
   RendererSettings settings;
   settings.surface = surface;
@@ -86,10 +86,10 @@ CorrectedRun feel(const Correction& correction, SurfaceKind surface,
   run.last = runSession(server, viewer, kEnd_s, [&](const TickReport& report) {
     run.forces_N.push_back(report.force_N.norm());
     if (run.forces_N.size() > kCorrected_ticks) return;
-    Felt& felt = viewer.felt;
-    felt.max_rise_N = felt.max_fall_N = felt.max_unexplained_N = felt.step_excess_N = 0.0;
+    ForceTrace& trace = viewer.trace;
+    trace.max_rise_N = trace.max_fall_N = trace.max_unexplained_N = trace.step_excess_N = 0.0;
   });
-  run.felt = std::move(viewer.felt);
+  run.trace = std::move(viewer.trace);
   return run;
 }
 
@@ -103,10 +103,10 @@ void expectForce(bool pressed, double force_N) {
 
 /// Checks what holds for every hand. Both meters leave out the part of a step that the hand made.
 void expectNoStep(const Correction& correction, const CorrectedRun& run) {
-  EXPECT_EQ(run.felt.refused + run.felt.rejected, 0U);
-  EXPECT_TRUE(run.felt.finite);
-  EXPECT_EQ(run.felt.step_excess_N, 0.0);
-  EXPECT_LE(run.felt.max_unexplained_N, DeviceProfile{}.slew_fall_N_per_tick + 1e-9);
+  EXPECT_EQ(run.trace.refused + run.trace.rejected, 0U);
+  EXPECT_TRUE(run.trace.finite);
+  EXPECT_EQ(run.trace.step_excess_N, 0.0);
+  EXPECT_LE(run.trace.max_unexplained_N, DeviceProfile{}.slew_fall_N_per_tick + 1e-9);
   EXPECT_EQ(run.last.halt, Halt::kNone);
   expectForce(correction.whole_before, run.forces_N[kCorrected_ticks - 1]);
   expectForce(correction.whole_after && correction.remains, run.forces_N.back());
@@ -114,10 +114,10 @@ void expectNoStep(const Correction& correction, const CorrectedRun& run) {
 
 class CorrectedMaskTest : public ::testing::TestWithParam<Correction> {};
 
-TEST_P(CorrectedMaskTest, AHandThatPressesFeelsNoStep) {
+TEST_P(CorrectedMaskTest, APressedTipGetsNoStepOfTheForce) {
   for (const SurfaceKind surface : kSurfaces) {
     SCOPED_TRACE(static_cast<int>(surface));
-    expectNoStep(GetParam(), feel(GetParam(), surface));
+    expectNoStep(GetParam(), renderTrace(GetParam(), surface));
   }
 }
 
@@ -126,10 +126,10 @@ TEST_P(CorrectedMaskTest, UnderATipThatCannotMoveTheForceKeepsTheSlewLimit) {
   for (const SurfaceKind surface : kSurfaces) {
     for (const double nail_mm : {8.0, 5.0}) {  // 2 and 5 mm below the plateau
       SCOPED_TRACE(std::to_string(static_cast<int>(surface)) + " " + std::to_string(nail_mm));
-      const CorrectedRun run = feel(GetParam(), surface, nail_mm);
+      const CorrectedRun run = renderTrace(GetParam(), surface, nail_mm);
       expectNoStep(GetParam(), run);
-      EXPECT_LE(run.felt.max_rise_N, profile.slew_rise_N_per_tick + 1e-9);
-      EXPECT_LE(run.felt.max_fall_N, profile.slew_fall_N_per_tick + 1e-9);
+      EXPECT_LE(run.trace.max_rise_N, profile.slew_rise_N_per_tick + 1e-9);
+      EXPECT_LE(run.trace.max_fall_N, profile.slew_fall_N_per_tick + 1e-9);
     }
   }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Stability: what a hand, or none, feels at rest after an impact.
+// Stability: the residual motion at rest after an impact, with and without a hand.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -11,15 +11,15 @@ namespace {
 
 /// Worst residual of the two holds in counts.
 double residual(double stiffness_N_mm, int delay_ticks, const Hand& hand, double friction_N) {
-  const PlantProfile profile = batteryProfile(stiffness_N_mm, delay_ticks, friction_N);
+  const PlantProfile profile = sweepProfile(stiffness_N_mm, delay_ticks, friction_N);
   ChainFixture rig(profile, profile, hand);
-  const BatteryResult result = battery(rig, hand);
+  const SweepResult result = sweepPlant(rig, hand);
   EXPECT_EQ(rig.max_excess_N, 0.0);
   EXPECT_TRUE(result.released);
   return result.counts(profile.count_mm);
 }
 
-TEST(SafetyBattery, BatteryIsQuietUpToTheStiffestWall) {
+TEST(PlantSweep, IsQuietUpToTheStiffestWall) {
   for (int d = 0; d <= 2; ++d) {
     for (const double k : {0.5, 1.0, 2.0, 5.0, 10.0}) {
       if (k > 1.01 * stiffnessLimit_N_mm(omni(k, d)) && k > 2.0) continue;
@@ -35,12 +35,12 @@ TEST(SafetyBattery, BatteryIsQuietUpToTheStiffestWall) {
   }
 }
 
-TEST(SafetyBattery, BatterySeesAWallThatIsTooStiffForItsDelay) {
-  // The test above can fail: told no delay, with two ticks of it, a free device runs away at 5
-  // N/mm.
-  ChainFixture rig(batteryProfile(5.0, 0), batteryProfile(5.0, 2), Hand::none(),
-                   {.latency_watch = false});
-  EXPECT_GT(battery(rig, Hand::none()).counts(0.055), 10.0);
+TEST(PlantSweep, DetectsAWallThatIsTooStiffForItsDelay) {
+  // The test above can fail: without an assumed delay, with two ticks of it, a free device runs
+  // away at 5 N/mm.
+  ChainFixture rig(sweepProfile(5.0, 0), sweepProfile(5.0, 2), Hand::none(),
+                   {.oscillation_detector = false});
+  EXPECT_GT(sweepPlant(rig, Hand::none()).counts(0.055), 10.0);
 }
 
 }  // namespace

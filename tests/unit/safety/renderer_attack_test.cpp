@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Attacks on the room by what a stream does: nothing steps a hand that stands still.
+// Streams that attack the renderer: the force at a still hand has no step.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -11,8 +11,8 @@
 namespace hapticast::client {
 namespace {
 
-TEST(RoomAttack, EpochsIdsAndHolesInContact) {
-  for (const RendererSettings& renderer : everyRoom()) {
+TEST(RendererAttack, EpochsIdsAndHolesInContact) {
+  for (const RendererSettings& renderer : listRendererSettings()) {
     Attack attack(renderer);
     attack.name = "a plate 2 mm above the tip";
     attack.scene = [&](PlayFrame& frame, double) { attack.add(frame, plateAt(10.0)); };
@@ -45,7 +45,7 @@ TEST(RoomAttack, EpochsIdsAndHolesInContact) {
   }
 }
 
-TEST(RoomAttack, ADeepObjectThatVanishesLetsTheForceRampDown) {
+TEST(RendererAttack, ADeepObjectThatVanishesLetsTheForceRampDown) {
   for (const SurfaceKind surface :
        {SurfaceKind::kProxy, SurfaceKind::kNormal, SurfaceKind::kPerturbed}) {
     RendererSettings renderer;
@@ -64,8 +64,8 @@ TEST(RoomAttack, ADeepObjectThatVanishesLetsTheForceRampDown) {
   }
 }
 
-TEST(RoomAttack, AnObjectThatAppearsAboveTheTip) {
-  for (const RendererSettings& renderer : everyRoom()) {
+TEST(RendererAttack, AnObjectThatAppearsAboveTheTip) {
+  for (const RendererSettings& renderer : listRendererSettings()) {
     for (const double above_mm : {1.0, 3.0, 20.0}) {
       Attack attack(renderer);
       attack.name = "appears";
@@ -91,8 +91,8 @@ TEST(RoomAttack, AnObjectThatAppearsAboveTheTip) {
   }
 }
 
-TEST(RoomAttack, TwoObjectsThatSwapWhichIsDeepest) {
-  for (const RendererSettings& renderer : everyRoom()) {
+TEST(RendererAttack, TwoObjectsThatSwapWhichIsDeepest) {
+  for (const RendererSettings& renderer : listRendererSettings()) {
     Attack attack(renderer);
     attack.name = "opposite slopes";
     attack.scene = [&](PlayFrame& frame, double time_s) {
@@ -107,8 +107,8 @@ TEST(RoomAttack, TwoObjectsThatSwapWhichIsDeepest) {
   }
 }
 
-TEST(RoomAttack, StiffnessFromTheStream) {
-  for (const RendererSettings& renderer : everyRoom()) {
+TEST(RendererAttack, StiffnessFromTheStream) {
+  for (const RendererSettings& renderer : listRendererSettings()) {
     Attack attack(renderer);
     attack.name = "stiffness";
     const double values[] = {0.05, 10.0, 0.3, 1e9, 1e-9, -1.0, kNaN, 0.5, kInfinity, 2.0, 0.0};
@@ -121,8 +121,8 @@ TEST(RoomAttack, StiffnessFromTheStream) {
   }
 }
 
-TEST(RoomAttack, LateFramesThatCorrectAnExtrapolation) {
-  for (const RendererSettings& renderer : everyRoom()) {
+TEST(RendererAttack, LateFramesThatCorrectAnExtrapolation) {
+  for (const RendererSettings& renderer : listRendererSettings()) {
     for (const double speed_mm_s : {60.0, 300.0, 900.0}) {
       Attack attack(renderer, 5.0);
       attack.name = "late correction";
@@ -144,8 +144,8 @@ TEST(RoomAttack, LateFramesThatCorrectAnExtrapolation) {
   }
 }
 
-TEST(RoomAttack, FramesOfTheFarFutureOrPastDoNotKeepOldDataAlive) {
-  for (const RendererSettings& renderer : everyRoom()) {
+TEST(RendererAttack, FramesOfTheFarFutureOrPastDoNotKeepOldDataAlive) {
+  for (const RendererSettings& renderer : listRendererSettings()) {
     for (const std::int64_t when_ns :
          {std::numeric_limits<std::int64_t>::max(), std::numeric_limits<std::int64_t>::max() / 2,
           std::int64_t{60'000'000'000}, std::int64_t{0},
@@ -169,8 +169,8 @@ TEST(RoomAttack, FramesOfTheFarFutureOrPastDoNotKeepOldDataAlive) {
   }
 }
 
-TEST(RoomAttack, AStaleStreamFadesToExactlyZeroAndComesBackByDepth) {
-  for (const RendererSettings& renderer : everyRoom()) {
+TEST(RendererAttack, AStaleStreamFadesToExactlyZeroAndComesBackByDepth) {
+  for (const RendererSettings& renderer : listRendererSettings()) {
     for (const double above_mm : {1.5, 25.0}) {
       Attack attack(renderer);
       attack.name = "stale";

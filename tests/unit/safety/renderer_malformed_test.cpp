@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Attacks on the room by broken numbers, one at a time and all at once by chance.
+// Malformed numbers in a stream, one at a time and all at once at random.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,8 +14,8 @@ namespace hapticast::client {
 namespace {
 
 /// Sets one number of an object to `value`.
-using Poison = void (*)(PlayObject&, double);
-constexpr Poison kPoisons[] = {
+using MalformedField = void (*)(PlayObject&, double);
+constexpr MalformedField kMalformedFields[] = {
     [](PlayObject& o, double x) { o.motion.position_mm.x() = x; },
     [](PlayObject& o, double x) { o.motion.position_mm.z() = x; },
     [](PlayObject& o, double x) { o.motion.velocity_mm_s.y() = x; },
@@ -47,27 +47,27 @@ constexpr Poison kPoisons[] = {
     },
 };
 
-TEST(RoomPoison, PoisonInEveryFieldAndThenItComesBack) {
+TEST(MalformedInput, RecoversAfterMalformedValuesInEachField) {
   std::size_t number = 0;
-  for (const RendererSettings& renderer : everyRoom()) {
-    for (std::size_t field = 0; field < std::size(kPoisons); ++field) {
+  for (const RendererSettings& renderer : listRendererSettings()) {
+    for (std::size_t field = 0; field < std::size(kMalformedFields); ++field) {
       for (const double value : {kNaN, kInfinity, -kInfinity, 1e308, -1e308, 1e12, -1e12, 5e3}) {
-        if (++number % 7 != 0) continue;  // 120 a room: over seven rooms, each once
+        if (++number % 7 != 0) continue;  // 120 per setting: over seven settings, each once
         Attack attack(renderer);
         attack.name = "field " + std::to_string(field) + " = " + std::to_string(value);
-        bool poisoned = false;
+        bool malformed = false;
         attack.scene = [&](PlayFrame& frame, double) {
           attack.add(frame, plateAt(9.5));
-          if (poisoned) {
+          if (malformed) {
             for (Impact& impact : frame.objects[0].impacts) impact.time = frame.media_time;
-            kPoisons[field](frame.objects[0], value);
+            kMalformedFields[field](frame.objects[0], value);
           }
         };
         (void)attack.run(500);
-        poisoned = true;
+        malformed = true;
         (void)attack.run(60);  // between a good and a bad frame
         (void)attack.run(100);
-        poisoned = false;
+        malformed = false;
         const TickReport& report = attack.run(700);
         EXPECT_GT(report.force_N.norm(), 0.1) << attack.name;
         if (HasFatalFailure()) return;
@@ -76,7 +76,7 @@ TEST(RoomPoison, PoisonInEveryFieldAndThenItComesBack) {
   }
 }
 
-TEST(RoomPoison, AnAbsurdStreamState) {
+TEST(MalformedInput, AnAbsurdStreamState) {
   static constexpr auto kMost = std::numeric_limits<std::int64_t>::max();
   static constexpr auto kLeast = std::numeric_limits<std::int64_t>::min();
   const std::function<void(StreamTiming&)> changes[] = {
@@ -100,7 +100,7 @@ TEST(RoomPoison, AnAbsurdStreamState) {
       [](StreamTiming& c) { c.author_mass_kg = 1e300; },
       [](StreamTiming& c) { c.first_epoch = 1000; },
   };
-  for (const RendererSettings& renderer : everyRoom()) {
+  for (const RendererSettings& renderer : listRendererSettings()) {
     int number = 0;
     for (const auto& change : changes) {
       Attack attack(renderer);
@@ -140,7 +140,7 @@ double chaos(const RendererSettings& renderer, unsigned seed, bool moving) {
       object.motion.angular_velocity_rad_s = chance(0.1) ? between(-100.0, 100.0) : 0.0;
       if (chance(0.3)) object.material.stiffness_N_mm = between(0.0, 8.0);
       if (chance(0.1)) object.impacts[object.impact_count++] = {frame.media_time, {0, 0, fast}};
-      if (chance(0.02)) kPoisons[random() % std::size(kPoisons)](object, kNaN);
+      if (chance(0.02)) kMalformedFields[random() % std::size(kMalformedFields)](object, kNaN);
       attack.add(frame, object);
     }
   };
@@ -170,21 +170,23 @@ double chaos(const RendererSettings& renderer, unsigned seed, bool moving) {
   return attack.max_force_N;
 }
 
-/// Several lives in a room; each is checked at every tick, and somewhere in them there is a force.
+/// Several runs of a renderer; each is checked at every tick, and somewhere in them there is a
+/// force.
 void liveThrough(const RendererSettings& renderer, unsigned& seed, bool moving) {
   double max_force_N = 0.0;
   for (int i = 0; i < 3; ++i) max_force_N = std::max(max_force_N, chaos(renderer, ++seed, moving));
   EXPECT_GT(max_force_N, 0.1) << "chaos up to " << seed;
 }
 
-TEST(RoomPoison, ChaosDoesNotStepAHandThatStandsStill) {
+TEST(MalformedInput, ChaosDoesNotStepAHandThatStandsStill) {
   unsigned seed = 0;
-  for (const RendererSettings& renderer : everyRoom()) liveThrough(renderer, seed, false);
+  for (const RendererSettings& renderer : listRendererSettings())
+    liveThrough(renderer, seed, false);
 }
 
-TEST(RoomPoison, ChaosDoesNotStepAHandThatMoves) {
+TEST(MalformedInput, ChaosDoesNotStepAHandThatMoves) {
   unsigned seed = 100;
-  for (const RendererSettings& renderer : everyRoom()) liveThrough(renderer, seed, true);
+  for (const RendererSettings& renderer : listRendererSettings()) liveThrough(renderer, seed, true);
 }
 
 }  // namespace

@@ -39,7 +39,7 @@ TEST(SafetyLinks, AHealthyPressIsLeftAlone) {
               SafetyAction::kTank, SafetyAction::kThermal, SafetyAction::kLatency,
               SafetyAction::kStiffness}) {
           EXPECT_EQ(rig.count(link), 0U)
-              << name << " K " << k << ": " << kInterferenceNames[static_cast<std::size_t>(link)];
+              << name << " K " << k << ": " << kSafetyActionNames[static_cast<std::size_t>(link)];
         }
         // The observer that finds the hand faster than it thought may step (measured: 11 of 9000).
         EXPECT_LE(rig.count(SafetyAction::kSlew), 15U) << name << " K " << k;
@@ -159,7 +159,7 @@ TEST(SafetyLinks, ALongHardPressIsEasedToTheContinuousForce) {
   EXPECT_NEAR(warm.out.force_N.z(), 3.3, 0.01);
 }
 
-TEST(SafetyLinks, TheAuthorsDampingIsFeltWithinBounds) {
+TEST(SafetyLinks, TheAuthorsDampingActsWithinBounds) {
   const auto braked_N = [](double damping_Ns_m, std::uint64_t& cut) {
     const PlantProfile profile = omni(0.5, 1);
     SafetyChain chain(profile);
@@ -176,7 +176,7 @@ TEST(SafetyLinks, TheAuthorsDampingIsFeltWithinBounds) {
       in.displacement_mm.z() = 0.1 * i;
       in.position_mm.z() = in.ahead.position_mm.z() = 1.0 - 0.1 * i;
       out = chain.step(in);
-      cut += (out.interferences & bit(SafetyAction::kDamping)) != 0;
+      cut += (out.safety_actions & bit(SafetyAction::kDamping)) != 0;
     }
     return out.force_N.z();
   };
@@ -202,7 +202,7 @@ TEST(SafetyLinks, ThePassivityControllerActsWhereAContactGenerates) {
                       .damping = false,
                       .passivity = insured,
                       .slew = false,  // its delay would feed the swing
-                      .latency_watch = false,
+                      .oscillation_detector = false,
                       .trust = false});
     rig.device.reset({0.0, 0.0, 5.0}, Vec3::Zero());
     rig.device.setTarget({0.0, 0.0, -6.0});
@@ -222,10 +222,13 @@ TEST(SafetyLinks, ThePassivityControllerActsWhereAContactGenerates) {
   EXPECT_LT(swing_mm[0], 0.5 * swing_mm[1]);
 }
 
-/// Swings of a free tip in a wall told `told` ticks of delay that really has `real`.
-struct Told {
-  Told(double stiffness_N_mm, int told, int real, const Hand& hand, const SafetyLinks& links = {})
-      : rig(profileOf(stiffness_N_mm, told), profileOf(stiffness_N_mm, real), hand, links) {
+/// Swings of a free tip in a wall: the profile has `profile_ticks` ticks of delay, the device has
+/// `real`.
+struct DelayedRig {
+  DelayedRig(double stiffness_N_mm, int profile_ticks, int real, const Hand& hand,
+             const SafetyLinks& links = {})
+      : rig(profileOf(stiffness_N_mm, profile_ticks), profileOf(stiffness_N_mm, real), hand,
+            links) {
     rig.device.reset({0.0, 0.0, 5.0}, {0.0, 0.0, -200.0});
     rig.device.setPush({0.0, 0.0, -1.0});
     rig.device.setTarget({0.0, 0.0, -2.0});
@@ -240,19 +243,19 @@ struct Told {
   int alarms = 0;
 };
 
-TEST(SafetyLinks, TheLatencyWatchSeesALongerDelayAndSoftensTheWall) {
-  Told wrong(5.0, 1, 3, Hand::lightGrip());
+TEST(SafetyLinks, TheOscillationDetectorFindsALongerDelayAndSoftensTheWall) {
+  DelayedRig wrong(5.0, 1, 3, Hand::lightGrip());
   EXPECT_EQ(wrong.alarms, 1);  // once a connection
   EXPECT_GT(wrong.rig.count(SafetyAction::kLatency), 100U);
   EXPECT_GT(wrong.rig.count(SafetyAction::kStiffness), 100U);  // K_max is now that of 2 ticks
   EXPECT_EQ(wrong.rig.max_excess_N, 0.0);
-  const Told unwatched(5.0, 1, 3, Hand::lightGrip(), {.latency_watch = false});
-  EXPECT_EQ(unwatched.alarms, 0);
-  EXPECT_EQ(unwatched.rig.count(SafetyAction::kLatency), 0U);
+  const DelayedRig undetected(5.0, 1, 3, Hand::lightGrip(), {.oscillation_detector = false});
+  EXPECT_EQ(undetected.alarms, 0);
+  EXPECT_EQ(undetected.rig.count(SafetyAction::kLatency), 0U);
 }
 
-TEST(SafetyLinks, WhatTheLatencyWatchLearnedEndsWithTheConnectionOutOfContact) {
-  Told wrong(5.0, 1, 3, Hand::lightGrip());
+TEST(SafetyLinks, ANewConnectionResetsTheMeasuredDelayOutOfContact) {
+  DelayedRig wrong(5.0, 1, 3, Hand::lightGrip());
   wrong.rig.clear();
   wrong.rig.chain.newConnection();
   wrong.rig.run(1);
@@ -267,19 +270,19 @@ TEST(SafetyLinks, WhatTheLatencyWatchLearnedEndsWithTheConnectionOutOfContact) {
   EXPECT_EQ(wrong.rig.count(SafetyAction::kLatency), 0U);
 }
 
-TEST(SafetyLinks, TheLatencyWatchIsSilentWhereTheDelayIsTold) {
+TEST(SafetyLinks, TheOscillationDetectorIsSilentAtTheProfilesDelay) {
   for (int d = 0; d <= 3; ++d) {
     for (const double k : {0.5, 1.0, 2.0, 5.0}) {
       for (const Hand& hand : {Hand::none(), Hand::light(), Hand::firmGrip(), Hand::lightGrip()}) {
-        EXPECT_EQ(Told(k, d, d, hand).alarms, 0) << "K " << k << " d " << d;
+        EXPECT_EQ(DelayedRig(k, d, d, hand).alarms, 0) << "K " << k << " d " << d;
       }
     }
   }
 }
 
 TEST(SafetyLinks, ThePassivityControllerIsBlindToAWrongDelay) {
-  // Why the watch is there: told 1, real 3, the meters see a contact that pays for itself.
-  Told blind(5.0, 1, 3, Hand::none(), {.latency_watch = false, .trust = false});
+  // Reason for the detector: at 1 assumed and 3 real ticks the meters find no generated energy.
+  DelayedRig blind(5.0, 1, 3, Hand::none(), {.oscillation_detector = false, .trust = false});
   const double metered_mJ = blind.rig.chain.work().relative_mJ;
   std::printf("told 1, real 3: metered %.1f mJ\n", metered_mJ);
   EXPECT_LT(metered_mJ, 0.0);

@@ -25,30 +25,30 @@ Beats pressBall(double x_mm, double y_mm, double from_s) {
   static const auto ball = makeBall({0.0, 0.0, 10.0}, kBall_mm, 17.0, Workspace{});
   RendererSettings settings;
   settings.profile = loadDeviceProfile("omni");
-  Attack room(settings, 60.0);
-  room.hold(Hand::light());
-  room.scene = [&](PlayFrame& frame, double) {
-    room.add(frame, makeObject(1, ball.get(), {0.0, 0.0, 20.0}));
+  Attack attack(settings, 60.0);
+  attack.hold(Hand::light());
+  attack.scene = [&](PlayFrame& frame, double) {
+    attack.add(frame, makeObject(1, ball.get(), {0.0, 0.0, 20.0}));
   };
   const DeviceMapping map = DeviceMapping::fit(Workspace{}, settings.profile.workspace_mm);
   const double pressed_mm = 7.5 + std::sqrt(kBall_mm * kBall_mm - x_mm * x_mm - y_mm * y_mm);
-  room.device->reset(map.toDevice({x_mm, y_mm, 60.0}), Vec3::Zero());
+  attack.device->reset(map.toDevice({x_mm, y_mm, 60.0}), Vec3::Zero());
   Beats beats;
   bool high = false;
   double before_mJ = 0.0;
   for (int i = 0; i < 9000; ++i) {
     if (i == static_cast<int>(from_s * 1e3)) {
-      room.wishes.method = Method::kThesis;
-      before_mJ = room.renderer->report().work.relative_mJ;
+      attack.wishes.method = Method::kThesis;
+      before_mJ = attack.renderer->report().work.relative_mJ;
     }
     const double z_mm = std::max(pressed_mm, 60.0 - std::max(0, i - 1000) * 0.05);
-    room.device->setTarget(map.toDevice({x_mm, y_mm, z_mm}));
-    const double force_N = room.step().force_N.norm();
+    attack.device->setTarget(map.toDevice({x_mm, y_mm, z_mm}));
+    const double force_N = attack.step().force_N.norm();
     if (i < 3500) continue;
     if (force_N > 0.3 && !high) ++beats.count;
     high = force_N > 0.3 || (high && force_N > 0.05);
   }
-  beats.relative_mJ = room.renderer->report().work.relative_mJ - before_mJ;
+  beats.relative_mJ = attack.renderer->report().work.relative_mJ - before_mJ;
   return beats;
 }
 

@@ -17,7 +17,7 @@ struct Worst {
   double counts = 0.0;
 };
 
-/// Every K up to K_max, every delay; `later`: ticks the device takes longer than told.
+/// Every K up to K_max, every delay; `later`: ticks the device takes longer than assumed.
 Worst worstOf(const std::vector<NamedHand>& hands, int later, double real_kg,
               const std::vector<double>& frictions_N) {
   Worst worst;
@@ -27,15 +27,15 @@ Worst worstOf(const std::vector<NamedHand>& hands, int later, double real_kg,
       if (k > most_N_mm) continue;
       for (const auto& [name, hand] : hands) {
         for (const double friction_N : frictions_N) {
-          const PlantProfile told = batteryProfile(k, d, friction_N);
-          PlantProfile real = told;
+          const PlantProfile assumed = sweepProfile(k, d, friction_N);
+          PlantProfile real = assumed;
           real.delay_ticks += later;
           real.mass_kg = real_kg;
-          const Silence got = pressSteadily(told, real, hand, {.wall_mm = 0.02});
+          const Silence got = pressSteadily(assumed, real, hand, {.wall_mm = 0.02});
           EXPECT_LE(got.excess_N, 1e-9) << name << " K " << k << " d " << d;
           double& most_N = friction_N > 0.0 ? worst.rubbed_N : worst.smooth_N;
           most_N = std::max(most_N, got.above_50Hz_N);
-          worst.counts = std::max(worst.counts, got.residual_mm / told.count_mm);
+          worst.counts = std::max(worst.counts, got.residual_mm / assumed.count_mm);
         }
       }
     }

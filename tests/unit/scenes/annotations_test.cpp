@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the author says of later frames: which frame a point speaks of, what it teaches about the
+// Annotations of later frames: the frame of a point, its effect on the model of the
 // frames before and after, what drawn masks do.
 #include <gtest/gtest.h>
 
@@ -27,7 +27,7 @@ FramePair at(double time_s, double gap = 1.0) {
   return out;
 }
 
-TEST(AnnotationTrack, APointSpeaksOfTheFrameNextToItAndOfNoOther) {
+TEST(AnnotationTrack, APointAppliesToTheNearestFrameOnly) {
   VisionSettings settings;
   settings.object_points = {{{5, 6}, 0.0}, {{7, 8}, 0.41}};
   settings.not_points = {{{9, 10}, 0.0}, {{11, 12}, 0.79}};
@@ -37,7 +37,7 @@ TEST(AnnotationTrack, APointSpeaksOfTheFrameNextToItAndOfNoOther) {
   EXPECT_TRUE(script.pointsLater());
   int spoken = 0;
   for (int i = 0; i < 30; ++i) {
-    const Annotation word = script.annotationAt(at(i / kWordFps));
+    const Annotation word = script.findAnnotation(at(i / kWordFps));
     EXPECT_EQ(word.on.size(), i == 10 ? 1U : 0U) << i;
     EXPECT_EQ(word.off.size(), i == 20 ? 1U : 0U) << i;
     EXPECT_EQ(script.hasLaterAnnotation(at(i / kWordFps)), i < 20) << i;
@@ -51,9 +51,9 @@ TEST(AnnotationTrack, NoPointIsMissedWhereFramesAreMissingNorRightAfterTheStart)
   settings.object_points = {{{5, 6}, 0.001}};
   settings.not_points = {{{9, 10}, 0.41}};
   const AnnotationTrack script(settings);
-  EXPECT_EQ(script.annotationAt(at(0)).on.size(), 1U);
-  EXPECT_TRUE(script.annotationAt(at(1 / kWordFps)).empty());
-  EXPECT_EQ(script.annotationAt(at(13 / kWordFps, 6)).off.size(), 1U)
+  EXPECT_EQ(script.findAnnotation(at(0)).on.size(), 1U);
+  EXPECT_TRUE(script.findAnnotation(at(1 / kWordFps)).empty());
+  EXPECT_EQ(script.findAnnotation(at(13 / kWordFps, 6)).off.size(), 1U)
       << "frames 8 to 12 are missing";
 }
 
@@ -84,7 +84,7 @@ struct SquareAndBar {
   }
 };
 
-TEST(AnnotationsTest, WhatAPointSaysIsNotItLeavesTheMaskAndNothingElse) {
+TEST(AnnotationsTest, ANegativePointRemovesItsObjectOnly) {
   const SquareAndBar drawn;
   const FrameImages images = drawn.images();
   const SceneContext scene{measureNoise(drawn.depth), {}, {}, {}};
@@ -95,7 +95,7 @@ TEST(AnnotationsTest, WhatAPointSaysIsNotItLeavesTheMaskAndNothingElse) {
   EXPECT_LT(test::overlap(right, drawn.square), 0.1) << "the author may mean the bar";
 }
 
-TEST(AnnotationsTest, WhatAPointSaysIsItJoinsTheMaskAndNothingElse) {
+TEST(AnnotationsTest, APositivePointAddsItsObjectOnly) {
   const SquareAndBar drawn;
   const FrameImages images = drawn.images();
   const SceneContext scene{measureNoise(drawn.depth), {}, {}, {}};
@@ -171,7 +171,7 @@ TEST(AnnotationsTest, ColorsThatAreNotItSpeakAgainstItButForItsOwn) {
   NegativeColors avoided;
   addNegativeSample(scene.view(images), {200, 95}, avoided);
   ContourMemory memory;
-  const ObjectRoi patch = patchAround(images, drawn.square);
+  const ObjectRoi patch = makePatch(images, drawn.square);
   updateMemory(patch, drawn.square(patch.box), memory);
   const auto meanOver = [&](const cv::Mat& where) {
     const std::vector<float> evidence = computeColorEvidence(memory);
@@ -304,7 +304,7 @@ TEST(AnnotationsTest, ALaterPointOnNothingIsLeftOut) {
   for (int i = 0; i < kWordFrames; ++i) EXPECT_EQ(segments[i].size(), 1U) << i;
 }
 
-TEST(AnnotationsTest, APointOnWhatIsFollowedChangesNothing) {
+TEST(AnnotationsTest, APointOnTheTrackedObjectChangesNothing) {
   Played said;
   said.settings.object_points = {{{90, 110}}, {{130, 110}, 10 / kWordFps}};
   Played silent;
@@ -331,14 +331,14 @@ TEST(AnnotationsTest, AClipIsLookedThroughTwiceForLaterNots) {
   settings.object_points = {{{90, 110}}};
   settings.not_points = {{{20, 20}, 8 / kWordFps}};
   Vision vision(source.info(), settings);
-  std::vector<std::uint64_t> told;
+  std::vector<std::uint64_t> progress;
   EXPECT_TRUE(vision.scan(source, [&](std::uint64_t done, std::uint64_t total) {
     EXPECT_EQ(total, 24U);
-    told.push_back(done);
+    progress.push_back(done);
     return true;
   }));
-  ASSERT_EQ(told.size(), 24U);
-  for (std::size_t i = 0; i < told.size(); ++i) EXPECT_EQ(told[i], i + 1);
+  ASSERT_EQ(progress.size(), 24U);
+  for (std::size_t i = 0; i < progress.size(); ++i) EXPECT_EQ(progress[i], i + 1);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What no source should send, and some do: all of it has to come out as frames that can be felt, or
+// Invalid input that some sources send: each becomes frames that can be touched, or
 // as one clear line.
 #include <gtest/gtest.h>
 
@@ -205,7 +205,7 @@ RgbdFrame cutFrame(const BallScene& scene, std::uint64_t i, bool with_mask) {
   return frame;
 }
 
-TEST(BadInput, ACutStartsANewEpochAndNothingIsFeltOfIt) {
+TEST(BadInput, ACutStartsANewEpochWithoutAForce) {
   for (const bool with_mask : {true, false}) {
     const BallScene scene{.with_mask = with_mask};
     VisionSettings settings;
@@ -227,7 +227,7 @@ TEST(BadInput, ACutStartsANewEpochAndNothingIsFeltOfIt) {
   }
 }
 
-TEST(BadInput, WhatMovesPansOrGetsBrighterIsNoCut) {
+TEST(BadInput, MotionPanAndBrightnessAreNoCut) {
   const BallScene scene;
   const auto results = runAll(scene.info(), {}, 20, [&](std::uint64_t i) {
     RgbdFrame frame = scene.frame(i, 40 + 12.0 * double(i), 120);
@@ -242,7 +242,7 @@ TEST(BadInput, WhatMovesPansOrGetsBrighterIsNoCut) {
   for (const VisionResult& result : results) EXPECT_EQ(result.frame.epoch, results[0].frame.epoch);
 }
 
-TEST(BadInput, AnObjectWithoutDepthIsToldInOneLine) {
+TEST(BadInput, ReportsAnObjectWithoutDepthInOneLine) {
   const BallScene scene{.with_mask = false};
   VisionSettings settings;
   settings.object_points = {{{120, 120}}};
@@ -260,7 +260,7 @@ TEST(BadInput, AnObjectWithoutDepthIsToldInOneLine) {
   }
 }
 
-TEST(BadInput, AMaskWithoutDepthThatWasChosenIsToldToo) {
+TEST(BadInput, ReportsAChosenMaskWithoutDepth) {
   const BallScene scene;
   VisionSettings settings;
   settings.object_points = {{{120, 120}}};

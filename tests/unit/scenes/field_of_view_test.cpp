@@ -25,7 +25,7 @@ TEST(FieldOfView, IsThePinholesFocalLength) {
 }
 
 // A ball that turns about its vertical axis and swings: what is seen of it goes sideways and in
-// depth, and only a camera of the right width tells how much of it is the turn.
+// depth, and only a camera of the right width separates the turn.
 std::vector<Motion> swing(const BallScene& scene, const SourceInfo& info,
                           const VisionSettings& settings) {
   Vision vision(info, settings);

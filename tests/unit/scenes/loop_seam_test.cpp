@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Where a clip begins again: what has not moved is felt on and on, what has moved is a new scene.
+// Where a clip begins again: a still object goes on, a moved one is a new scene.
 #include <gtest/gtest.h>
 
 #include "server/vision/vision.hpp"
@@ -64,14 +64,14 @@ TEST(Wrap, ANoisyStillClipGoesOnUnderItsIdAndEpoch) {
   }
 }
 
-TEST(Wrap, SoDoesOnePictureOnAndOn) {
+TEST(Wrap, ARepeatedPictureGoesOnUnderItsIdAndEpoch) {
   const test::BallScene scene;
   expectOneStillness(
       rounds(scene.info(), {}, 1, [&](std::uint64_t) { return scene.frame(0, 160, 120); }), 0);
 }
 
 // Clean depth is not held; that something passes behind the object changes nothing of its own.
-TEST(Wrap, SoDoesACleanBodyBeforeWhatMoves) {
+TEST(Wrap, ACleanBodyBeforeAMovingOneGoesOnUnderItsIdAndEpoch) {
   const test::BallScene scene;
   VisionSettings settings;
   settings.plan.everything = true;  // whether it is smoothed is no matter of the wrap
@@ -84,7 +84,7 @@ TEST(Wrap, SoDoesACleanBodyBeforeWhatMoves) {
                      0);
 }
 
-TEST(Wrap, WhatMovesAtItIsANewSceneEachTime) {
+TEST(Wrap, MotionAcrossItStartsANewSceneEachTime) {
   const NoisyBall ball;
   VisionSettings settings;
   settings.object_points = {{{120, 120}}};

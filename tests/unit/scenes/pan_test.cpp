@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A camera that pans: what is felt of the object is its motion against the background.
+// A camera that pans: the rendered motion is that against the background.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -58,7 +58,7 @@ struct Direction {
 const Direction kDirections[] = {{{1, 0}, {1, 0}}, {{0, 1}, {0, -1}}, {{0.6, 0.8}, {0.6, -0.8}}};
 constexpr double kSwing_mm_s2 = 0.5 * kSwing_px * kTurn * kTurn;
 
-TEST(Pan, WhatStandsOnTheBackgroundIsNotAccelerated) {
+TEST(Pan, AnObjectAtRestOnTheBackgroundIsNotAccelerated) {
   for (const Direction& along : kDirections) {
     const auto frame = [&](std::uint64_t i) {
       return panned(i, kMiddle_px + panAt_px(i) * along.px, panAt_px(i) * along.px);
@@ -71,8 +71,8 @@ TEST(Pan, WhatStandsOnTheBackgroundIsNotAccelerated) {
   }
 }
 
-// The camera follows the object, which rests in the picture: the background tells how it moves.
-TEST(Pan, WhatTheCameraFollowsIsAccelerated) {
+// The camera follows the object, which rests in the picture: the background shows its motion.
+TEST(Pan, AnObjectThatTheCameraFollowsIsAccelerated) {
   for (const Direction& along : kDirections) {
     const auto frame = [&](std::uint64_t i) {
       return panned(i, kMiddle_px, panAt_px(i) * along.px);

@@ -27,7 +27,7 @@ Relief tilted(double slope, double noise_mm) {
   return out;
 }
 
-TEST(ScenePlan, ForceDifferenceIsWhatAFingerWouldFeel) {
+TEST(ScenePlan, ForceDifferenceIsThatAtAFinger) {
   EXPECT_EQ(forceDifference_N(tilted(0.2, 0), tilted(0.2, 0), 0.25, 0.5), 0.0);
   Relief higher = tilted(0.0, 0);
   for (float& h : higher.height_mm) h += 0.1F;
@@ -68,33 +68,33 @@ TEST(ScenePlan, AStageGoesOffWithinTheBudgetOnly) {
   PlanSettings settings;
   settings.error_budget_N = 0.01;
   ScenePlan plan(settings, false);
-  EXPECT_TRUE(plan.on(Stage::kSmooth));  // not measured yet
+  EXPECT_TRUE(plan.isOn(Stage::kSmooth));  // not measured yet
   plan.add(costing(Stage::kSmooth, 0.006));
-  EXPECT_TRUE(plan.on(Stage::kSmooth));
+  EXPECT_TRUE(plan.isOn(Stage::kSmooth));
   plan.add(costing(Stage::kSmooth, 0.004));
-  EXPECT_FALSE(plan.on(Stage::kSmooth));
+  EXPECT_FALSE(plan.isOn(Stage::kSmooth));
   plan.add(costing(Stage::kClean, std::numeric_limits<double>::infinity()));
-  EXPECT_TRUE(plan.on(Stage::kClean));
+  EXPECT_TRUE(plan.isOn(Stage::kClean));
   plan.add(costing(Stage::kSmooth, std::numeric_limits<double>::quiet_NaN()));
-  EXPECT_TRUE(plan.on(Stage::kSmooth));
+  EXPECT_TRUE(plan.isOn(Stage::kSmooth));
 }
 
-TEST(ScenePlan, AtRestAllGoesOffAndTheAuthorsWordHolds) {
+TEST(ScenePlan, AtRestAllStagesAreOffExceptTheAuthorsChoices) {
   ScenePlan plan({}, true);
-  EXPECT_FALSE(plan.on(Stage::kSegment));
-  EXPECT_TRUE(plan.on(Stage::kMotion));
+  EXPECT_FALSE(plan.isOn(Stage::kSegment));
+  EXPECT_TRUE(plan.isOn(Stage::kMotion));
   plan.setResting(true);
   for (const PlanLine& line : plan.lines()) EXPECT_FALSE(line.on) << line.why;
   plan.setResting(false);
-  EXPECT_TRUE(plan.on(Stage::kMotion));
+  EXPECT_TRUE(plan.isOn(Stage::kMotion));
 
   PlanSettings forced;
   forced.forced[std::size_t(Stage::kMotion)] = true;
   forced.forced[std::size_t(Stage::kSmooth)] = false;
   ScenePlan overruled(forced, false);
   overruled.setResting(true);
-  EXPECT_TRUE(overruled.on(Stage::kMotion));
-  EXPECT_FALSE(overruled.on(Stage::kSmooth));
+  EXPECT_TRUE(overruled.isOn(Stage::kMotion));
+  EXPECT_FALSE(overruled.isOn(Stage::kSmooth));
   EXPECT_EQ(overruled.lines()[std::size_t(Stage::kMotion)].why, "the author's choice");
 
   PlanSettings all;
@@ -130,15 +130,15 @@ TEST(ScenePlan, FollowsASceneThatStopsAndMovesAgain) {
     const bool moves = i < 20 || i >= 50;
     if (moves) u += 1.5;
     (void)vision.push(scene.frame(i, u, 120), mediaTime(double(i) / 25));
-    EXPECT_FALSE(on(Stage::kSegment));
-    EXPECT_FALSE(on(Stage::kClean));
+    EXPECT_FALSE(isOn(Stage::kSegment));
+    EXPECT_FALSE(isOn(Stage::kClean));
     if (i == 10 || i == 55) {
-      EXPECT_TRUE(on(Stage::kMotion));
-      EXPECT_TRUE(on(Stage::kHeights));
+      EXPECT_TRUE(isOn(Stage::kMotion));
+      EXPECT_TRUE(isOn(Stage::kHeights));
     }
     if (i == 45) {
-      EXPECT_FALSE(on(Stage::kMotion));
-      EXPECT_FALSE(on(Stage::kHeights));
+      EXPECT_FALSE(isOn(Stage::kMotion));
+      EXPECT_FALSE(isOn(Stage::kHeights));
       const PlanLine motion = vision.plan().begin()->second[std::size_t(Stage::kMotion)];
       EXPECT_GT(motion.saves_ms, 0.0);
       EXPECT_EQ(motion.costs_N, 0.0);
@@ -157,7 +157,7 @@ RgbdFrame twoBalls(const test::BallScene& scene, std::uint64_t i, const Vec2& on
   return frame;
 }
 
-// What rests is left alone although something else moves, and is followed when it moves itself.
+// An object at rest gets no stages while another one moves, and gets them when it moves itself.
 TEST(ScenePlan, AnObjectAtRestIsLeftOutWhileAnotherMoves) {
   const test::BallScene scene;
   VisionSettings settings;
@@ -200,7 +200,7 @@ RgbdFrame swaying(const test::BallScene& scene, std::uint64_t i, double sway_px)
   return frame;
 }
 
-TEST(ScenePlan, WhatDeformsGetsAGridAndARigidBodyNone) {
+TEST(ScenePlan, ADeformingObjectHasAGridAndARigidBodyNone) {
   const test::BallScene scene;
   for (const double sway_px : {0.0, 4.0}) {
     VisionSettings settings;

@@ -68,7 +68,7 @@ double wrongShare(const cv::Mat& mask, const cv::Mat& truth) {
   return double(cv::countNonZero(mask & ~truth)) / std::max(1, cv::countNonZero(mask));
 }
 
-TEST(SegmentLost, WhatLeavesThePictureIsFoundAgainWhenItComesBack) {
+TEST(SegmentLost, FindsAnObjectThatComesBackIntoThePicture) {
   Scene scene;
   scene.green = {250, 70};  // is not what was lost
   std::uint32_t id = 1;
@@ -94,7 +94,7 @@ TEST(SegmentLost, WhatLeavesThePictureIsFoundAgainWhenItComesBack) {
   EXPECT_GT(overlap(runner.segments[0].mask, scene.at(59).orange), 0.93);
 }
 
-TEST(SegmentLost, WhatIsHiddenForASecondIsFoundAgain) {
+TEST(SegmentLost, FindsAnObjectAfterASecondOfOcclusion) {
   Scene scene;
   scene.orange = {120, 120};
   scene.green = {260, 120};
@@ -117,7 +117,7 @@ TEST(SegmentLost, WhatIsHiddenForASecondIsFoundAgain) {
   EXPECT_GT(overlap(runner.segments[0].mask, scene.at(69).orange), 0.93);
 }
 
-TEST(SegmentLost, WhatPassesBeforeAnObjectHidesOnlyItsPart) {
+TEST(SegmentLost, APassingOccluderHidesOnlyItsPart) {
   Scene scene;
   scene.orange = {160, 120};
   std::uint32_t id = 1;
@@ -133,7 +133,7 @@ TEST(SegmentLost, WhatPassesBeforeAnObjectHidesOnlyItsPart) {
 }
 
 // A board hides the ball, and the motion that was measured is the board's.
-TEST(SegmentLost, WhatHidesAnObjectDoesNotCarryItsMaskAway) {
+TEST(SegmentLost, AnOccluderDoesNotCarryTheMaskAway) {
   for (const double step_px : {-25.0, -40.0, 35.0}) {
     Scene scene;
     scene.orange = {160, 120};
@@ -178,7 +178,7 @@ TEST(SegmentLost, BodiesThatMeetStayTwoObjects) {
   }
 }
 
-TEST(SegmentLost, WhatIsNotMeantStaysOutWhileBothMove) {
+TEST(SegmentLost, ExcludesAnotherObjectWhileBothMove) {
   Scene scene;
   std::uint32_t id = 1;
   Runner runner = runnerOf(scene, id, {{70, 100}}, {{128, 100}});

@@ -35,7 +35,7 @@ class StillBall {
     cv::Mat mask = whole.clone();
     cv::Mat flips(mask.size(), CV_8UC1);
     random_.fill(flips, cv::RNG::UNIFORM, 0, 2);
-    cv::Mat(flips * 255).copyTo(mask, dilatedBy(whole, 1) & ~erodedBy(whole, 1));
+    cv::Mat(flips * 255).copyTo(mask, dilateBy(whole, 1) & ~erodeBy(whole, 1));
     cv::morphologyEx(mask, mask, cv::MORPH_OPEN, cv::Mat::ones(3, 3, CV_8UC1));
     const Surface seen = cleanSurface(depth, mask, noise_, Method::kHapticast);
     return hold_.apply(now_gray_, seen, computeStaticNoise(noise_, seen), false);
@@ -113,7 +113,7 @@ INSTANTIATE_TEST_SUITE_P(All, StillSensors,
                                            Kind::kEstimate));
 
 // A part comes nearer while its colours stay: it is let go, but no frame makes a step of it.
-TEST(StillBalls, WhatIsReleasedByItsDepthGoesOverSoftly) {
+TEST(StillBalls, ATileReleasedByItsDepthChangesSmoothly) {
   const cv::Rect part(64, 40, 32, 32);
   StillBall ball(Kind::kFlight);
   Surface last;

@@ -82,7 +82,7 @@ TEST(TypingHands, TheHandIsOneObjectAllTheTimeAndEndsAtTheSleeve) {
   }
 }
 
-TEST(TypingHands, WhatIsSentCanBeTouched) {
+TEST(TypingHands, TheSentReliefCanBeTouched) {
   for (const VisionResult& result : seeHands()) {
     SCOPED_TRACE(result.frame.id);
     const HapticObject& object = result.frame.objects.at(0);

@@ -194,7 +194,7 @@ TEST(Vision, PointsOutsideThePictureAreRefused) {
   }
 }
 
-TEST(Vision, AScanEndsWhereItIsToldTo) {
+TEST(Vision, AScanEndsAtItsLimit) {
   const BallScene scene;
   FunctionSource source(scene.info(), 10,
                         [&](std::uint64_t i) { return scene.frame(i, 160, 120, 0); });
@@ -287,7 +287,7 @@ TEST(Vision, TheBouncesOfASceneAreAnnounced) {
   EXPECT_LT(worst_share, 0.1);
 }
 
-// A grid's window back across a bounce would tell of a deformation that is none: 0.4 m/s² of a
+// A grid's window back across a bounce would contain a false deformation: 0.4 m/s² of a
 // rigid ball.
 TEST(Vision, NoGridAfterABounce) {
   const auto source = openSource("synthetic:bounce", 25);

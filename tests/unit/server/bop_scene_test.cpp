@@ -76,7 +76,7 @@ TEST_F(BopScene, EachImageHasItsScale) {
   EXPECT_EQ(source.read()->depth.at<float>(3, 4), 1600.0F);
 }
 
-TEST_F(BopScene, DifferentCamerasAndTooManyObjectsAreTold) {
+TEST_F(BopScene, DifferentCamerasAndTooManyObjectsAreReported) {
   writeCameras(0.1, 0.1, 900.0);
   drawMask("mask_visib/000003_000016.png", {1, 1, 4, 4});
   const LogLines log;

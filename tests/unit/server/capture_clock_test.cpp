@@ -42,7 +42,7 @@ TEST(CaptureClock, LeavesOutABurstAtTheBegin) {
   EXPECT_NEAR(stream.captured_ms(50, 533.0), 2533.0, 0.2);
 }
 
-TEST(CaptureClock, LeavesOutWhatWaitedDuringAStall) {
+TEST(CaptureClock, LeavesOutFramesThatWaitedDuringAStall) {
   Stream stream;
   for (int i = 0; i < 100; ++i) (void)stream.captured_ms(i, 10.0);
   // Frames 100 to 174 come together at the time of frame 175.

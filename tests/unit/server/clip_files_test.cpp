@@ -14,13 +14,13 @@ namespace hapticast::server {
 namespace {
 
 TEST(ClipFiles, NaturalOrder) {
-  EXPECT_TRUE(naturalLess("frame2.png", "frame10.png"));
-  EXPECT_FALSE(naturalLess("frame10.png", "frame2.png"));
-  EXPECT_TRUE(naturalLess("000009.png", "000010.png"));
-  EXPECT_TRUE(naturalLess("1.png", "01.png") != naturalLess("01.png", "1.png"));
-  EXPECT_TRUE(naturalLess("1305031102.175.png", "1305031102.211.png"));
-  EXPECT_TRUE(naturalLess("99999999999999999999998", "99999999999999999999999"));
-  EXPECT_FALSE(naturalLess("a", "a"));
+  EXPECT_TRUE(precedesNaturally("frame2.png", "frame10.png"));
+  EXPECT_FALSE(precedesNaturally("frame10.png", "frame2.png"));
+  EXPECT_TRUE(precedesNaturally("000009.png", "000010.png"));
+  EXPECT_TRUE(precedesNaturally("1.png", "01.png") != precedesNaturally("01.png", "1.png"));
+  EXPECT_TRUE(precedesNaturally("1305031102.175.png", "1305031102.211.png"));
+  EXPECT_TRUE(precedesNaturally("99999999999999999999998", "99999999999999999999999"));
+  EXPECT_FALSE(precedesNaturally("a", "a"));
 }
 
 TEST(ClipMetaJson, IsReadAndRefused) {

@@ -40,7 +40,7 @@ class ClipLook : public testing::Test {
   std::vector<double> shares;
 };
 
-TEST_F(ClipLook, SaysHowFarItIsEveryTwoSecondsAndTellsEachFrame) {
+TEST_F(ClipLook, ReportsHowFarItIsEveryTwoSecondsAndReportsEachFrame) {
   const LogLines log;
   EXPECT_TRUE(look());
   ASSERT_EQ(shares.size(), kFrames);

@@ -125,7 +125,7 @@ class DepthFormats : public testing::TestWithParam<Format> {
   }
   /// Opens and plays the source. Frames that play have their depth, every problem names the file.
   /// Returns the number of frames.
-  int playWhatIsWhole() const {
+  int playCompleteFrames() const {
     const LogLines log;
     int frames = 0;
     try {
@@ -169,17 +169,17 @@ TEST_P(DepthFormats, OpensWithExactDepthAndTimes) {
   EXPECT_EQ(log.count(), 0) << log.text();
 }
 
-TEST_P(DepthFormats, CutInTheMiddleItPlaysWhatIsWhole) {
+TEST_P(DepthFormats, PlaysTheCompleteFramesOfACutFile) {
   const std::string bytes = readDepthFile();
   writeDepthFile(bytes.substr(0, bytes.size() / 2));
-  EXPECT_LT(playWhatIsWhole(), kFormatFrames);
+  EXPECT_LT(playCompleteFrames(), kFormatFrames);
 }
 
-TEST_P(DepthFormats, AWrongHeaderIsToldWithTheFile) {
+TEST_P(DepthFormats, AWrongHeaderIsReportedWithTheFile) {
   std::string bytes = readDepthFile();
   std::fill_n(bytes.begin(), std::min<std::size_t>(bytes.size(), 64), '\x5A');
   writeDepthFile(bytes);
-  EXPECT_LT(playWhatIsWhole(), isFolder() ? kFormatFrames : 0);
+  EXPECT_LT(playCompleteFrames(), isFolder() ? kFormatFrames : 0);
 }
 
 TEST_P(DepthFormats, WithoutDepthItIsRefused) {

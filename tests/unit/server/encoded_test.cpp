@@ -31,7 +31,7 @@ CodedFrame decoded(const SharedBytes& bytes) {
   return std::get<CodedFrame>(std::move(message).value());
 }
 
-TEST(FrameEncoder, LeavesOutWhatDidNotChange) {
+TEST(FrameEncoder, LeavesOutUnchangedReliefs) {
   FrameEncoder encoder;
   const EncodedFrame first = encoder.encode(frame(1));
   EXPECT_EQ(first.delta, first.key_frame->payload()) << "nothing was sent before: encoded once";

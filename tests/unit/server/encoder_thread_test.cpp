@@ -64,7 +64,7 @@ TEST(EncoderThread, GivesEverySinkTheSameBytesInOrder) {
   EXPECT_EQ(second.videos.size(), 20U);
 }
 
-TEST(EncoderThread, SignsDatagramsOnlyForWhoWantsThem) {
+TEST(EncoderThread, SignsDatagramsOnlyForViewersThatRequestThem) {
   FrameSigner signer;
   for (const bool wanted : {false, true}) {
     CountingSink sink;
@@ -97,7 +97,7 @@ TEST(EncoderThread, AnnouncesAKeyBeforeTheFirstFrameUnderIt) {
   }
 }
 
-TEST(EncoderThread, MakesPicturesOnlyForWhoWantsThem) {
+TEST(EncoderThread, MakesPicturesOnlyForViewersThatRequestThem) {
   CountingSink sink;
   EncoderThread encoder({&sink});
   encoder.push(named("a"), result(1));
@@ -134,7 +134,7 @@ TEST(EncoderThread, MeasuresOnlyWithAClock) {
   }
 }
 
-TEST(EncoderThread, PassesOnWhatEncodingHasThrown) {
+TEST(EncoderThread, PassesOnAnExceptionOfTheEncoder) {
   CountingSink sink;
   sink.fails_at = 2;
   EncoderThread encoder({&sink});

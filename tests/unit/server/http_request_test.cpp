@@ -55,7 +55,7 @@ TEST(HttpRequestReader, ReadsRequestsThatArriveInPortions) {
   EXPECT_FALSE(requests[2].keep_alive);
 }
 
-TEST(HttpRequestReader, RefusesWhatIsNoRequest) {
+TEST(HttpRequestReader, RefusesBytesThatAreNoRequest) {
   for (const std::string wrong :
        {"\x16\x03\x01\x02", "GET\r\n\r\n", "GET /metrics\r\n\r\n", "GET / HTTP/2.0\r\n\r\n",
         "GET / HTTP/1.1\r\n\r\n", "GET / HTTP/1.1\r\nHost: a\r\nHost: a\r\n\r\n",

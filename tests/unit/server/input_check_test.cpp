@@ -62,7 +62,7 @@ TEST(InputCheck, DepthOfOneValueHasNothingToTouch) {
   EXPECT_EQ(late.text, "") << "a sensor that starts";
 }
 
-TEST(InputCheck, ATinyPictureIsTold) {
+TEST(InputCheck, ATinyPictureIsReported) {
   const Outcome tiny = check({.width = 16, .height = 12, .radius_px = 3}, [](RgbdFrame&) {});
   EXPECT_FALSE(tiny.can_touch);
   EXPECT_EQ(tiny.lines, 1);
@@ -72,7 +72,7 @@ TEST(InputCheck, ATinyPictureIsTold) {
   EXPECT_EQ(check({.width = 48, .height = 64, .radius_px = 12}, [](RgbdFrame&) {}).text, "");
 }
 
-TEST(InputCheck, RangesInMetresAreTold) {
+TEST(InputCheck, RangesInMetresAreReported) {
   SyntheticSource source(SceneKind::kStill);
   VisionSettings settings;
   settings.map_range = DepthRange{0.5, 1.2};
@@ -128,7 +128,7 @@ TEST(InputCheck, TheBorderIsNearerThanTheObjectOnlyInInvertedDepth) {
   }
 }
 
-TEST(InputCheck, InvertedDepthIsToldOfEightBitDepthOnly) {
+TEST(InputCheck, InvertedDepthIsReportedOfEightBitDepthOnly) {
   const BallScene scene{.kind = DepthKind::kHeight};
   const auto levels = [](RgbdFrame& frame, bool inverted) {
     const cv::Mat near_is_white = toLevels(frame.depth, {600, 1300});
@@ -148,13 +148,13 @@ TEST(InputCheck, InvertedDepthIsToldOfEightBitDepthOnly) {
   VisionSettings settings;
   settings.object_points = {{{160, 120}}};
   EXPECT_EQ(check(usual, settings).text, "");
-  const Outcome told = check(inverted, settings);
-  EXPECT_TRUE(told.can_touch);
-  EXPECT_EQ(told.lines, 1);
-  EXPECT_THAT(told.text, HasSubstr("its depth looks inverted"));
+  const Outcome outcome = check(inverted, settings);
+  EXPECT_TRUE(outcome.can_touch);
+  EXPECT_EQ(outcome.lines, 1);
+  EXPECT_THAT(outcome.text, HasSubstr("its depth looks inverted"));
 }
 
-/// What opening a clip with one image of each name says.
+/// Messages when a clip with one image of each name is opened.
 std::string warningsOf(const SourceFolder& clip) {
   const LogLines log;
   (void)openSource(clip.string(), 0.0);
@@ -162,7 +162,7 @@ std::string warningsOf(const SourceFolder& clip) {
   return log.text();
 }
 
-TEST(InputCheck, PairsWithOtherFrameNumbersAreToldOnce) {
+TEST(InputCheck, PairsWithOtherFrameNumbersAreReportedOnce) {
   const cv::Mat color(24, 32, CV_8UC3, cv::Scalar::all(9));
   const cv::Mat depth(24, 32, CV_16UC1, cv::Scalar(900));
   const auto warnings = [&](const std::vector<std::pair<std::string, std::string>>& names) {
@@ -183,7 +183,7 @@ TEST(InputCheck, PairsWithOtherFrameNumbersAreToldOnce) {
   EXPECT_EQ(warnings({{"left", "right"}}), "") << "no numbers";
 }
 
-TEST(InputCheck, AnotherSizeInMetaJsonIsTold) {
+TEST(InputCheck, AnotherSizeInMetaJsonIsReported) {
   const auto warnings = [](const std::string& meta) {
     const SourceFolder clip;
     clip.write("rgb/1.png", cv::Mat(24, 32, CV_8UC3, cv::Scalar::all(9)));

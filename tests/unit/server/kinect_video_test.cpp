@@ -184,7 +184,7 @@ TEST_F(KinectVideo, DepthIsRegisteredToColour) {
   }
 }
 
-TEST_F(KinectVideo, WithoutCalibrationIsToldToBeUnaligned) {
+TEST_F(KinectVideo, WithoutCalibrationIsReportedAsUnaligned) {
   folder.write("color.png", cv::Mat(288, 320, CV_8UC3, cv::Scalar::all(90)));
   folder.write("depth.png", cv::Mat(288, 320, CV_16UC1, cv::Scalar(700)));
   record("");

@@ -113,7 +113,7 @@ TEST(LiveVideo, ARefusalNamesTheAddressWithoutItsSecrets) {
                                     Not(HasSubstr("secret"))));
 }
 
-TEST(LiveVideo, WhatIsNoVideoIsRefused) {
+TEST(LiveVideo, RefusesDataThatIsNoVideo) {
   const std::string page = "<html>" + std::string(100'000, 'x');
   EXPECT_THAT(refusal([&](HttpSender& sender, int) {
                 sender.send("HTTP/1.0 200 OK\r\nContent-Length: " + std::to_string(page.size()) +

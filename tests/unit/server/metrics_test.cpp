@@ -167,7 +167,7 @@ TEST(Prometheus, ShowsEveryFigureOnce) {
   EXPECT_EQ(samples.at("healthy"), 1.0);
 }
 
-TEST(Prometheus, LeavesOutWhatAServerDoesNotHave) {
+TEST(Prometheus, LeavesOutFiguresThatAServerDoesNotHave) {
   const Samples samples = read(writePrometheus(Metrics{}));
   for (const auto& [name, value] : samples) {
     for (const char* part : {"relay", "stage", "udp", "frame_age", "objects"})

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What --source may name.
+// The forms of --source.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -51,7 +51,7 @@ TEST(OpenSource, APathWithNeither) {
   EXPECT_THAT(openError(folder.string()), HasSubstr("no folder rgb/"));
 }
 
-TEST(OpenSource, AddressesThatAreNoStreamsAreTold) {
+TEST(OpenSource, AddressesThatAreNoStreamsAreReported) {
   for (const char* spec : {"ftp://me:secret@h/c.mp4", "file://h/c.mp4", "rtmp://h/1"}) {
     EXPECT_THAT(openError(spec), AllOf(HasSubstr(": is an address that the server does not read"),
                                        HasSubstr("srt://"), Not(HasSubstr("secret"))));
@@ -62,7 +62,7 @@ TEST(OpenSource, AddressesThatAreNoStreamsAreTold) {
               HasSubstr("--to-and-fro: a live stream has one direction"));
 }
 
-TEST(OpenSource, ArchivesAreTold) {
+TEST(OpenSource, ArchivesAreReported) {
   const SourceFolder folder;
   folder.write("clip.zip", std::string("x"));
   EXPECT_THAT(openError((folder / "clip.zip").string()),

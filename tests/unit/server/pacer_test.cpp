@@ -47,7 +47,7 @@ TEST(Pacer, ALateFrameIsPlayedAsLongAsTheNextIsNotDue) {
   EXPECT_EQ(plan.due, at(40));
 }
 
-TEST(Pacer, TheNewestFrameWinsAndWhatIsLeftOutIsCounted) {
+TEST(Pacer, KeepsTheNewestFrameAndCountsTheOthers) {
   Pacer pacer(25.0, kStart);
   (void)pacer.plan(at(0));
   (void)pacer.frameRead(0, 0);

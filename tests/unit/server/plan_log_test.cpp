@@ -8,7 +8,7 @@
 namespace hapticast::server {
 namespace {
 
-class PlanTellerTest : public ::testing::Test {
+class PlanLogTest : public ::testing::Test {
  protected:
   /// Lines that telling this has written.
   long lines(std::uint32_t id, bool on, double at_s, const std::string& how = "") {
@@ -24,7 +24,7 @@ class PlanTellerTest : public ::testing::Test {
   PlanLog plan_log_;
 };
 
-TEST_F(PlanTellerTest, TellsChangesOnceAndNotWhatIsTakenBackAtOnce) {
+TEST_F(PlanLogTest, LogsAChangeOnceAndNoneThatIsRevokedAtOnce) {
   EXPECT_EQ(lines(1, true, 0.0), 1);
   EXPECT_EQ(lines(1, true, 5.0), 0) << "nothing new";
   EXPECT_EQ(lines(1, false, 5.1), 1);
@@ -35,13 +35,13 @@ TEST_F(PlanTellerTest, TellsChangesOnceAndNotWhatIsTakenBackAtOnce) {
   EXPECT_EQ(lines(1, true, 65.0), 1);
 }
 
-TEST_F(PlanTellerTest, AnotherFigureIsNoNews) {
+TEST_F(PlanLogTest, AnotherFigureIsNotLogged) {
   EXPECT_EQ(lines(1, true, 0.0), 1);
   EXPECT_EQ(lines(1, true, 2.0, " by 7 mm"), 1);
   EXPECT_EQ(lines(1, true, 4.0, " by 8.1 mm"), 0);
 }
 
-TEST_F(PlanTellerTest, TellsNothingAgainOfTheNextRoundsObjects) {
+TEST_F(PlanLogTest, LogsNothingAgainForTheObjectsOfTheNextRound) {
   EXPECT_EQ(lines(1, true, 0.0), 1);
   EXPECT_EQ(lines(2, true, 2.0), 0) << "as the one that is gone";
   EXPECT_EQ(lines(2, false, 4.0), 1) << "new";

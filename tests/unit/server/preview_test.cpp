@@ -67,9 +67,9 @@ TEST_F(Preview, ShowsTheOutlineWhereTheMaskIsAndTheReliefBesideIt) {
     if (at < changed.rows) changed.row(at).setTo(0);
   }
   const cv::Mat mask = frame->mask > 0;
-  const cv::Mat rim = mask & ~erodedBy(mask, 1);
+  const cv::Mat rim = mask & ~erodeBy(mask, 1);
   EXPECT_LT(cv::countNonZero(rim & (changed == 0)), 20) << "a gap in the outline";
-  EXPECT_EQ(cv::countNonZero(~dilatedBy(mask, 6) & (changed > 0)), 0) << "drawn elsewhere";
+  EXPECT_EQ(cv::countNonZero(~dilateBy(mask, 6) & (changed > 0)), 0) << "drawn elsewhere";
   cv::Mat relief;
   cv::cvtColor(picture(cv::Rect({picture.cols - left.width, kAxisTop_px}, left.size())), relief,
                cv::COLOR_BGR2GRAY);
@@ -91,7 +91,7 @@ TEST_F(Preview, AFolderGetsASheetOfTheClip) {
   EXPECT_EQ(cv::imread((folder / "sheet/clip.png").string()).size(), cv::Size(6 * 240, 180));
 }
 
-TEST_F(Preview, PlacesThatCannotBeWrittenToAreToldInOneLine) {
+TEST_F(Preview, PlacesThatCannotBeWrittenToAreReportedInOneLine) {
   folder.write("file", std::string("x"));
   const auto refusal = [&](const char* place) {
     return errorOf([&] { (void)run(settingsFor(place)); });
@@ -101,7 +101,7 @@ TEST_F(Preview, PlacesThatCannotBeWrittenToAreToldInOneLine) {
   EXPECT_FALSE(std::filesystem::exists(folder / "none"));
 }
 
-TEST_F(Preview, WhatCannotBeStartedOnIsTheUsualLine) {
+TEST_F(Preview, ReportsAFailedStartInTheUsualLine) {
   Settings settings = settingsFor("a.png");
   settings.vision.object_points = {{{2, 2}}};
   EXPECT_THAT(errorOf([&] { (void)run(settings); }), HasSubstr("--object 2,2"));
@@ -173,7 +173,7 @@ TEST(PreviewAxes, TicksAreRoundNumbersThatDoNotTouch) {
   EXPECT_EQ(tickStep_px(0.5), 200);
   EXPECT_EQ(tickStep_px(8.0), 10);
   EXPECT_EQ(tickStep_px(80.0), 1);
-  EXPECT_EQ(placeOfPixel({110, 60}, {100, 50, 160, 120}, 4.0), cv::Point(42, 42));
+  EXPECT_EQ(computePixelPlace({110, 60}, {100, 50, 160, 120}, 4.0), cv::Point(42, 42));
 }
 
 TEST(PreviewAxes, SmallObjectsHaveACloseUpInsideThePicture) {
@@ -227,7 +227,7 @@ TEST_F(Preview, WritesASceneThatBeginsWithTheSameObject) {
   EXPECT_EQ(facts(again), facts(said)) << "the same mask";
 }
 
-TEST(AuthorPoints, AfterTheEndOfTheClipAreToldAndLeftOut) {
+TEST(AuthorPoints, AfterTheEndOfTheClipAreReportedAndSkipped) {
   SourceInfo info;
   info.fps = 25.0;
   info.frame_count = 50;
@@ -247,7 +247,7 @@ TEST(AuthorPoints, AfterTheEndOfTheClipAreToldAndLeftOut) {
   EXPECT_EQ(preparePoints(settings, info).object_points.size(), 3U) << "no end is known";
 }
 
-TEST(AuthorPoints, ThatContradictEachOtherAreToldAndLeftOut) {
+TEST(AuthorPoints, ThatContradictEachOtherAreReportedAndSkipped) {
   VisionSettings settings;
   settings.object_points = {{{10, 20}}, {{30, 40}, 1.5}};
   settings.not_points = {{{31, 41}, 1.5}, {{30, 40}, 0.0}};

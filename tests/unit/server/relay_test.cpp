@@ -180,7 +180,7 @@ TEST_F(OriginFollowerTest, DropsTheOldOriginAfterATakeover) {
       << "frame ids of a new origin begin anew";
 }
 
-TEST_F(OriginFollowerTest, SaysWhyItDropsAMessage) {
+TEST_F(OriginFollowerTest, ReportsWhyItDropsAMessage) {
   SigningKey other;
   ASSERT_TRUE(follower_.onMessage(message(key_, {5, kOrigin, 1}, state(key_))).content);
   ASSERT_TRUE(follower_.onMessage(message(key_, {5, kOrigin, 2}, frame(10, 3))).content);
@@ -218,7 +218,7 @@ TEST_F(OriginFollowerTest, FollowsOnlyAnExpectedKey) {
   EXPECT_TRUE(follower.onMessage(message(key_, {5, kOrigin, 1}, state(key_))).new_origin);
 }
 
-TEST_F(OriginFollowerTest, AStateHasTheKeyOfSealedDatagramsOrSaysThatThereIsNone) {
+TEST_F(OriginFollowerTest, AStateHasTheKeyOfSealedDatagramsOrMarksItsAbsence) {
   RelayState sealed = state(key_);
   sealed.sealed = true;
   std::uint64_t number = 0;
@@ -249,7 +249,7 @@ TEST_F(OriginFollowerTest, NoByteOfAMessageCanChange) {
   EXPECT_TRUE(follower_.onMessage(whole).content);
 }
 
-TEST(RelayPieces, JoinToTheSameMessageWhateverTheirSize) {
+TEST(RelayPieces, JoinToTheSameMessageAtAnySize) {
   std::mt19937 random(34);
   for (const std::size_t size : {1U, 100U, 999U, 1000U, 1001U, 70'000U}) {
     std::vector<std::uint8_t> whole(size);

@@ -57,7 +57,7 @@ TEST_F(ReloadTest, MaterialsTakeEffectAtOnce) {
   EXPECT_EQ(vision->material.texture_K_mm, 10.0);
   EXPECT_EQ(vision->material.damping_Ns_m, 3.0);
   EXPECT_EQ(vision->mass_kg, 0.1);
-  EXPECT_EQ(vision->materialOf(1).stiffness_N_mm, 0.7);
+  EXPECT_EQ(vision->findMaterial(1).stiffness_N_mm, 0.7);
   EXPECT_EQ(log_.text(),
             "info configuration read again; changed: --damping, --friction, --mass, --stiffness, "
             "--texture-depth, materials of the scene's objects\n");
@@ -93,7 +93,7 @@ TEST_F(ReloadTest, OtherObjectsKeepTheOldMaterials) {
   (void)folder_.write("scene.json", R"({"version": 1, "objects": []})");
   const auto vision = reloader.reload();
   ASSERT_TRUE(vision.has_value());
-  EXPECT_EQ(vision->materialOf(1).stiffness_N_mm, 0.3);
+  EXPECT_EQ(vision->findMaterial(1).stiffness_N_mm, 0.3);
   EXPECT_NE(log_.text().find("next start: --scene"), std::string::npos) << log_.text();
 }
 

@@ -60,14 +60,15 @@ TEST(SceneFile, SetsFlagsPointsObjectsAndMasks) {
 
 TEST(SceneFile, AnObjectHasItsOwnMaterialAndElseThatOfAllObjects) {
   const VisionSettings vision = runWith(kHands).settings.vision;
-  const Material hand = vision.materialOf(1);
+  const Material hand = vision.findMaterial(1);
   EXPECT_EQ(hand.stiffness_N_mm, 0.9);
   EXPECT_EQ(hand.damping_Ns_m, 2.0);
   EXPECT_EQ(hand.dynamic_friction, 0.2);
   EXPECT_EQ(hand.mass_kg, 0.3);
-  EXPECT_EQ(vision.materialOf(2).stiffness_N_mm, 0.7);
-  EXPECT_EQ(vision.materialOf(2).mass_kg, std::nullopt);
-  EXPECT_EQ(vision.materialOf(3), vision.material) << "an object that the author did not describe";
+  EXPECT_EQ(vision.findMaterial(2).stiffness_N_mm, 0.7);
+  EXPECT_EQ(vision.findMaterial(2).mass_kg, std::nullopt);
+  EXPECT_EQ(vision.findMaterial(3), vision.material)
+      << "an object that the author did not describe";
   EXPECT_EQ(vision.stiffness_N_mm(), 0.9);
 }
 
@@ -81,11 +82,11 @@ TEST(SceneFile, FlagsWinAndTheirPointsAddToIt) {
   EXPECT_EQ(vision.object_points.back(), (AuthorPoint{{1, 2}, 0.0}));
   EXPECT_EQ(vision.not_points.size(), 3U);
   EXPECT_FALSE(vision.camera) << "--fov replaces it";
-  EXPECT_EQ(vision.materialOf(2).stiffness_N_mm, 0.2);
-  EXPECT_EQ(vision.materialOf(1).stiffness_N_mm, 0.9) << "the object's own value";
+  EXPECT_EQ(vision.findMaterial(2).stiffness_N_mm, 0.2);
+  EXPECT_EQ(vision.findMaterial(1).stiffness_N_mm, 0.9) << "the object's own value";
 }
 
-TEST(SceneFile, WhatFlagsSaidIsInTheSceneThatAPreviewWrites) {
+TEST(SceneFile, AWrittenSceneHasTheValuesOfTheFlags) {
   const Probe run({"--source", "synthetic:still", "--stiffness", "0.4", "--stretch", "--object",
                    "7,8", "--not", "3,4@2"});
   const Scene& scene = run.settings.scene;

@@ -68,7 +68,7 @@ TEST(ServiceManager, ReportsGoToTheSocketOfTheEnvironment) {
   }
 }
 
-TEST(ServiceManager, TheWatchdogHearsTwiceInItsPeriod) {
+TEST(ServiceManager, TheWatchdogIsNotifiedTwiceInItsPeriod) {
   const Manager manager(abstractName());
   ::setenv("WATCHDOG_USEC", "2000000", 1);
   ::setenv("WATCHDOG_PID", std::to_string(::getpid()).c_str(), 1);
@@ -85,7 +85,7 @@ TEST(ServiceManager, TheWatchdogHearsTwiceInItsPeriod) {
   EXPECT_EQ(reports, 2);
 }
 
-TEST(ServiceManager, AnotherProcessesWatchdogAndNoWatchdogHearNothing) {
+TEST(ServiceManager, SendsNothingToAnotherProcessesWatchdog) {
   const Manager manager(abstractName());
   const ManualClock clock;
   ServiceManager(clock).reportAlive();

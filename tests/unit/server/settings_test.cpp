@@ -138,7 +138,7 @@ TEST(ServerSettings, ANameForTheLan) {
   }
 }
 
-TEST(ServerSettings, WrongValuesAreToldWithFlagValueAndWhatIsAllowed) {
+TEST(ServerSettings, ReportsAWrongValueWithFlagValueAndAllowedRange) {
   const std::vector<std::array<std::string, 3>> wrong = {
       {"--fps", "nan", "1 to 240"},
       {"--fps", "0.5", "1 to 240"},
@@ -190,7 +190,7 @@ TEST(ServerSettings, WrongValuesAreToldWithFlagValueAndWhatIsAllowed) {
   }
 }
 
-TEST(ServerSettings, WhatIsMissingOrUnknownIsTold) {
+TEST(ServerSettings, ReportsMissingAndUnknownFlags) {
   const Probe none({});
   EXPECT_EQ(none.exit_code, 2);
   none.expectErrorWith({"--source"});
@@ -199,7 +199,7 @@ TEST(ServerSettings, WhatIsMissingOrUnknownIsTold) {
   unknown.expectErrorWith({"--speed"});
 }
 
-TEST(ServerSettings, EachFlagOfTheClientIsTold) {
+TEST(ServerSettings, RefusesEachFlagOfTheClient) {
   for (const std::string_view flag : ownFlags(kClientProgram)) {
     const std::string word = "--" + std::string(flag);
     const Probe run({"--source", "synthetic:still", word, "1"});
@@ -211,7 +211,7 @@ TEST(ServerSettings, EachFlagOfTheClientIsTold) {
     EXPECT_NE(own.output.find("--" + std::string(flag)), std::string::npos) << flag;
 }
 
-TEST(ServerSettings, AnAddressAndCommonSlipsAreTold) {
+TEST(ServerSettings, AnAddressAndCommonSlipsAreReported) {
   for (const char* address : {"192.168.1.5", "192.168.1.5:7447", "7500", "localhost"})
     Probe({address}).expectErrorWith({address, "is --listen missing in front of it?"});
   Probe({"help"}).expectErrorWith({"did you mean --help?"});
@@ -241,7 +241,7 @@ TEST(ServerSettings, APrintedConfigFileHasEachFlagAndItsDefault) {
     EXPECT_NE(config.output.find(fmt::format("\n#{} =", flag)), std::string::npos) << flag;
 }
 
-TEST(ServerSettings, TheBudgetOfForceSaysHowExactHeightsAre) {
+TEST(ServerSettings, TheForceBudgetSetsTheErrorOfHeights) {
   VisionSettings vision;
   EXPECT_DOUBLE_EQ(heightError_mm(vision), kDefaultHeightError_mm);
   vision.material.stiffness_N_mm = 2.0;

@@ -54,7 +54,7 @@ TEST(SigningKeyFileTest, WarnsIfOthersMayReadTheFile) {
   EXPECT_NE(log.text().find("(mode 0640)"), std::string::npos) << log.text();
 }
 
-TEST(SigningKeyFileTest, SaysInALineWhatIsWrong) {
+TEST(SigningKeyFileTest, ReportsAnErrorInOneLine) {
   const TempFolder folder;
   const std::string no_key = folder.write("no_key", "text");
   EXPECT_EQ(refusal(no_key),

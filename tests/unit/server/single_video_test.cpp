@@ -187,7 +187,7 @@ TEST_F(SingleVideoFiles, SmallerDepthIsScaledAndOtherAspectsAreRefused) {
               HasSubstr("square.mkv: is 40x40, but the colour video is 64x48"));
 }
 
-TEST_F(SingleVideoFiles, RecordingsOfAKinectAreToldToBeUnaligned) {
+TEST_F(SingleVideoFiles, RecordingsOfAKinectAreReportedAsUnaligned) {
   // Colour, depth and infrared, both grey with 16 bits, raw.
   ffmpeg(
       rawColor() + rawDepth() + "-f lavfi -i nullsrc=size=64x48:rate=30:duration=0.333 " +
@@ -350,7 +350,7 @@ TEST_F(SingleVideoFiles, FlagsOfVideosAreRefusedForOtherSources) {
               HasSubstr("only a single video file has a --layout"));
 }
 
-TEST_F(SingleVideoFiles, DamagedFilesEndInOneSentenceOrPlayWhatIsWhole) {
+TEST_F(SingleVideoFiles, DamagedFilesPlayTheirCompleteFramesOrEndInOneSentence) {
   ffmpeg(rawColor() + rawDepth() + kCopyTwo + "two.mkv");
   ffmpeg("-i two.mkv -map 0 -c:v:0 copy -c:v:1 png -pix_fmt:v:1 gray16be two.mov");
   ffmpeg("-i two.mkv -map 0:0 -c copy -movflags +faststart beside.mp4");
@@ -397,7 +397,7 @@ TEST_F(SingleVideoFiles, DamagedFilesEndInOneSentenceOrPlayWhatIsWhole) {
   EXPECT_GT(refused, 30);
 }
 
-TEST_F(SingleVideoFiles, ACutFileSaysWhereItEnds) {
+TEST_F(SingleVideoFiles, ACutFileReportsWhereItEnds) {
   ffmpeg(
       "-f lavfi -i testsrc2=size=128x96:rate=30:duration=2 -c:v mjpeg -movflags +faststart c.mp4");
   std::ifstream in(folder / "c.mp4", std::ios::binary);

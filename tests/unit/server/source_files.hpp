@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the tests of sources share: a folder of their own, images in it, the log's warnings, the
+// Shared by the tests of sources: a folder of their own, images in it, the log's warnings, the
 // text of an error.
 #pragma once
 
@@ -40,7 +40,7 @@ inline std::string errorOf(const std::function<void()>& action) {
   return "";
 }
 
-/// What openSource() complains of.
+/// The error of openSource().
 inline std::string openError(const std::string& spec, double fps = 0.0) {
   return errorOf([&] { (void)openSource(spec, fps); });
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What people may see of the address of a stream.
+// The visible part of a stream's address.
 #include "server/source/stream_url.hpp"
 
 #include <gtest/gtest.h>

@@ -96,7 +96,7 @@ TEST_F(DatagramOutTest, BodiesOfAllSizesArriveAsTheyAre) {
   EXPECT_EQ(had[1], all);
 }
 
-TEST_F(DatagramOutTest, WhatTheSystemDoesNotCutGoesOneByOne) {
+TEST_F(DatagramOutTest, SendsDatagramsOneByOneWhereTheSystemDoesNotSegment) {
   // More than the loopback's own least unit, so that the system refuses to cut there.
   const auto viewer = target(1);
   const std::size_t whole = 65'507 - 8;
@@ -106,7 +106,7 @@ TEST_F(DatagramOutTest, WhatTheSystemDoesNotCutGoesOneByOne) {
   EXPECT_EQ(viewer.counts->bytes, 2U * 65'507U);
 }
 
-TEST_F(DatagramOutTest, ANewerFrameWinsOverWhatIsLeft) {
+TEST_F(DatagramOutTest, ANewerFrameReplacesTheRestOfAnOlderOne) {
   const auto viewer = target(1);
   out.send({bodies(UdpFanout::kAtOnce + 500, 1)}, {viewer});
   EXPECT_EQ(viewer.counts->sent, UdpFanout::kAtOnce) << "then it lets others have their turn";
@@ -125,7 +125,7 @@ TEST_F(DatagramOutTest, ALongRoundGoesOnByItself) {
   EXPECT_EQ(viewer.counts->dropped, 0U);
 }
 
-TEST_F(DatagramOutTest, WhatTheSystemRefusesTouchesNobodyElse) {
+TEST_F(DatagramOutTest, ARefusalOfTheSystemDoesNotAffectOtherViewers) {
   auto impossible = target(1);
   impossible.from = asio::ip::make_address("203.0.113.77");  // not this machine's
   const auto other = target(2);
@@ -137,7 +137,7 @@ TEST_F(DatagramOutTest, WhatTheSystemRefusesTouchesNobodyElse) {
   EXPECT_EQ(came().size(), 20U);
 }
 
-TEST_F(DatagramOutTest, NothingToSendAndNobodyToSendItToAreFine) {
+TEST_F(DatagramOutTest, AcceptsAnEmptyFrameAndNoTargets) {
   const auto viewer = target(1);
   out.send({}, {viewer});
   out.send({bodies(1, 1)}, {});

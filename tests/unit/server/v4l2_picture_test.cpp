@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Buffers as Video4Linux2 devices deliver them: right ones, and ones that lie.
+// Buffers as Video4Linux2 devices deliver them: right ones and wrong ones.
 #include "server/source/live/v4l2_picture.hpp"
 
 #include <gmock/gmock.h>

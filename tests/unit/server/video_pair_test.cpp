@@ -98,7 +98,7 @@ TEST_F(VideoPairFiles, ReadsBothTogether) {
   EXPECT_EQ(VideoClip(video("c.avi", 8), video("d.avi", 8), 12.0).info().fps, 12.0);
 }
 
-TEST_F(VideoPairFiles, EndsWithTheShorterAndSaysSoOnce) {
+TEST_F(VideoPairFiles, EndsWithTheShorterAndReportsSoOnce) {
   VideoClip source(video("c.avi", 8), video("d.avi", 6), 0.0);
   EXPECT_EQ(source.info().frame_count, 6U);
   const LogLines log;
@@ -179,11 +179,11 @@ TEST_F(VideoPairFiles, OneFileForBothIsRefused) {
               HasSubstr("c.avi: is the colour video and the depth video"));
 }
 
-TEST_F(VideoPairFiles, AFolderInThePairIsToldAsOne) {
+TEST_F(VideoPairFiles, AFolderInThePairIsReportedAsOne) {
   EXPECT_THAT(openError(video("c.avi", 3), folder.string()), HasSubstr(": is a folder, but"));
 }
 
-TEST_F(VideoPairFiles, DifferentRatesAreToldOnce) {
+TEST_F(VideoPairFiles, DifferentRatesAreReportedOnce) {
   const LogLines log;
   const std::string color = video("c.avi", 8, {64, 48}, {1.0, 1.0, 1.0}, 24.0);
   VideoClip source(color, video("d.avi", 8), 0.0);

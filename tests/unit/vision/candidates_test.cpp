@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a click may mean: hands by their colour, pieces behind what passes in front, and a box that
+// Candidates of a click: hands by their colour, pieces behind what passes in front, and a box that
 // an arm holds.
 #include "server/vision/segment/initialise/candidates.hpp"
 
@@ -40,7 +40,7 @@ FrameImages imagesWith(const cv::Mat& color, const cv::Mat& depth) {
   return {color, gray, depth, {}, {}};
 }
 
-TEST(SkinColors, AFingerIsSkinAndSpecksAreNotWhateverTheLight) {
+TEST(SkinColors, AFingerIsSkinAndSpecksAreNotInAnyLight) {
   const std::array lights{cv::Scalar(1, 1, 1), cv::Scalar(0.8, 0.95, 1.1)};
   for (const cv::Scalar& light : lights) {
     cv::Mat color(480, 640, CV_8UC3, kGrey.mul(light));
@@ -48,7 +48,7 @@ TEST(SkinColors, AFingerIsSkinAndSpecksAreNotWhateverTheLight) {
     for (int v = 300; v < 460; v += 9) {
       for (int u = 300; u < 600; u += 9) cv::circle(color, {u, v}, 1, kSkin.mul(light), cv::FILLED);
     }
-    const cv::Mat skin = SkinColors::adaptedToLight(color).in(color);
+    const cv::Mat skin = SkinColors::adaptToLight(color).findSkin(color);
     const cv::Mat finger = skin({102, 110, 26, 180});
     EXPECT_GT(cv::countNonZero(finger), 0.9 * static_cast<double>(finger.total()));
     EXPECT_EQ(cv::countNonZero(skin({300, 0, 340, 480})), 0);
@@ -71,12 +71,12 @@ struct Drawn {
   FrameImages finish(std::mt19937& random) {
     color = grained(color, random);
     noise = measureNoise(depth);
-    skin = SkinColors::adaptedToLight(color);
+    skin = SkinColors::adaptToLight(color);
     return imagesWith(color, depth);
   }
 };
 
-TEST(Objectness, OnlyWhatIsFarInFrontOfAnObjectIsAnOccluder) {
+TEST(Objectness, OnlySurfacesFarInFrontOfAnObjectAreOccluders) {
   const auto score = [](double notch_mm) {  // a square with a notch, in which another thing is
     std::mt19937 random(5);
     Drawn drawn(kGrey);
@@ -102,7 +102,7 @@ TEST(MinimumCut, FollowsTheEdgeOfColourWhereTheEvidenceIsCoarse) {
   drawn.fill(box, cv::Scalar(40, 40, 200), 700.0);
   const FrameImages images = drawn.finish(random);
   const FrameContext scene{images, drawn.planes, drawn.noise, drawn.skin};
-  const GraphRoi view = GraphRoi::withValleys(scene, {{0, 0}, kDrawn}, 1e6);
+  const GraphRoi view = GraphRoi::makeWithValleys(scene, {{0, 0}, kDrawn}, 1e6);
   cv::Mat unary(kDrawn, CV_32FC1, cv::Scalar(-0.1));
   cv::circle(unary, {150, 115}, 20, cv::Scalar(5), cv::FILLED);   // surely the object, ...
   cv::rectangle(unary, {70, 50, 160, 130}, cv::Scalar(0.2), 30);  // ... and perhaps
@@ -113,7 +113,7 @@ TEST(MinimumCut, FollowsTheEdgeOfColourWhereTheEvidenceIsCoarse) {
   EXPECT_GT(test::overlap(cut, truth), 0.95);
 }
 
-TEST(JoinedPieces, WhatAFingerPartsIsOneThingAndWhatTheGroundPartsIsTwo) {
+TEST(JoinedPieces, AFingerDoesNotSplitAnObjectAndTheBackgroundDoes) {
   std::mt19937 random(5);
   const cv::Rect whole(100, 80, 60, 100);
   const cv::Rect between(100, 120, 60, 20);
@@ -123,7 +123,7 @@ TEST(JoinedPieces, WhatAFingerPartsIsOneThingAndWhatTheGroundPartsIsTwo) {
     drawn.fill(between, finger ? kSkin : kGrey, finger ? 680.0 : 1500.0);
     const FrameImages images = drawn.finish(random);
     const FrameContext scene{images, drawn.planes, drawn.noise, drawn.skin};
-    const GraphRoi view = GraphRoi::withValleys(scene, {{0, 0}, kDrawn}, 1e6);
+    const GraphRoi view = GraphRoi::makeWithValleys(scene, {{0, 0}, kDrawn}, 1e6);
     cv::Mat mask = cv::Mat::zeros(kDrawn, CV_8UC1);
     mask(whole).setTo(255);
     mask(between).setTo(0);
@@ -145,14 +145,14 @@ Drawn darkAndLightSkin() {
 const cv::Rect kInDark(44, 44, 72, 152);
 const cv::Rect kInLight(204, 44, 72, 152);
 
-TEST(SkinColors, DarkSkinIsSkinOnlyForWhoAsksForIt) {
+TEST(SkinColors, DarkSkinIsSkinOnlyOnRequest) {
   std::mt19937 random(17);
   Drawn drawn = darkAndLightSkin();
   const FrameImages images = drawn.finish(random);
-  const cv::Mat skin = drawn.skin.in(images.color);
+  const cv::Mat skin = drawn.skin.findSkin(images.color);
   EXPECT_LT(cv::mean(skin(kInDark))[0], 0.05 * 255);
   EXPECT_GT(cv::mean(skin(kInLight))[0], 0.95 * 255);
-  const cv::Mat with_dark = drawn.skin.withDark(images.color);
+  const cv::Mat with_dark = drawn.skin.findWithDark(images.color);
   EXPECT_GT(cv::mean(with_dark(kInDark))[0], 0.95 * 255);
   EXPECT_GT(cv::mean(with_dark(kInLight))[0], 0.95 * 255);
 }
@@ -219,7 +219,7 @@ TEST(ChooseAt, AThingOfSkinsColourIsChosenWithoutTheArm) {
   for (int trial = 0; trial < 6; ++trial) {
     HeldBox held(cv::Scalar(60, 75, 140), {60, 70}, random);
     const FrameImages images = held.drawn.finish(random);
-    const cv::Mat skin = held.drawn.skin.in(images.color);
+    const cv::Mat skin = held.drawn.skin.findSkin(images.color);
     ASSERT_GT(cv::countNonZero(skin & held.truth), 0.5 * cv::countNonZero(held.truth));
     const cv::Point click(held.box.x + 10 + static_cast<int>(random() % 40),
                           held.box.y + 10 + static_cast<int>(random() % 40));

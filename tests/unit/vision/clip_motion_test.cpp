@@ -55,12 +55,12 @@ double accelerationOff(const Track& track, const std::function<Vec3(std::size_t)
 
 TEST(ClipMotion, TheWholeClipIsABetterWindow) {
   const Track track = swinging(0.02);
-  const std::vector<Motion> whole = smoothedTrack(track.samples, {}, kLookahead);
+  const std::vector<Motion> whole = smoothTrack(track.samples, {}, kLookahead);
   const double with_clip = accelerationOff(
       track, [&](std::size_t i) { return whole[i].acceleration_mm_s2; }, 8);
   const double with_window = accelerationOff(
       track,
-      [&](std::size_t i) { return motionFrom(track.samples, i, kLookahead).acceleration_mm_s2; },
+      [&](std::size_t i) { return computeMotion(track.samples, i, kLookahead).acceleration_mm_s2; },
       8);
   EXPECT_LT(with_clip, 0.4 * with_window);
   EXPECT_LT(with_clip, 0.02);
@@ -69,7 +69,7 @@ TEST(ClipMotion, TheWholeClipIsABetterWindow) {
   EXPECT_NEAR(whole[100].angular_velocity_rad_s, 0.3 * w * std::cos(w * 100 / kFps), 0.01);
 }
 
-TEST(ClipMotion, WhatIsNotMeasuredIsBridged) {
+TEST(ClipMotion, BridgesGapsBetweenMeasurements) {
   Track track = swinging(0.005);
   for (std::size_t i = 60; i < 66; ++i) {
     track.samples[i].seen = false;
@@ -79,7 +79,7 @@ TEST(ClipMotion, WhatIsNotMeasuredIsBridged) {
     track.samples[i].depth_seen = false;
     track.samples[i].position_mm.z() = track.samples[i - 1].position_mm.z();
   }
-  const std::vector<Motion> whole = smoothedTrack(track.samples, {}, kLookahead);
+  const std::vector<Motion> whole = smoothTrack(track.samples, {}, kLookahead);
   EXPECT_LT(accelerationOff(
                 track, [&](std::size_t i) { return whole[i].acceleration_mm_s2; }, 8),
             0.05);
@@ -99,8 +99,8 @@ TEST(ClipMotion, AnImpactSetsTheVelocityFree) {
                           10 + noise(random)};
     samples.push_back(sample);
   }
-  const std::vector<Motion> knows = smoothedTrack(samples, {impact}, kLookahead);
-  const std::vector<Motion> does_not = smoothedTrack(samples, {}, kLookahead);
+  const std::vector<Motion> knows = smoothTrack(samples, {impact}, kLookahead);
+  const std::vector<Motion> does_not = smoothTrack(samples, {}, kLookahead);
   double off = 0;
   double off_without = 0;
   for (std::size_t i = 50; i < 70; ++i) {
@@ -114,7 +114,7 @@ TEST(ClipMotion, AnImpactSetsTheVelocityFree) {
   EXPECT_NEAR(knows[61].velocity_mm_s.y(), 900 - 4000 * (61 / kFps - when_s), 5);
 }
 
-TEST(ClipMotion, WhatRestsRestsPerfectly) {
+TEST(ClipMotion, AnObjectAtRestHasNoMotion) {
   std::vector<Sample> samples;
   for (int i = 0; i < 120; ++i) {
     Sample sample;
@@ -123,7 +123,7 @@ TEST(ClipMotion, WhatRestsRestsPerfectly) {
     sample.position_mm = {3 + 400 * s * s, -7, 12};
     samples.push_back(sample);
   }
-  const std::vector<Motion> motions = smoothedTrack(samples, {}, kLookahead);
+  const std::vector<Motion> motions = smoothTrack(samples, {}, kLookahead);
   for (std::size_t i = 0; i < 55; ++i) {
     EXPECT_EQ(motions[i].velocity_mm_s, Vec3::Zero());
     EXPECT_EQ(motions[i].acceleration_mm_s2, Vec3::Zero());
@@ -133,7 +133,7 @@ TEST(ClipMotion, WhatRestsRestsPerfectly) {
 }
 
 TEST(ClipMotion, ShortAndDegenerateTracksAreNoTrouble) {
-  EXPECT_TRUE(smoothedTrack({}, {}, 3).empty());
+  EXPECT_TRUE(smoothTrack({}, {}, 3).empty());
   std::vector<Sample> samples;
   for (int i = 0; i < 30; ++i) {
     Sample sample;
@@ -141,7 +141,7 @@ TEST(ClipMotion, ShortAndDegenerateTracksAreNoTrouble) {
     sample.seen = false;
     sample.position_mm = {1.0 * i, 0, 0};
     samples.push_back(sample);
-    for (const Motion& motion : smoothedTrack(samples, {}, 3)) {
+    for (const Motion& motion : smoothTrack(samples, {}, 3)) {
       EXPECT_TRUE(motion.position_mm.allFinite());
       EXPECT_TRUE(motion.acceleration_mm_s2.allFinite());
     }
@@ -179,12 +179,12 @@ TEST(ClipMotion, ABounceOrADoubtfulPoseDoesNotCountAsAcceleration) {
   std::vector<double> accelerations = clip.accelerations_mm_s2(3.0 / 25);
   EXPECT_GT(accelerations.size(), 10U);
   EXPECT_NEAR(largestAcceleration_mm_s2(accelerations), 1000, 30);
-  ASSERT_EQ(clip.impactsAround(5, 0.8, 0.1).size(), 1U);
-  EXPECT_NEAR(toSeconds(clip.impactsAround(5, 0.8, 0.1)[0].time), 0.813, 1e-3);
-  EXPECT_TRUE(clip.impactsAround(5, 0.5, 0.1).empty());
+  ASSERT_EQ(clip.findImpactsAround(5, 0.8, 0.1).size(), 1U);
+  EXPECT_NEAR(toSeconds(clip.findImpactsAround(5, 0.8, 0.1)[0].time), 0.813, 1e-3);
+  EXPECT_TRUE(clip.findImpactsAround(5, 0.5, 0.1).empty());
 }
 
-// A clip that was looked through is felt with all of it as the window, also with one frame of
+// A clip that was looked through uses all of it as the window, also with one frame of
 // lookahead, and again when it loops.
 TEST(ClipMotion, AScannedClipIsDeliveredSmoothed) {
   const test::BallScene scene;

@@ -39,7 +39,7 @@ cv::Mat painted(int size, const std::function<double(int, int)>& depth) {
 // the mask.
 double worstError(const Relief& relief, const cv::Mat& mask,
                   const std::function<double(int, int)>& depth, int inset) {
-  const cv::Mat inner = inset > 0 ? erodedBy(mask, inset) : mask;
+  const cv::Mat inner = inset > 0 ? erodeBy(mask, inset) : mask;
   double worst = 0;
   for (int v = 0; v < relief.rect.height; ++v) {
     for (int u = 0; u < relief.rect.width; ++u) {
@@ -61,14 +61,14 @@ TEST(Enhance, TheFitTreatsBothSidesAlike) {
   random.fill(values, cv::RNG::NORMAL, 10.0, 1.0);
   cv::Mat mask = cv::Mat::zeros(values.size(), CV_8UC1);
   cv::circle(mask, {22, 20}, 15, 255, cv::FILLED);
-  const cv::Mat fitted = quadraticFit(values, mask, 2.0);
+  const cv::Mat fitted = fitQuadratic(values, mask, 2.0);
   for (const int axis : {0, 1}) {
     cv::Mat flipped;
     cv::Mat flipped_mask;
     cv::flip(values, flipped, axis);
     cv::flip(mask, flipped_mask, axis);
     cv::Mat back;
-    cv::flip(quadraticFit(flipped, flipped_mask, 2.0), back, axis);
+    cv::flip(fitQuadratic(flipped, flipped_mask, 2.0), back, axis);
     EXPECT_LT(cv::norm(fitted, back, cv::NORM_INF, mask), 1e-3) << axis;
   }
 }
@@ -156,7 +156,7 @@ TEST(Enhance, ExactDepthAndRoundedDepthAreClean) {
   EXPECT_FALSE((DepthNoise{{1.9}, 1.57, true}).clean(700));
 }
 
-TEST(Enhance, WhatComesNearerThanAnythingWasIsNotNoisier) {
+TEST(Enhance, DepthNearerThanTheScanIsNotNoisier) {
   cv::RNG random(3);
   const cv::Mat depth =
       painted(120, [&](int u, int v) { return 620.0 + 0.1 * u + 0.2 * v + random.gaussian(0.05); });
@@ -189,7 +189,7 @@ struct Rms {
 };
 
 Rms rmsError(const cv::Mat& heights, const cv::Mat& truth, const cv::Mat& mask) {
-  const cv::Mat inner = erodedBy(mask, 5);
+  const cv::Mat inner = erodeBy(mask, 5);
   const auto rms = [&](const cv::Mat& where) {
     return cv::norm(heights, truth, cv::NORM_L2, where) / std::sqrt(cv::countNonZero(where));
   };
@@ -225,7 +225,7 @@ TEST(Enhance, EightBitDepthHasNoTerraces) {
       const cv::Mat mask = truth > 0;
       const cv::Mat levels = buildLevels(truth);
       const Rms as_it_is = rmsError(levels * (30.0 / 255.0), truth, mask);
-      const Rms fit = rmsError(quadraticFit(levels * (30.0 / 255.0), mask, 2.6), truth, mask);
+      const Rms fit = rmsError(fitQuadratic(levels * (30.0 / 255.0), mask, 2.6), truth, mask);
       const Rms ours = rmsError(reliefHeights(levels, mask), truth, mask);
       EXPECT_LT(ours.inside, 0.012);
       EXPECT_LT(ours.inside, 0.35 * as_it_is.inside);
@@ -240,7 +240,7 @@ double slopeError(const cv::Mat& heights, const cv::Mat& truth, const cv::Mat& m
   const cv::Mat along = (cv::Mat_<float>(1, 3) << -2.0F, 0.0F, 2.0F);  // of pixels of 0.25 mm
   cv::Mat error;
   cv::filter2D(heights - truth, error, CV_32F, along);
-  const cv::Mat inner = erodedBy(mask, 5);
+  const cv::Mat inner = erodeBy(mask, 5);
   return cv::norm(error, cv::NORM_L2, inner) / std::sqrt(cv::countNonZero(inner));
 }
 
@@ -249,7 +249,7 @@ cv::Mat narrowFit(const cv::Mat& levels, const cv::Mat& mask) {
   const cv::Mat rounded = levels * (30.0 / 255.0);
   const double half_mm = 15.0 / 255.0;
   cv::Mat out;
-  cv::max(quadraticFit(rounded, mask, 2.6), rounded - half_mm, out);
+  cv::max(fitQuadratic(rounded, mask, 2.6), rounded - half_mm, out);
   cv::min(out, rounded + half_mm, out);
   return out;
 }
@@ -355,7 +355,7 @@ TEST(Enhance, AWideFitIsTheSameInFewerPixels) {
       height.at<float>(v, u) = static_cast<float>(std::sqrt(15.0 * 15.0 - r_mm * r_mm));
     }
   }
-  const cv::Mat fitted = quadraticFit(height, mask, 0.65 * kPxPerMm);
+  const cv::Mat fitted = fitQuadratic(height, mask, 0.65 * kPxPerMm);
   cv::Mat off;
   cv::absdiff(fitted, height, off);
   double worst_mm = 0;

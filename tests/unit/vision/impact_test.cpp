@@ -24,15 +24,15 @@ struct Findings {
 Findings findAll(const std::vector<Sample>& samples) {
   Findings out;
   ImpactFinder finder;
-  std::vector<std::vector<Impact>> told;
+  std::vector<std::vector<Impact>> found;
   for (std::size_t at = 0; at < samples.size(); ++at) {
     const std::size_t first = at > 3 ? at - 3 : 0;
     const std::size_t last = std::min(samples.size() - 1, at + 3);
     finder.test(
         {samples.begin() + std::ptrdiff_t(first), samples.begin() + std::ptrdiff_t(last + 1)},
         at - first);
-    told.push_back(finder.around(samples[at].time_s, 3.5 * 0.04));
-    for (const Impact& impact : told.back()) {
+    found.push_back(finder.findAround(samples[at].time_s, 3.5 * 0.04));
+    for (const Impact& impact : found.back()) {
       const bool is_new = out.impacts.empty() || impact.time > out.impacts.back().time;
       if (is_new) out.impacts.push_back(impact);
     }
@@ -48,8 +48,8 @@ Findings findAll(const std::vector<Sample>& samples) {
       };
       ++out.before;
       ++out.after;
-      out.logged_before += has(told[i]) ? 1 : 0;
-      out.logged_after += has(told[i + 1]) ? 1 : 0;
+      out.logged_before += has(found[i]) ? 1 : 0;
+      out.logged_after += has(found[i + 1]) ? 1 : 0;
     }
   }
   return out;

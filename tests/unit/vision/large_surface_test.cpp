@@ -112,11 +112,11 @@ TEST(LargeSurface, IsCutAlongTheSameEdgesAsAtFullSize) {
 }
 
 TEST(LargeSurface, ReductionBeginsAboveAnAreaInAWidePicture) {
-  EXPECT_EQ(reductionFor({640, 480}, {640, 480}, 90e3), 1);
-  EXPECT_EQ(reductionFor({300, 300}, {1920, 1080}, 90e3), 1);
-  EXPECT_EQ(reductionFor({500, 500}, {1920, 1080}, 90e3), 2);
-  EXPECT_EQ(reductionFor({900, 900}, {1920, 1080}, 90e3), 3);
-  EXPECT_EQ(reductionFor({900, 700}, {1280, 720}, 90e3), 2);
+  EXPECT_EQ(computeReduction({640, 480}, {640, 480}, 90e3), 1);
+  EXPECT_EQ(computeReduction({300, 300}, {1920, 1080}, 90e3), 1);
+  EXPECT_EQ(computeReduction({500, 500}, {1920, 1080}, 90e3), 2);
+  EXPECT_EQ(computeReduction({900, 900}, {1920, 1080}, 90e3), 3);
+  EXPECT_EQ(computeReduction({900, 700}, {1280, 720}, 90e3), 2);
 }
 
 }  // namespace

@@ -46,7 +46,7 @@ TEST(Layers, AnIsolatedPartWithoutASeedGetsTheLabelOfItsDepth) {
   cv::Mat seeds = cv::Mat::zeros(surface.box.size(), CV_8UC1);
   seeds.colRange(0, 140).setTo(2);
   seeds(kHand).setTo(1);
-  const cv::Mat labels = grownLabels(surface, 2, seeds);
+  const cv::Mat labels = growLabels(surface, 2, seeds);
   EXPECT_EQ(cv::countNonZero(labels.colRange(150, 155) == 1), 5 * surface.box.height);
   EXPECT_EQ(cv::countNonZero(labels.colRange(155, 160) == 2), 5 * surface.box.height);
 }
@@ -85,7 +85,7 @@ TEST(Layers, AStepSmearedByTheSensorCutsToo) {
   EXPECT_NEAR(computePixelRect(layers, 0), kHand.area(), 2 * (kHand.width + kHand.height));
 }
 
-TEST(Layers, TwoHandsShareALayerAndWhatTheyHoldIsBeforeThem) {
+TEST(Layers, TwoHandsShareALayerBehindTheHeldObject) {
   const cv::Rect other(110, 40, 30, 60);
   const Layers layers = findLayers(body({kHand, other}, 100), kStep_mm);
   ASSERT_EQ(layers.count, 2);

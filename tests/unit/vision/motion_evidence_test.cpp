@@ -49,7 +49,7 @@ struct TwoMotions {
                              cv::Mat(kTwoMotions_px, CV_32FC1, cv::Scalar(700)),
                              {},
                              {}};
-    patch = patchAround(images, mask, flow.similarity, {});
+    patch = makePatch(images, mask, flow.similarity, {});
     return computeMotionEvidence(patch, other, flow.similarity);
   }
 };
@@ -69,7 +69,7 @@ TEST(MotionEvidence, PixelsBelongToTheMotionThatExplainsThem) {
   EXPECT_LT(cv::mean(evidence(beside))[0], -0.5);
 }
 
-TEST(MotionEvidence, AGroundThatMovesWithTheObjectSaysNothing) {
+TEST(MotionEvidence, AGroundThatMovesWithTheObjectGivesNoEvidence) {
   const TwoMotions one({4, 2}, {4, 2});
   EXPECT_FALSE(findOtherMotion(one.last, one.now, one.mask, one.flow));
 }

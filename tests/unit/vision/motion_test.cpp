@@ -125,7 +125,7 @@ TEST(Motion, ARepeatedDepthFrameIsNoObservation) {
   EXPECT_NEAR(fresh.depth_mm, 690, 1e-3);
 }
 
-TEST(Motion, WhatIsHeldEntirelyStaysExactlyAndIsCaughtUpWith) {
+TEST(Motion, AnObjectAtRestKeepsItsPoseAndCatchesUpLater) {
   ObjectFlow flow;
   flow.reliable = true;
   flow.similarity = {1, 0, 0.4, 0, 1, 0.2};  // noise, or a creep
@@ -145,7 +145,7 @@ TEST(Motion, WhatIsHeldEntirelyStaysExactlyAndIsCaughtUpWith) {
   EXPECT_NEAR(moved.depth_mm, 695, 1e-3);
 }
 
-TEST(Motion, ModesLeaveOutWhatTheyDoNotMeasure) {
+TEST(Motion, ModesLeaveOutUnmeasuredAxes) {
   ObjectFlow flow;
   flow.reliable = true;
   flow.similarity = {1, 0, 4, 0, 1, 0};
@@ -188,9 +188,9 @@ TEST(Motion, WindowGivesVelocityAndAcceleration) {
   const std::vector<Sample> samples = collectSamples(25, 20, path);
   for (std::size_t at = 3; at + 3 < samples.size(); ++at) {
     const double t = samples[at].time_s;
-    const Motion motion = motionFrom({samples.begin() + static_cast<std::ptrdiff_t>(at) - 3,
-                                      samples.begin() + static_cast<std::ptrdiff_t>(at) + 4},
-                                     3, 3);
+    const Motion motion = computeMotion({samples.begin() + static_cast<std::ptrdiff_t>(at) - 3,
+                                         samples.begin() + static_cast<std::ptrdiff_t>(at) + 4},
+                                        3, 3);
     const Vec3 velocity(120 * std::cos(6 * t), -75 * std::sin(5 * t), 32 * std::cos(4 * t + 1));
     const Vec3 acceleration(-720 * std::sin(6 * t), -375 * std::cos(5 * t),
                             -128 * std::sin(4 * t + 1));
@@ -205,7 +205,7 @@ TEST(Motion, WindowOfAParabolaIsExactAtTheEndsToo) {
   const std::vector<Sample> samples = collectSamples(
       25, 5, [](double t) { return Vec3(3 + 40 * t + 200 * t * t, -100 * t * t, 5); });
   for (std::size_t at = 0; at < samples.size(); ++at) {
-    const Motion motion = motionFrom(samples, at, 3);
+    const Motion motion = computeMotion(samples, at, 3);
     EXPECT_NEAR(motion.acceleration_mm_s2.x(), 400, 1e-6);
     EXPECT_NEAR(motion.acceleration_mm_s2.y(), -200, 1e-6);
     EXPECT_NEAR(motion.velocity_mm_s.x(), 40 + 400 * samples[at].time_s, 1e-6);
@@ -213,10 +213,10 @@ TEST(Motion, WindowOfAParabolaIsExactAtTheEndsToo) {
   }
 }
 
-TEST(Motion, WhatStandsStillHasNoMotionAtAll) {
+TEST(Motion, AStillObjectHasNoMotion) {
   const std::vector<Sample> samples =
       collectSamples(25, 7, [](double) { return Vec3(12.3456, -7.891, 14.2); });
-  const Motion motion = motionFrom(samples, 3, 3);
+  const Motion motion = computeMotion(samples, 3, 3);
   EXPECT_EQ(motion.velocity_mm_s, Vec3::Zero());
   EXPECT_EQ(motion.acceleration_mm_s2, Vec3::Zero());
   EXPECT_EQ(motion.position_mm, samples[3].position_mm);
@@ -224,7 +224,7 @@ TEST(Motion, WhatStandsStillHasNoMotionAtAll) {
 
 TEST(Motion, OneSampleIsAPlaceWithoutMotion) {
   const Motion motion =
-      motionFrom(collectSamples(25, 1, [](double) { return Vec3(1, 2, 3); }), 0, 3);
+      computeMotion(collectSamples(25, 1, [](double) { return Vec3(1, 2, 3); }), 0, 3);
   EXPECT_EQ(motion.position_mm, Vec3(1, 2, 3));
   EXPECT_EQ(motion.velocity_mm_s, Vec3::Zero());
 }
@@ -233,7 +233,7 @@ TEST(Motion, ARepeatedDepthIsLeftOutOfTheWindow) {
   std::vector<Sample> samples = collectSamples(25, 7, [](double t) { return Vec3(0, 0, 100 * t); });
   samples[3].position_mm.z() = samples[2].position_mm.z();
   samples[3].depth_seen = false;
-  const Motion motion = motionFrom(samples, 3, 3);
+  const Motion motion = computeMotion(samples, 3, 3);
   EXPECT_NEAR(motion.velocity_mm_s.z(), 100, 1e-6);
   EXPECT_NEAR(motion.position_mm.z(), 12, 1e-6);
   EXPECT_NEAR(motion.acceleration_mm_s2.z(), 0, 1e-6);
@@ -247,9 +247,9 @@ TEST(Motion, ABounceIsNotSmearedIntoAcceleration) {
   };
   const std::vector<Sample> samples = collectSamples(25, 16, path);
   for (std::size_t at = 3; at + 3 < samples.size(); ++at) {
-    const Motion motion = motionFrom({samples.begin() + static_cast<std::ptrdiff_t>(at) - 3,
-                                      samples.begin() + static_cast<std::ptrdiff_t>(at) + 4},
-                                     3, 3);
+    const Motion motion = computeMotion({samples.begin() + static_cast<std::ptrdiff_t>(at) - 3,
+                                         samples.begin() + static_cast<std::ptrdiff_t>(at) + 4},
+                                        3, 3);
     EXPECT_NEAR(motion.acceleration_mm_s2.y(), -2000, 20) << at;
   }
 }

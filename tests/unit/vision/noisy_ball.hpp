@@ -29,7 +29,7 @@ struct NoisyBall {
     out.color.convertTo(color, CV_32FC3, brightness);
     color += color_noise;
     color.convertTo(out.color, CV_8UC3);
-    const cv::Mat rim = dilatedBy(out.mask * 255, 1) & ~erodedBy(out.mask * 255, 1);
+    const cv::Mat rim = dilateBy(out.mask * 255, 1) & ~erodeBy(out.mask * 255, 1);
     cv::Mat flips(out.mask.size(), CV_8UC1);
     random.fill(flips, cv::RNG::UNIFORM, 0, 2);
     flips.copyTo(out.mask, rim);

@@ -35,7 +35,7 @@ double share(const MappedRange& mapped, double span_mm) {
   return span_mm / (mapped.range.far_mm - mapped.range.near_mm);
 }
 
-TEST(Range, WhatLeaksIntoMasksDoesNotStretchIt) {
+TEST(Range, BackgroundPixelsInMasksDoNotStretchIt) {
   cv::RNG random(3);
   for (int run = 0; run < 5; ++run) {
     RangeFinder finder;
@@ -55,7 +55,7 @@ TEST(Range, WhatLeaksIntoMasksDoesNotStretchIt) {
   }
 }
 
-TEST(Range, HoldsWhatMovesInDepthAndSaysThatItIsWide) {
+TEST(Range, HoldsObjectsThatMoveInDepthAndReportsAWideRange) {
   cv::RNG random(4);
   RangeFinder finder;
   for (int i = 0; i < 100; ++i) finder.add(1, thing(500 + 4 * i, random), kSensor);
@@ -87,7 +87,7 @@ TEST(Range, EveryObjectHasItsOwnUsualDepth) {
 }
 
 // Eight bits of a whole room leave a thing a few levels: these become the heights.
-TEST(Range, AThingInEightBitsOfARoomIsTall) {
+TEST(Range, AnObjectInEightBitDepthOfARoomIsTall) {
   test::BallScene scene;
   scene.kind = DepthKind::kMetric;
   for (const double level_mm : {6.0, 9.0}) {
@@ -111,14 +111,14 @@ TEST(Range, AThingInEightBitsOfARoomIsTall) {
   }
 }
 
-TEST(Range, TheAuthorsWordHolds) {
+TEST(Range, TheAuthorsRangeHolds) {
   SourceInfo info = test::BallScene().info();
   VisionSettings settings;
   settings.depth_range = DepthRange{500, 900};
   EXPECT_EQ(Vision(info, settings).mapped()->range.far_mm, 900);
   settings.map_range = DepthRange{600, 700};
   EXPECT_EQ(Vision(info, settings).mapped()->range.far_mm, 700);
-  // Of 8-bit depth --depth-range only tells what the levels are.
+  // Of 8-bit depth --depth-range only defines the levels.
   info.depth_kind = DepthKind::kHeight;
   EXPECT_EQ(Vision(info, settings).mapped()->range.far_mm, 700);
   settings.map_range.reset();
@@ -128,7 +128,7 @@ TEST(Range, TheAuthorsWordHolds) {
 }
 
 // A few pixels of a far background inside the mask make a pit, but do not bend what is beside it.
-TEST(Range, WhatLiesFarBeyondDoesNotBendTheSurfaceBesideIt) {
+TEST(Range, AFarBackgroundDoesNotBendTheSurfaceBesideIt) {
   cv::RNG random(6);
   const Surface clean = thing(600, random);
   Surface leaky = clean;

@@ -54,7 +54,7 @@ TEST_P(RigidAlign, FindsHowTheBallMoved) {
   EXPECT_NEAR(step.shift_mm.y(), truth.y(), 0.08 * mm_per_px);
   EXPECT_NEAR(step.shift_mm.z(), truth.z(), 0.3);
   EXPECT_LT(Eigen::AngleAxisd(step.rotation).angle(), 0.004);
-  // The similarity tells the mask's way: as far as the surface goes.
+  // The similarity moves the mask as far as the surface.
   const cv::Vec2d carried = step.similarity * cv::Vec3d(129.5, 109.5, 1.0);
   EXPECT_NEAR(carried[0], 129.5 + move.du, 0.3 + 0.15 * std::abs(move.du));
   EXPECT_NEAR(carried[1], 109.5 + move.dv, 0.3 + 0.15 * std::abs(move.dv));
@@ -108,7 +108,7 @@ TEST(RigidAlign, NonsenseIsNoMotion) {
   EXPECT_FALSE(RigidTemplate().find(before.view, Vec3(0, 0, 700), {}).reliable);
 }
 
-TEST(ReferencePoint, ASphereIsToldByItsCentre) {
+TEST(ReferencePoint, ASphereIsFoundByItsCentre) {
   const test::BallScene scene;
   const Frame frame = frameOf(scene, 190, 100);
   const BodyCentre centre = computeCentre(frame.surface, scene.camera());

@@ -36,7 +36,7 @@ class CleanBodies : public testing::TestWithParam<double> {
     EXPECT_EQ(exact.dropped, 0.0);
     EXPECT_EQ(exact.worst_mm, 0.0);
     for (const int smaller_px : {0, 1, 2}) {  // masks of our own are off by so much
-      const Loss own = loss(depth, smaller_px > 0 ? erodedBy(mask, smaller_px) : mask, false);
+      const Loss own = loss(depth, smaller_px > 0 ? erodeBy(mask, smaller_px) : mask, false);
       EXPECT_LT(own.dropped, 0.002) << smaller_px;
       EXPECT_LT(own.worst_mm, 0.3) << smaller_px;
     }

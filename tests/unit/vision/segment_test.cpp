@@ -186,7 +186,7 @@ TEST(Segment, WaitsForAnObjectAndFindsItAgainUnderANewId) {
   EXPECT_EQ(runner.segments.size(), 1U);
 }
 
-TEST(Segment, SaysWhenThePointIsOnThePlaneOrOnNothing) {
+TEST(Segment, ReportsWhenThePointIsOnThePlaneOrOnNothing) {
   const test::BallScene scene{.with_mask = false};
   for (const bool hole : {false, true}) {
     std::uint32_t id = 1;
@@ -241,7 +241,7 @@ TEST(Segment, AnObjectThatStaysKeepsItsMaskUndecided) {
   EXPECT_LT(test::overlap(segmenter->next(moved, {{1U, flow}}).at(0).mask, first), 0.97);
 }
 
-// Else its force were felt twice.
+// Otherwise its force would act twice.
 TEST(Segment, TwoPointsOnOneBodyAreOneObject) {
   test::BallScene scene;
   scene.with_mask = false;

@@ -71,7 +71,7 @@ TEST(StaticRegionFilter, AStillObjectIsPerfectlyStillAfterSixteenFrames) {
   EXPECT_LT(run.error_mm(run.held, 160), 0.4 * run.error_mm(run.free, 160));
 }
 
-TEST(StaticRegionFilter, WhatStartsToMoveIsReleasedAtOnce) {
+TEST(StaticRegionFilter, AnObjectThatStartsToMoveIsReleasedAtOnce) {
   Holding run;
   for (int i = 0; i < 25; ++i) run.next(160);
   ASSERT_EQ(run.hold.share(), 1.0);
@@ -206,7 +206,7 @@ TEST(StaticRegionFilter, CleanDepthThatTurnsRoundIsFollowed) {
   EXPECT_GT(worst_mm({.sigma_mm = 0.02}), 0.6);
 }
 
-// Through all of vision: what is felt at rest, and what is sent.
+// Through all of vision: the force and the data at rest.
 struct StillRun {
   double force_noise_N = 0.0;  // root mean square over pixels and frames 20 ..
   std::size_t changed = 0;     // frames from 20 on whose relief is another

@@ -25,7 +25,7 @@ TEST(Tracker, ARepeatedFrameLeavesTheMotionOfTheFrameBeforeAsItWas) {
   EXPECT_EQ(cv::norm(moved[0].cells.step, step), 0.0) << "the history has it, too";
 }
 
-TEST(Tracker, NobodyWritesIntoThePicturesOfAFrame) {
+TEST(Tracker, NoStageWritesIntoThePicturesOfAFrame) {
   const auto check = [](bool with_mask, SegmentMode segment, Method method, MotionMode motion) {
     test::BallScene scene;
     scene.with_mask = with_mask;

@@ -40,13 +40,13 @@ std::vector<AuthorPoint> selectDue(const std::vector<AuthorPoint>& points,
 
 }  // namespace
 
-cv::Mat connectedTo(const GraphRoi& view, const cv::Point& at, int radius_px) {
+cv::Mat findConnected(const GraphRoi& view, const cv::Point& at, int radius_px) {
   cv::Mat disc = cv::Mat::zeros(view.size(), CV_8UC1);
   cv::circle(disc, at, radius_px, cv::Scalar(255), cv::FILLED);
   const ColorMixture mixture(view.lab, disc);
   if (mixture.empty()) return disc;
   const cv::Mat alike = (logDensities(mixture, view.lab) > kLikeThePoint) | disc;
-  return pieceAt(alike, at);
+  return findPiece(alike, at);
 }
 
 AnnotationTrack::AnnotationTrack(const VisionSettings& settings) {
@@ -64,7 +64,7 @@ AnnotationTrack::AnnotationTrack(const VisionSettings& settings) {
   }
 }
 
-Annotation AnnotationTrack::annotationAt(const FramePair& frames) const {
+Annotation AnnotationTrack::findAnnotation(const FramePair& frames) const {
   Annotation out;
   for (const AuthorPoint& point : selectDue(on_, frames))
     out.on.push_back({toPixel(point), point.number});
@@ -89,8 +89,8 @@ NegativeColors sampleColors(const FrameContext& scene, const cv::Point& point) {
   const cv::Rect box =
       cv::Rect(point.x - reach_px, point.y - reach_px, 2 * reach_px, 2 * reach_px) &
       cv::Rect({0, 0}, picture);
-  const GraphRoi view = GraphRoi::around(scene, box, 1e9);
-  const cv::Mat region = connectedTo(view, view.toRoi(point), kPoint_px);
+  const GraphRoi view = GraphRoi::makeAround(scene, box, 1e9);
+  const cv::Mat region = findConnected(view, view.toRoi(point), kPoint_px);
   const double width_px = std::sqrt(double(cv::countNonZero(region))) / view.shrink;
   if (depth_mm > 0 && width_px < kLeastPatch_mm * pixelsPerMm(double(depth_mm), picture)) return {};
   const ColorHistogram clicked = ColorHistogram::fromImage(view.color, region);

@@ -42,7 +42,7 @@ class AnnotationTrack {
   [[nodiscard]] const Annotation& atStart() const { return start_; }
   /// Returns the annotations of the present frame of `frames`: its key mask, and the points whose
   /// times belong to it. A point belongs to the frame that is nearest to its time.
-  [[nodiscard]] Annotation annotationAt(const FramePair& frames) const;
+  [[nodiscard]] Annotation findAnnotation(const FramePair& frames) const;
   /// Returns whether the author marked an object (--object) at a time after the first frame.
   [[nodiscard]] bool pointsLater() const { return !on_.empty(); }
   /// Returns whether points of the author belong to frames after the present one. It does not count
@@ -57,7 +57,7 @@ class AnnotationTrack {
 
 /// Returns the mask (0/255, size of `view`) of the connected region of similar colour around `at`.
 /// Similar colours are those like the colours of the disc of `radius_px` around `at`.
-cv::Mat connectedTo(const GraphRoi& view, const cv::Point& at, int radius_px);
+cv::Mat findConnected(const GraphRoi& view, const cv::Point& at, int radius_px);
 
 /// Returns the colours of the connected region of similar colour around `point` (px of the
 /// picture). They are empty if the region is narrower than 25 mm.

@@ -80,7 +80,7 @@ cv::Mat drawDiscs(const GraphRoi& view, const std::vector<Clicked>& points) {
   return out;
 }
 
-cv::Mat nearnessTo(const cv::Mat& clicked, double reach_px) {
+cv::Mat computeNearness(const cv::Mat& clicked, double reach_px) {
   cv::Mat distance;
   cv::distanceTransform(clicked == 0, distance, cv::DIST_L2, 5);
   return cv::max(1.0 - distance / reach_px, 0.0);
@@ -89,7 +89,7 @@ cv::Mat nearnessTo(const cv::Mat& clicked, double reach_px) {
 // Returns the region connected to a positive point: similar in colour, within `reach_px`, at most
 // as far in depth, on no plane.
 cv::Mat growRegion(const GraphRoi& view, const Clicked& point, double px_per_mm, double reach_px) {
-  cv::Mat out = connectedTo(view, point.at, point.radius);
+  cv::Mat out = findConnected(view, point.at, point.radius);
   const auto depth_mm = double(view.depth.at<float>(point.at));
   cv::Mat off = view.plane.clone();
   if (depth_mm > 0)
@@ -99,7 +99,7 @@ cv::Mat growRegion(const GraphRoi& view, const Clicked& point, double px_per_mm,
   cv::circle(within, point.at, std::max(point.radius, int(reach_px)), cv::Scalar(255), cv::FILLED);
   out &= within;
   cv::circle(out, point.at, point.radius, cv::Scalar(255), cv::FILLED);
-  return pieceAt(out, point.at);
+  return findPiece(out, point.at);
 }
 
 // Returns the region that a positive point adds to the mask `old`. Where the colours are also those
@@ -116,15 +116,15 @@ cv::Mat findAddedRegion(const GraphRoi& view, const cv::Mat& old, const Clicked&
 Correction prepareCorrection(const FrameContext& scene, const cv::Mat& mask,
                              const Annotation& annotation, const std::vector<cv::Point>& held) {
   const cv::Size picture = mask.size();
-  cv::Rect box = boxAround(mask, kWordMargin_px);
+  cv::Rect box = findBoxAround(mask, kWordMargin_px);
   for (const ObjectPoint& point : annotation.on) {
     box |= cv::Rect(point.at_px.x - kWordMargin_px, point.at_px.y - kWordMargin_px,
                     2 * kWordMargin_px, 2 * kWordMargin_px);
   }
   Correction out;
   out.view =
-      GraphRoi::withValleys(scene, box & cv::Rect({0, 0}, picture), kCutOfCorrection.most_px);
-  out.old = out.view.shrunk(mask);
+      GraphRoi::makeWithValleys(scene, box & cv::Rect({0, 0}, picture), kCutOfCorrection.most_px);
+  out.old = out.view.shrinkImage(mask);
   const double depth_mm = medianDepth(out.view.depth, out.old, 1);
   const double px_per_mm = pixelsPerMm(depth_mm, picture) * out.view.shrink;
   const auto measured = [&](const std::vector<cv::Point>& points) {
@@ -140,21 +140,21 @@ Correction prepareCorrection(const FrameContext& scene, const cv::Mat& mask,
   out.nearby_positive = cv::Mat::zeros(out.view.size(), CV_32FC1);
   out.nearby_negative = out.nearby_positive.clone();
   for (const Clicked& point : off) {
-    out.connected_negative |= connectedTo(out.view, point.at, point.radius);
-    const cv::Mat near = nearnessTo(drawDiscs(out.view, {point}), point.reach);
+    out.connected_negative |= findConnected(out.view, point.at, point.radius);
+    const cv::Mat near = computeNearness(drawDiscs(out.view, {point}), point.reach);
     out.nearby_negative = cv::max(out.nearby_negative, near);
   }
   for (const Clicked& point : on) {
     const cv::Mat region = findAddedRegion(out.view, out.old, point, px_per_mm);
     out.connected_positive |= region;
-    out.nearby_positive = cv::max(out.nearby_positive, nearnessTo(region, point.reach));
+    out.nearby_positive = cv::max(out.nearby_positive, computeNearness(region, point.reach));
   }
   return out;
 }
 
 // Returns the log likelihood ratio of the first colours against the second colours for each pixel.
 // 0 if either set is empty.
-cv::Mat rather(const cv::Mat& lab, const cv::Mat& first, const cv::Mat& second) {
+cv::Mat preferFirst(const cv::Mat& lab, const cv::Mat& first, const cv::Mat& second) {
   const ColorMixture a(lab, first);
   const ColorMixture b(lab, second);
   if (a.empty() || b.empty()) return cv::Mat::zeros(lab.size(), CV_32FC1);
@@ -165,10 +165,10 @@ cv::Mat rather(const cv::Mat& lab, const cv::Mat& first, const cv::Mat& second) 
 CutTerms computeTerms(const Correction& c) {
   const cv::Mat object = (c.old & ~c.connected_negative) | c.connected_positive;
   const cv::Mat around = (c.old == 0) & (c.nearby_positive <= 0.0F);
-  const cv::Mat not_color = rather(c.view.lab, object, c.clicked_negative);
-  cv::Mat own_color = rather(c.view.lab, object, around);
+  const cv::Mat not_color = preferFirst(c.view.lab, object, c.clicked_negative);
+  cv::Mat own_color = preferFirst(c.view.lab, object, around);
   if (cv::countNonZero(c.connected_positive) > 0)
-    own_color = cv::max(own_color, rather(c.view.lab, c.connected_positive, around));
+    own_color = cv::max(own_color, preferFirst(c.view.lab, c.connected_positive, around));
   cv::Mat out(c.old.size(), CV_32FC1);
   for (int v = 0; v < out.rows; ++v) {
     for (int u = 0; u < out.cols; ++u) {
@@ -208,10 +208,10 @@ cv::Mat refineWithClicks(const FrameContext& scene, const cv::Mat& mask,
                          double most_px) {
   const Correction c = prepareCorrection(scene, mask, annotation, held);
   const cv::Mat cut = minimumCut(computeTerms(c), c.view, scene.noise, kCutOfCorrection);
-  cv::Mat out = c.view.inPicture(selectPieces(c, cut), mask.size());
+  cv::Mat out = c.view.placeInPicture(selectPieces(c, cut), mask.size());
   const bool grows = annotation.off.empty() && cv::countNonZero(out) > most_px;
   if (!grows || objectness(scene, out) > objectness(scene, mask) + kLeastGain) return out;
-  return mask | c.view.inPicture(c.clicked_positive, mask.size());
+  return mask | c.view.placeInPicture(c.clicked_positive, mask.size());
 }
 
 }  // namespace hapticast::server

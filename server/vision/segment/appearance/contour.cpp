@@ -119,7 +119,7 @@ struct BesideContour {
 // Returns 255 in the band where depth excludes the object: on planes, where something hides it, and
 // where it would be too far.
 cv::Mat findExcluded(const ObjectRoi& patch, const std::vector<Plane>& planes) {
-  cv::Mat out = bandOnPlanes(patch, planes);
+  cv::Mat out = findBandOnPlanes(patch, planes);
   if (!patch.farther.empty()) out |= patch.farther;
   out &= patch.depth > 0;
   if (!patch.nearer.empty()) out |= patch.nearer;
@@ -167,7 +167,7 @@ cv::Mat boxMean(const cv::Mat& image) {
 
 // Returns 255 where slope x grey + offset is above 0 in the band, or a pixel lies deeper inside;
 // over the patch's box at full size.
-cv::Mat thresholded(const ObjectRoi& patch, const cv::Mat& slope, const cv::Mat& offset) {
+cv::Mat applyThreshold(const ObjectRoi& patch, const cv::Mat& slope, const cv::Mat& offset) {
   cv::Mat out(patch.gray.size(), CV_8UC1);
   for (int v = 0; v < out.rows; ++v) {
     const auto* g = patch.gray.ptr<unsigned char>(v);
@@ -187,7 +187,7 @@ cv::Mat thresholded(const ObjectRoi& patch, const cv::Mat& slope, const cv::Mat&
 // Guided filter (He, Sun and Tang 2010): aligns the zero line of the evidence with edges of the
 // picture. Slopes and offsets are computed at half size or less (boxes of 3 x 3 there); the guide
 // has full size. Returns 255 where the result is above 0, over the patch's box at full size.
-cv::Mat guided(const ObjectRoi& patch, const cv::Mat& evidence, float lean) {
+cv::Mat filterGuided(const ObjectRoi& patch, const cv::Mat& evidence, float lean) {
   cv::Mat values = evidence + lean * cv::min(cv::abs(evidence) * (1.0F / kClear), 1.0F);
   const int factor = std::max(2, patch.factor);
   const cv::Size size((patch.gray.cols + factor - 1) / factor,
@@ -206,7 +206,7 @@ cv::Mat guided(const ObjectRoi& patch, const cv::Mat& evidence, float lean) {
   slope = boxMean(slope) * (1.0 / 255.0);
   cv::resize(slope, slope, patch.gray.size(), 0, 0, cv::INTER_LINEAR);
   cv::resize(offset, offset, patch.gray.size(), 0, 0, cv::INTER_LINEAR);
-  return thresholded(patch, slope, offset);
+  return applyThreshold(patch, slope, offset);
 }
 
 // Removes pieces other than the largest, unless they are large enough and lie in the expected mask.
@@ -224,7 +224,7 @@ void keepMainPieces(cv::Mat& mask, const ObjectRoi& patch) {
   }
   cv::Mat expected;
   const auto supported = [&](std::size_t i) {
-    if (expected.empty()) expected = atFullSize(patch.inside, patch);
+    if (expected.empty()) expected = scaleToFullSize(patch.inside, patch);
     const cv::Rect box = cv::boundingRect(contours[i]);
     cv::Mat piece = cv::Mat::zeros(box.size(), CV_8UC1);
     cv::drawContours(piece, contours, int(i), 255, cv::FILLED, cv::LINE_8, {}, 0, -box.tl());
@@ -282,11 +282,11 @@ ContourResult decideContour(const ObjectRoi& patch, const DepthNoise& noise,
   addExpectation(patch.distance, memory.evidence, evidence);
   // The first frame must not creep either.
   const float lean = memory.evidence.empty() ? 0.0F : kLean;
-  result.mask = guided(patch, evidence, lean);
+  result.mask = filterGuided(patch, evidence, lean);
   cv::morphologyEx(result.mask, result.mask, cv::MORPH_OPEN,
                    cv::getStructuringElement(cv::MORPH_ELLIPSE, {3, 3}));
   keepMainPieces(result.mask, patch);
-  result.inside_color = cv::mean(color, atPatchSize(result.mask, patch))[0];
+  result.inside_color = cv::mean(color, scaleToPatchSize(result.mask, patch))[0];
   memory.evidence = evidence;
   memory.to_picture = patch.toPicture();
   return result;
@@ -296,7 +296,7 @@ void updateShape(const ObjectRoi& patch, const cv::Mat& mask, bool is_whole,
                  ContourMemory& memory) {
   cv::Mat now;
   const double outside = is_whole ? -1.0 : 0.0;
-  atPatchSize(mask, patch).convertTo(now, CV_32F, (1.0 - outside) / 255.0, outside);
+  scaleToPatchSize(mask, patch).convertTo(now, CV_32F, (1.0 - outside) / 255.0, outside);
   if (memory.shape.empty()) {
     memory.shape = now;
     memory.to_picture = patch.toPicture();
@@ -308,7 +308,7 @@ void updateShape(const ObjectRoi& patch, const cv::Mat& mask, bool is_whole,
 }
 
 void updateMemory(const ObjectRoi& patch, const cv::Mat& mask, ContourMemory& memory) {
-  const cv::Mat inside = atPatchSize(mask, patch);
+  const cv::Mat inside = scaleToPatchSize(mask, patch);
   ColorHistogram object;
   ColorHistogram core;
   ColorHistogram ring;

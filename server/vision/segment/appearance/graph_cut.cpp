@@ -96,7 +96,7 @@ constexpr std::array kNeighbours{Offset{1, 0}, Offset{0, 1}, Offset{1, 1}, Offse
 
 /// Calls `take`(a, b, square of the difference in Lab) for all pairs of neighbours.
 template <class Take>
-void forNeighbours(const cv::Mat& lab, Take take) {
+void forEachNeighbour(const cv::Mat& lab, Take take) {
   for (int v = 0; v < lab.rows; ++v) {
     for (int u = 0; u < lab.cols; ++u) {
       for (const Offset& way : kNeighbours) {
@@ -132,12 +132,12 @@ cv::Mat minimumCut(const CutTerms& terms, const GraphRoi& view, const DepthNoise
   }
   double squares = 0.0;
   double count = 0.0;
-  forNeighbours(view.lab, [&](const cv::Point&, const cv::Point&, float square) {
+  forEachNeighbour(view.lab, [&](const cv::Point&, const cv::Point&, float square) {
     squares += double(square);
     count += 1.0;
   });
   const auto beta = static_cast<float>(0.5 * count / std::max(squares, 1e-3));
-  forNeighbours(view.lab, [&](const cv::Point& a, const cv::Point& b, float square) {
+  forEachNeighbour(view.lab, [&](const cv::Point& a, const cv::Point& b, float square) {
     const float from = view.depth.at<float>(a);
     const float to = view.depth.at<float>(b);
     const bool step = from > 0 && to > 0 && std::abs(from - to) > view.step_mm(noise, from);

@@ -37,14 +37,14 @@ cv::Mat computeResidual(const ObjectRoi& patch, const cv::Mat& last_gray,
 
 std::optional<OtherMotion> findOtherMotion(const cv::Mat& last_gray, const cv::Mat& gray,
                                            const cv::Mat& mask, const ObjectFlow& flow) {
-  const cv::Rect box = boxAround(mask, kFromMask_px + kRingWidth_px);
+  const cv::Rect box = findBoxAround(mask, kFromMask_px + kRingWidth_px);
   if (box.empty() || !flow.reliable) return std::nullopt;
   const cv::Mat ring =
-      dilatedBy(mask(box), kFromMask_px + kRingWidth_px) & ~dilatedBy(mask(box), kFromMask_px);
+      dilateBy(mask(box), kFromMask_px + kRingWidth_px) & ~dilateBy(mask(box), kFromMask_px);
   std::vector<cv::Point2f> corners;
   cv::goodFeaturesToTrack(last_gray(box), corners, kRingCorners, 0.02, 6.0, ring);
   if (corners.size() < kFewestAgree) return std::nullopt;
-  const cv::Rect wide = grown(box, 32, gray.size());
+  const cv::Rect wide = growRect(box, 32, gray.size());
   const cv::Point2f corner(static_cast<float>(box.x - wide.x), static_cast<float>(box.y - wide.y));
   for (cv::Point2f& each : corners) each += corner;
   const PointTracks tracks = trackPoints(last_gray(wide), gray(wide), corners, corners);

@@ -50,9 +50,9 @@ cv::Mat findValleys(const GraphRoi& view, const DepthNoise& noise, double px_per
   return out;
 }
 
-// Returns onPlanes() at every pixel of a size to which the box is shrunk.
-cv::Mat sampledPlanes(const cv::Mat& depth, const cv::Rect& box, const cv::Size& size,
-                      const std::vector<Plane>& planes) {
+// Returns findOnPlanes() at every pixel of a size to which the box is shrunk.
+cv::Mat samplePlanes(const cv::Mat& depth, const cv::Rect& box, const cv::Size& size,
+                     const std::vector<Plane>& planes) {
   cv::Mat out = cv::Mat::zeros(size, CV_8UC1);
   const double step_u = 1.0 / (size.width / double(box.width));
   const double step_v = 1.0 / (size.height / double(box.height));
@@ -68,7 +68,7 @@ cv::Mat sampledPlanes(const cv::Mat& depth, const cv::Rect& box, const cv::Size&
 }
 
 // Returns the part `box` of a picture, in a large picture reduced to the usual width.
-cv::Mat atUsualWidth(const cv::Mat& color, const cv::Rect& box) {
+cv::Mat scaleToUsualWidth(const cv::Mat& color, const cv::Rect& box) {
   const int factor = std::max(1, std::max(color.cols, color.rows) / kUsualWidth_px);
   cv::Mat out;
   cv::resize(color(box), out, {}, 1.0 / factor, 1.0 / factor, cv::INTER_AREA);
@@ -84,7 +84,8 @@ double pixelsPerMm(double depth_mm, const cv::Size& picture) {
 cv::Mat FrameContext::findHands(const cv::Rect& box, const cv::Size& size) const {
   cv::Mat out;
   if (hand.empty()) {
-    cv::resize(skin.in(atUsualWidth(images.color, box)), out, size, 0, 0, cv::INTER_NEAREST);
+    cv::resize(skin.findSkin(scaleToUsualWidth(images.color, box)), out, size, 0, 0,
+               cv::INTER_NEAREST);
     return out;
   }
   cv::resize(hand(box), out, size, 0, 0, cv::INTER_AREA);
@@ -93,11 +94,12 @@ cv::Mat FrameContext::findHands(const cv::Rect& box, const cv::Size& size) const
 
 cv::Mat FrameContext::findDarkSkin(const cv::Rect& box, const cv::Size& size) const {
   cv::Mat out;
-  cv::resize(skin.withDark(atUsualWidth(images.color, box)), out, size, 0, 0, cv::INTER_NEAREST);
+  cv::resize(skin.findWithDark(scaleToUsualWidth(images.color, box)), out, size, 0, 0,
+             cv::INTER_NEAREST);
   return out;
 }
 
-GraphRoi GraphRoi::around(const FrameContext& scene, const cv::Rect& box, double most_px) {
+GraphRoi GraphRoi::makeAround(const FrameContext& scene, const cv::Rect& box, double most_px) {
   GraphRoi out;
   out.box = box;
   out.shrink = std::min(1.0, std::sqrt(most_px / std::max(1, box.area())));
@@ -105,28 +107,28 @@ GraphRoi GraphRoi::around(const FrameContext& scene, const cv::Rect& box, double
                       std::max(1, int(std::lround(box.height * out.shrink))));
   cv::resize(scene.images.color(box), out.color, size, 0, 0, cv::INTER_AREA);
   cv::resize(scene.images.depth(box), out.depth, size, 0, 0, cv::INTER_NEAREST);
-  out.plane = sampledPlanes(scene.images.depth, box, size, scene.planes);
+  out.plane = samplePlanes(scene.images.depth, box, size, scene.planes);
   out.skin = scene.findHands(box, size);
   out.color.convertTo(out.lab, CV_32F, 1.0 / 255.0);
   cv::cvtColor(out.lab, out.lab, cv::COLOR_BGR2Lab);
   return out;
 }
 
-GraphRoi GraphRoi::withValleys(const FrameContext& scene, const cv::Rect& box, double most_px) {
-  GraphRoi out = around(scene, box, most_px);
+GraphRoi GraphRoi::makeWithValleys(const FrameContext& scene, const cv::Rect& box, double most_px) {
+  GraphRoi out = makeAround(scene, box, most_px);
   const double middle_mm = std::max(1.0, medianDepth(out.depth, out.depth > 0, 4));
   const double px_per_mm = out.shrink * pixelsPerMm(middle_mm, scene.images.color.size());
   out.valley = findValleys(out, scene.noise, px_per_mm);
   return out;
 }
 
-cv::Mat GraphRoi::shrunk(const cv::Mat& mask) const {
+cv::Mat GraphRoi::shrinkImage(const cv::Mat& mask) const {
   cv::Mat out;
   cv::resize(mask(box), out, size(), 0, 0, cv::INTER_AREA);
   return out > 127;
 }
 
-cv::Mat GraphRoi::inPicture(const cv::Mat& mask, const cv::Size& picture) const {
+cv::Mat GraphRoi::placeInPicture(const cv::Mat& mask, const cv::Size& picture) const {
   cv::Mat large;
   cv::resize(mask, large, box.size(), 0, 0, cv::INTER_LINEAR);
   cv::Mat out = cv::Mat::zeros(picture, CV_8UC1);
@@ -148,7 +150,7 @@ constexpr double kMostPast = 0.5;          // chosen, of the object
 constexpr float kRatherHand = -1.0F;
 
 // Returns the bounding box of `from` after the similarity.
-cv::Rect movedBox(const cv::Rect& from, const cv::Matx23d& similarity, const cv::Size& picture) {
+cv::Rect moveBox(const cv::Rect& from, const cv::Matx23d& similarity, const cv::Size& picture) {
   std::vector<cv::Point2f> corners;
   for (const cv::Point& at :
        {from.tl(), from.br(), cv::Point(from.x, from.br().y), cv::Point(from.br().x, from.y)}) {
@@ -159,7 +161,7 @@ cv::Rect movedBox(const cv::Rect& from, const cv::Matx23d& similarity, const cv:
   return cv::boundingRect(corners) & cv::Rect({0, 0}, picture);
 }
 
-int factorFor(const cv::Rect& object, const cv::Size& picture) {
+int computeFactor(const cv::Rect& object, const cv::Size& picture) {
   const int largest = std::max(1, std::max(picture.width, picture.height) / kUsualWidth_px);
   for (int factor = 1; factor < largest; ++factor) {
     const int margin = 2 * (kBand_px + kRing_px);
@@ -181,7 +183,7 @@ cv::Rect wholePixels(cv::Rect box, int factor) {
   return box;
 }
 
-void findDistance(ObjectRoi& patch) {
+void computeDistance(ObjectRoi& patch) {
   // One transform serves both sides: the distance to the outermost pixels inside.
   cv::Mat inner;
   cv::erode(patch.inside, inner, cv::getStructuringElement(cv::MORPH_CROSS, {3, 3}));
@@ -193,7 +195,7 @@ void findDistance(ObjectRoi& patch) {
   }
 }
 
-void findHidden(ObjectRoi& patch, const ObjectLimits& limits) {
+void markHidden(ObjectRoi& patch, const ObjectLimits& limits) {
   const cv::Mat square = cv::Mat::ones(3, 3, CV_8UC1);
   if (limits.nearest_mm > 0 || limits.hand != nullptr) {
     patch.nearer = (patch.depth > 0) & (patch.depth < limits.nearest_mm);
@@ -216,7 +218,7 @@ void findHidden(ObjectRoi& patch, const ObjectLimits& limits) {
 
 cv::Mat findHand(const cv::Mat& color, const ObjectLimits& limits) {
   if (limits.hand == nullptr) return cv::Mat::zeros(color.size(), CV_8UC1);
-  cv::Mat out = limits.hand->in(color);
+  cv::Mat out = limits.hand->findSkin(color);
   if (limits.colors.empty()) return out;
   for (int v = 0; v < out.rows; ++v) {
     const auto* from = color.ptr<cv::Vec3b>(v);
@@ -233,15 +235,15 @@ cv::Matx33d ObjectRoi::toPicture() const {
   return {f, 0, pictureU(0), 0, f, pictureV(0), 0, 0, 1};
 }
 
-ObjectRoi patchAround(const FrameImages& images, const cv::Mat& mask, const cv::Matx23d& similarity,
-                      const ObjectLimits& limits) {
+ObjectRoi makePatch(const FrameImages& images, const cv::Mat& mask, const cv::Matx23d& similarity,
+                    const ObjectLimits& limits) {
   ObjectRoi out;
-  const cv::Rect from = boxAround(mask, 1);
+  const cv::Rect from = findBoxAround(mask, 1);
   if (from.empty()) return out;
-  const cv::Rect to = movedBox(from, similarity, mask.size());
+  const cv::Rect to = moveBox(from, similarity, mask.size());
   if (to.empty()) return out;
-  out.factor = factorFor(to, mask.size());
-  out.box = wholePixels(grown(to, out.factor * (kBand_px + kRing_px), mask.size()), out.factor);
+  out.factor = computeFactor(to, mask.size());
+  out.box = wholePixels(growRect(to, out.factor * (kBand_px + kRing_px), mask.size()), out.factor);
   if (out.box.width < 8 * out.factor || out.box.height < 8 * out.factor) return {};
   const cv::Size size(out.box.width / out.factor, out.box.height / out.factor);
   out.gray = images.gray(out.box);
@@ -253,13 +255,13 @@ ObjectRoi patchAround(const FrameImages& images, const cv::Mat& mask, const cv::
   }
   const cv::Matx33d corner{1, 0, double(from.x), 0, 1, double(from.y), 0, 0, 1};
   out.inside = warpPatch(mask(from), corner, out, similarity) > 127;
-  findHidden(out, limits);
-  findDistance(out);
+  markHidden(out, limits);
+  computeDistance(out);
   return out;
 }
 
-ObjectRoi patchAround(const FrameImages& images, const cv::Mat& mask) {
-  return patchAround(images, mask, {1, 0, 0, 0, 1, 0}, ObjectLimits{});
+ObjectRoi makePatch(const FrameImages& images, const cv::Mat& mask) {
+  return makePatch(images, mask, {1, 0, 0, 0, 1, 0}, ObjectLimits{});
 }
 
 cv::Mat warpPatch(const cv::Mat& image, const cv::Matx33d& from, const ObjectRoi& to,
@@ -272,14 +274,14 @@ cv::Mat warpPatch(const cv::Mat& image, const cv::Matx33d& from, const ObjectRoi
   return out;
 }
 
-cv::Mat atFullSize(const cv::Mat& mask, const ObjectRoi& patch) {
+cv::Mat scaleToFullSize(const cv::Mat& mask, const ObjectRoi& patch) {
   if (patch.factor == 1) return mask;
   cv::Mat out;
   cv::resize(mask, out, patch.box.size(), 0, 0, cv::INTER_LINEAR);
   return out > 127;
 }
 
-cv::Mat atPatchSize(const cv::Mat& mask, const ObjectRoi& patch) {
+cv::Mat scaleToPatchSize(const cv::Mat& mask, const ObjectRoi& patch) {
   if (patch.factor == 1) return mask;
   cv::Mat out;
   cv::resize(mask, out, patch.inside.size(), 0, 0, cv::INTER_AREA);
@@ -292,7 +294,7 @@ cv::Mat wholePicture(const cv::Mat& mask, const ObjectRoi& patch, const FrameIma
   return out;
 }
 
-cv::Mat bandOnPlanes(const ObjectRoi& patch, const std::vector<Plane>& planes) {
+cv::Mat findBandOnPlanes(const ObjectRoi& patch, const std::vector<Plane>& planes) {
   cv::Mat out = cv::Mat::zeros(patch.depth.size(), CV_8UC1);
   if (planes.empty()) return out;
   for (int v = 0; v < out.rows; ++v) {

@@ -17,10 +17,8 @@
 
 namespace hapticast::server {
 
-// Region of interest (ROI) for graph cuts. It is a part of the picture, reduced so far that each
-// pixel can be a node of a graph. Thread: the one that runs Vision.
-
-/// Images of a frame, and the model of its scene: planes, depth noise and skin colours.
+/// Images of a frame, and the model of its scene: planes, depth noise and skin colours. Thread: the
+/// one that runs Vision.
 struct FrameContext {
   const FrameImages& images;
   const std::vector<Plane>& planes;
@@ -47,18 +45,18 @@ struct GraphRoi {
   cv::Mat plane;        ///< CV_8UC1, 255 on a plane or behind a supporting plane
   cv::Mat skin;         ///< CV_8UC1, 255: FrameContext::findHands()
   /// CV_32FC1, 0..1: depth of valleys in the surface. Two bodies that touch meet in a valley.
-  /// Empty after around().
+  /// Empty after makeAround().
   cv::Mat valley;
 
   /// Returns the region `box` (px of the picture), reduced so that it has at most `most_px` pixels.
-  static GraphRoi around(const FrameContext& scene, const cv::Rect& box, double most_px);
-  /// Returns around() with the valleys, for the scores and cuts that use them.
-  static GraphRoi withValleys(const FrameContext& scene, const cv::Rect& box, double most_px);
+  static GraphRoi makeAround(const FrameContext& scene, const cv::Rect& box, double most_px);
+  /// Returns makeAround() with the valleys, for the scores and cuts that use them.
+  static GraphRoi makeWithValleys(const FrameContext& scene, const cv::Rect& box, double most_px);
   [[nodiscard]] cv::Size size() const { return lab.size(); }
-  /// shrunk() converts a mask of the whole picture to this region. inPicture() converts a mask of
-  /// this region to the whole picture. Masks are 0/255.
-  [[nodiscard]] cv::Mat shrunk(const cv::Mat& mask) const;
-  [[nodiscard]] cv::Mat inPicture(const cv::Mat& mask, const cv::Size& picture) const;
+  /// shrinkImage() converts a mask of the whole picture to this region. placeInPicture() converts a
+  /// mask of this region to the whole picture. Masks are 0/255.
+  [[nodiscard]] cv::Mat shrinkImage(const cv::Mat& mask) const;
+  [[nodiscard]] cv::Mat placeInPicture(const cv::Mat& mask, const cv::Size& picture) const;
   /// Returns the largest difference of depth that neighbouring pixels of this region can have on
   /// one surface, mm.
   [[nodiscard]] float step_mm(const DepthNoise& scene, float depth_mm) const {
@@ -116,11 +114,11 @@ struct ObjectLimits {
 cv::Mat findHand(const cv::Mat& color, const ObjectLimits& limits);
 /// Returns the patch around the object, whose mask in the last picture was `mask` (0/255).
 /// `similarity` maps px of the last picture to px of this picture.
-ObjectRoi patchAround(const FrameImages& images, const cv::Mat& mask, const cv::Matx23d& similarity,
-                      const ObjectLimits& limits);
+ObjectRoi makePatch(const FrameImages& images, const cv::Mat& mask, const cv::Matx23d& similarity,
+                    const ObjectLimits& limits);
 /// Returns the patch around the object, whose mask in this picture is `mask` (0/255). No limits of
 /// depth or skin apply.
-ObjectRoi patchAround(const FrameImages& images, const cv::Mat& mask);
+ObjectRoi makePatch(const FrameImages& images, const cv::Mat& mask);
 
 /// Moves `image` from the last picture into the patch `to` of this picture by `similarity` (px of
 /// the last picture to px of this one). Pixels without a source are 0. `from` maps pixels of
@@ -128,17 +126,17 @@ ObjectRoi patchAround(const FrameImages& images, const cv::Mat& mask);
 cv::Mat warpPatch(const cv::Mat& image, const cv::Matx33d& from, const ObjectRoi& to,
                   const cv::Matx23d& similarity);
 
-/// atFullSize() converts a mask from the patch's size to the full size of the patch's box.
-/// atPatchSize() converts such a mask back to the patch's size.
-cv::Mat atFullSize(const cv::Mat& mask, const ObjectRoi& patch);
-cv::Mat atPatchSize(const cv::Mat& mask, const ObjectRoi& patch);
+/// scaleToFullSize() converts a mask from the patch's size to the full size of the patch's box.
+/// scaleToPatchSize() converts such a mask back to the patch's size.
+cv::Mat scaleToFullSize(const cv::Mat& mask, const ObjectRoi& patch);
+cv::Mat scaleToPatchSize(const cv::Mat& mask, const ObjectRoi& patch);
 
 /// Returns a mask of the whole picture from `mask`, which covers the patch's box at full size.
 cv::Mat wholePicture(const cv::Mat& mask, const ObjectRoi& patch, const FrameImages& images);
 
 /// Returns a mask of the patch's size: 255 in the band where the depth is on a plane or behind a
 /// supporting plane.
-cv::Mat bandOnPlanes(const ObjectRoi& patch, const std::vector<Plane>& planes);
+cv::Mat findBandOnPlanes(const ObjectRoi& patch, const std::vector<Plane>& planes);
 
 /// Depths of an object in one frame: its 10 %, 50 % and 90 % quantiles, mm.
 struct DepthSpan {

@@ -51,8 +51,8 @@ Lattice makeLattice(const cv::Mat& depth, int coarser) {
   return out;
 }
 
-bool planeThrough(const LatticePoint& p, const LatticePoint& q, const LatticePoint& r,
-                  Plane& plane) {
+bool fitPlaneThrough(const LatticePoint& p, const LatticePoint& q, const LatticePoint& r,
+                     Plane& plane) {
   Eigen::Matrix3d points;
   points << p.u, p.v, 1, q.u, q.v, 1, r.u, r.v, 1;
   if (std::abs(points.determinant()) < 50.0) return false;
@@ -110,7 +110,7 @@ Plane bestPlane(const std::vector<LatticePoint>& points, const DepthNoise& noise
     const bool close =
         std::hypot(p.u - q.u, p.v - q.v) < near_px && std::hypot(p.u - r.u, p.v - r.v) < near_px;
     Plane plane;
-    if ((i % 2 == 0 && !close && random.uniform(0, 4) != 0) || !planeThrough(p, q, r, plane))
+    if ((i % 2 == 0 && !close && random.uniform(0, 4) != 0) || !fitPlaneThrough(p, q, r, plane))
       continue;
     // Correlated noise is underestimated 2 to 3 times.
     plane.widest_mm = 8 * noise.at(std::min({p.z, q.z, r.z})) + 2.0;
@@ -186,7 +186,7 @@ bool isOnPlanes(const std::vector<Plane>& planes, double u, double v, double dep
   });
 }
 
-cv::Mat onPlanes(const cv::Mat& depth, const cv::Rect& box, const std::vector<Plane>& planes) {
+cv::Mat findOnPlanes(const cv::Mat& depth, const cv::Rect& box, const std::vector<Plane>& planes) {
   cv::Mat out = cv::Mat::zeros(box.size(), CV_8UC1);
   for (int v = 0; v < box.height; ++v) {
     const auto* row = depth.ptr<float>(v + box.y) + box.x;
@@ -218,12 +218,12 @@ double shareInFront(const cv::Mat& depth, const cv::Mat& mask, const Plane& plan
 }  // namespace
 
 void findSupports(const cv::Mat& depth, const cv::Mat& mask, std::vector<Plane>& planes) {
-  const cv::Rect box = boxAround(mask, 42);
+  const cv::Rect box = findBoxAround(mask, 42);
   if (box.empty()) return;
-  const cv::Mat ring = dilatedBy(mask(box), 40) & (mask(box) == 0);
+  const cv::Mat ring = dilateBy(mask(box), 40) & (mask(box) == 0);
   const int area = cv::countNonZero(ring);
   for (Plane& plane : planes) {
-    const cv::Mat on = onPlanes(depth, box, {plane}) & ring;
+    const cv::Mat on = findOnPlanes(depth, box, {plane}) & ring;
     const bool carries = cv::countNonZero(on) > kSupportingRing * area;
     plane.support =
         plane.support ||

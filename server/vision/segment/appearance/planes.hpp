@@ -39,7 +39,7 @@ bool refitPlanes(const cv::Mat& depth, std::vector<Plane>& planes);
 /// supporting plane.
 bool isOnPlanes(const std::vector<Plane>& planes, double u, double v, double depth_mm);
 /// Returns a mask over `box` (px): 255 where the depth is on a plane or behind a supporting plane.
-cv::Mat onPlanes(const cv::Mat& depth, const cv::Rect& box, const std::vector<Plane>& planes);
+cv::Mat findOnPlanes(const cv::Mat& depth, const cv::Rect& box, const std::vector<Plane>& planes);
 /// Marks the planes that support the object of `mask` (0/255). Such a plane covers more than 8 % of
 /// a ring of 40 px around the mask.
 void findSupports(const cv::Mat& depth, const cv::Mat& mask, std::vector<Plane>& planes);

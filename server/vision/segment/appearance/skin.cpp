@@ -73,7 +73,7 @@ bool isDarkSkin(const cv::Vec3f& lab, const cv::Vec2f& cast) {
 
 }  // namespace
 
-SkinColors SkinColors::adaptedToLight(const cv::Mat& color) {
+SkinColors SkinColors::adaptToLight(const cv::Mat& color) {
   cv::Mat small;
   const double shrink = std::min(1.0, double(kLight_px) / color.cols);
   cv::resize(color, small, {}, shrink, shrink, cv::INTER_AREA);

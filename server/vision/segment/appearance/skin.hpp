@@ -14,15 +14,15 @@ class SkinColors {
   SkinColors() = default;
   /// Returns the skin colours in the light of the picture `color` (CV_8UC3). The nearly grey pixels
   /// show the colour of the light.
-  static SkinColors adaptedToLight(const cv::Mat& color);
+  static SkinColors adaptToLight(const cv::Mat& color);
 
   [[nodiscard]] bool empty() const { return kinds_.empty(); }
   /// Returns a mask: 255 where `color` has the colour of skin. Areas narrower than a finger do not
   /// count. `color`: CV_8UC3, a picture about 640 px wide, or a part of it.
-  [[nodiscard]] cv::Mat in(const cv::Mat& color) const { return find(color, kSkin); }
-  /// Returns in(), and dark skin. Dark brown things have the colours of dark skin too: a caller
-  /// needs other evidence of a hand.
-  [[nodiscard]] cv::Mat withDark(const cv::Mat& color) const { return find(color, kDarkSkin); }
+  [[nodiscard]] cv::Mat findSkin(const cv::Mat& color) const { return find(color, kSkin); }
+  /// Returns findSkin(), and dark skin. Dark brown things have the colours of dark skin too: a
+  /// caller needs other evidence of a hand.
+  [[nodiscard]] cv::Mat findWithDark(const cv::Mat& color) const { return find(color, kDarkSkin); }
 
  private:
   enum Kind : unsigned char { kNone, kDarkSkin, kSkin };

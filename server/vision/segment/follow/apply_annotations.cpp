@@ -22,14 +22,14 @@ constexpr double kAlikeColors = 0.5;  // chosen, overlap of two histograms
 constexpr double kNear = 2.0;  // chosen, in object widths: reach of a point that marks the object
 constexpr std::size_t kPast_bytes = std::size_t{768} << 20U;  // chosen: 10 s of 640x480
 
-cv::Mat inPicture(const PropagatedMask& propagated, const cv::Size& size) {
+cv::Mat placeInPicture(const PropagatedMask& propagated, const cv::Size& size) {
   cv::Mat out = cv::Mat::zeros(size, CV_8UC1);
   propagated.mask.copyTo(out(propagated.box));
   return out;
 }
 
 PropagatedMask toPropagatedMask(const TrackedMask& object, bool given) {
-  const cv::Rect box = boxAround(object.mask(), 0);
+  const cv::Rect box = findBoxAround(object.mask(), 0);
   return {object.number(), box, object.mask()(box).clone(), given};
 }
 
@@ -63,7 +63,7 @@ bool resemblesAnchor(const FrameContext& scene, const std::vector<TrackedMask>& 
 }
 
 // Returns the distance from `point` to the nearest pixel of `mask`, in widths of the mask.
-double widthsOff(const cv::Mat& mask, const cv::Point& point) {
+double measureWidthsOff(const cv::Mat& mask, const cv::Point& point) {
   cv::Mat pixels;
   cv::findNonZero(mask, pixels);
   double nearest = 1e18;
@@ -77,17 +77,18 @@ double widthsOff(const cv::Mat& mask, const cv::Point& point) {
 }  // namespace
 
 bool NarrowBandTracker::hasAnnotation(const FramePair& frames) const {
-  const auto* masks = propagatedMasks(frames);
-  if (masks == nullptr) return !annotation_track_.annotationAt(frames).empty();
+  const auto* masks = findPropagatedMasks(frames);
+  if (masks == nullptr) return !annotation_track_.findAnnotation(frames).empty();
   return std::any_of(masks->begin(), masks->end(), [&](const PropagatedMask& mask) {
     const TrackedMask* object = findNumbered(objects_, mask.number);
     if (object == nullptr || !object->present()) return !mask.box.empty();
     return mask.given || mask.box.empty() ||
-           computeOverlap(object->mask(), inPicture(mask, frames.now.color.size())) < kAsTaught;
+           computeOverlap(object->mask(), placeInPicture(mask, frames.now.color.size())) <
+               kAsTaught;
   });
 }
 
-const std::vector<PropagatedMask>* NarrowBandTracker::propagatedMasks(
+const std::vector<PropagatedMask>* NarrowBandTracker::findPropagatedMasks(
     const FramePair& frames) const {
   if (annotations_ == nullptr) return nullptr;
   const auto found = annotations_->masks.find(frames.index);
@@ -102,7 +103,7 @@ void NarrowBandTracker::adoptTaught(const FrameImages& images,
       if (hidden != nullptr && hidden->present()) hidden->lose();
       continue;
     }
-    const cv::Mat mask = inPicture(propagated, images.color.size());
+    const cv::Mat mask = placeInPicture(propagated, images.color.size());
     const TrackedMask* object = findNumbered(objects_, propagated.number);
     const bool as_propagated = object != nullptr && object->present() && !propagated.given &&
                                computeOverlap(object->mask(), mask) >= kAsTaught;
@@ -159,7 +160,7 @@ void NarrowBandTracker::applyAnnotation(const Annotation& annotation, const Fram
 TrackedMask* NarrowBandTracker::findObjectAt(const cv::Point& point) {
   TrackedMask* lost = nullptr;
   for (TrackedMask& object : objects_) {
-    if (object.present() && widthsOff(object.mask(), point) < kNear) return &object;
+    if (object.present() && measureWidthsOff(object.mask(), point) < kNear) return &object;
     if (!object.present() && lost == nullptr) lost = &object;
   }
   return lost;
@@ -257,8 +258,9 @@ void NarrowBandTracker::propagateBackwards(TrackedMask object, const FramePair& 
     if (before != past->masks.end()) {
       if (computeOverlap(before->second, object.mask()) >= kAsTaught)
         return;  // the masks are equal from here on
-      const double now = object.likeness(past->images, scene, object.mask());
-      if (!given && object.likeness(past->images, scene, before->second) > now + kClearlyLikelier)
+      const double now = object.computeLikeness(past->images, scene, object.mask());
+      if (!given &&
+          object.computeLikeness(past->images, scene, before->second) > now + kClearlyLikelier)
         continue;
     }
     carried.emplace_back(past->index, toPropagatedMask(object, false));

@@ -39,11 +39,11 @@ NarrowBandTracker::NarrowBandTracker(const VisionSettings& settings, std::uint32
 
 std::vector<Segment> NarrowBandTracker::next(const FramePair& frames, const Flows& flows) {
   if (frames.cut) forgetScene();
-  if (frame_ > 0 || !recall(frames.now)) decide(frames, flows);
-  if (const auto* masks = propagatedMasks(frames)) {
+  if (frame_ > 0 || !findAgain(frames.now)) decide(frames, flows);
+  if (const auto* masks = findPropagatedMasks(frames)) {
     adoptTaught(frames.now, *masks);
     shareOut();
-  } else if (const Annotation annotation = annotation_track_.annotationAt(frames);
+  } else if (const Annotation annotation = annotation_track_.findAnnotation(frames);
              !annotation.empty()) {
     applyAnnotation(annotation, frames);
     shareOut();
@@ -69,7 +69,7 @@ void NarrowBandTracker::forgetScene() {
 void NarrowBandTracker::decide(const FramePair& frames, const Flows& flows) {
   scene_.noise = frames.noise;
   updatePlanes(frames.now);
-  if (frame_ % kLightEvery == 0) scene_.skin = SkinColors::adaptedToLight(frames.now.color);
+  if (frame_ % kLightEvery == 0) scene_.skin = SkinColors::adaptToLight(frames.now.color);
   updateObjects(frames, flows);
   if (frame_ == 0) startAtPoints(frames.now);
   if (choosesByItself(frames)) chooseByItself(frames.now);
@@ -105,7 +105,7 @@ void NarrowBandTracker::remember(const FrameImages& images) {
 }
 
 // An equal first frame has an equal initial state, except for the ids.
-bool NarrowBandTracker::recall(const FrameImages& images) {
+bool NarrowBandTracker::findAgain(const FrameImages& images) {
   if (annotations_ == nullptr || annotations_->start == nullptr) return false;
   const InitialState& start = *annotations_->start;
   if (!equalImages(start.color, images.color) || !equalImages(start.depth, images.depth))
@@ -139,7 +139,7 @@ void NarrowBandTracker::removePlanes(const TrackedMask& object, const FrameImage
   const cv::Rect whole({0, 0}, images.depth.size());
   std::erase_if(scene_.planes, [&](Plane plane) {
     plane.support = false;
-    return cv::countNonZero(onPlanes(images.depth, whole, {plane}) & object.mask()) >
+    return cv::countNonZero(findOnPlanes(images.depth, whole, {plane}) & object.mask()) >
            kPlaneIsObject * area;
   });
   findSupports(images.depth, object.mask(), scene_.planes);

@@ -50,10 +50,11 @@ class NarrowBandTracker final : public Segmenter {
   [[nodiscard]] bool isAnother(const TrackedMask& found) const;
   void shareOut();
   void remember(const FrameImages& images);
-  bool recall(const FrameImages& images);
+  bool findAgain(const FrameImages& images);
 
   // Annotations of later frames (apply_annotations.cpp).
-  [[nodiscard]] const std::vector<PropagatedMask>* propagatedMasks(const FramePair& frames) const;
+  [[nodiscard]] const std::vector<PropagatedMask>* findPropagatedMasks(
+      const FramePair& frames) const;
   void adoptTaught(const FrameImages& images, const std::vector<PropagatedMask>& masks);
   void applyAnnotation(const Annotation& annotation, const FramePair& frames);
   void applyPoint(const ObjectPoint& point, const Annotation& annotation, const FramePair& frames);

@@ -39,7 +39,7 @@ cv::Mat computeEvidence(const FrameContext& scene, const GraphRoi& view, const K
   add(kCutOfRedetection.plane, view.plane & ~beyond);
   add(kCutOfRedetection.skin, view.skin & findHand(view.color, known.limits));
   if (known.mask.empty()) return out;
-  const cv::Mat mask = view.shrunk(known.mask);
+  const cv::Mat mask = view.shrinkImage(known.mask);
   cv::Mat inner;
   cv::Mat outer;
   cv::distanceTransform(mask, inner, cv::DIST_L2, 3);
@@ -50,7 +50,7 @@ cv::Mat computeEvidence(const FrameContext& scene, const GraphRoi& view, const K
 }
 
 // Returns the piece that shares most pixels with the expected mask, else the largest piece.
-cv::Mat mainPiece(const cv::Mat& cut, const cv::Mat& expected) {
+cv::Mat findMainPiece(const cv::Mat& cut, const cv::Mat& expected) {
   const auto [labels, areas_px] = findPieces(cut);
   cv::Mat best;
   int most = 0;
@@ -71,22 +71,22 @@ cv::Mat redetect(const FrameContext& scene, const KnownObject& known) {
   const cv::Size picture = scene.images.color.size();
   cv::Rect box({0, 0}, picture);
   if (!known.mask.empty()) {
-    const cv::Rect tight = boxAround(known.mask, 0);
-    box = boxAround(known.mask, 10 + int(kMargin * std::max(tight.width, tight.height)));
+    const cv::Rect tight = findBoxAround(known.mask, 0);
+    box = findBoxAround(known.mask, 10 + int(kMargin * std::max(tight.width, tight.height)));
   }
   if (!known.window.empty()) box = known.window;
   if (box.area() < 100) return {};
   const bool whole = known.mask.empty() && known.window.empty();
   const double most_px = whole ? kWhole_px : kCutOfRedetection.most_px;
-  const GraphRoi view = GraphRoi::around(scene, box, most_px);
+  const GraphRoi view = GraphRoi::makeAround(scene, box, most_px);
   const cv::Mat cut =
       minimumCut({computeEvidence(scene, view, known)}, view, scene.noise, kCutOfRedetection);
-  const cv::Mat expected = known.mask.empty() ? cv::Mat() : view.shrunk(known.mask);
-  const cv::Mat main = mainPiece(cut, expected);
+  const cv::Mat expected = known.mask.empty() ? cv::Mat() : view.shrinkImage(known.mask);
+  const cv::Mat main = findMainPiece(cut, expected);
   if (main.empty()) return {};
   const double depth_mm = 0.5 * (known.limits.nearest_mm + known.limits.farthest_mm);
   const double px_per_mm = view.shrink * pixelsPerMm(depth_mm, picture);
-  return view.inPicture(mergeOccludedParts(view, cut, main, px_per_mm), picture);
+  return view.placeInPicture(mergeOccludedParts(view, cut, main, px_per_mm), picture);
 }
 
 double reidentificationScore(const FrameContext& scene, const KnownObject& known,

@@ -50,12 +50,12 @@ bool isBody(const Candidate& part, const Candidate& whole) {
 }
 
 // Returns the patch of skin at the click, within the click's component of depth.
-cv::Mat skinAt(const FrameContext& scene, const cv::Mat& component, const cv::Point& at) {
-  const cv::Rect box = boxAround(component, 0);
+cv::Mat findSkinAt(const FrameContext& scene, const cv::Mat& component, const cv::Point& at) {
+  const cv::Rect box = findBoxAround(component, 0);
   cv::Mat patch = cv::Mat::zeros(component.size(), CV_8UC1);
   if (!box.contains(at)) return patch;
-  const cv::Mat skin = scene.skin.in(scene.images.color(box)) & component(box);
-  if (skin.at<unsigned char>(at - box.tl()) != 0) pieceAt(skin, at - box.tl()).copyTo(patch(box));
+  const cv::Mat skin = scene.skin.findSkin(scene.images.color(box)) & component(box);
+  if (skin.at<unsigned char>(at - box.tl()) != 0) findPiece(skin, at - box.tl()).copyTo(patch(box));
   return patch;
 }
 
@@ -65,7 +65,7 @@ cv::Mat skinAt(const FrameContext& scene, const cv::Mat& component, const cv::Po
 bool isHand(const FrameContext& scene, const cv::Mat& component, const cv::Point& at,
             const Candidate& best) {
   if (best.terms.skin < kMostlySkin || best.score > kSurelyObject) return false;
-  const cv::Mat patch = skinAt(scene, component, at);
+  const cv::Mat patch = findSkinAt(scene, component, at);
   if (cv::countNonZero(patch) == 0 || widthInSpace_mm(scene, patch) < kHand_mm) return false;
   return !clearOfBorder(component) ||
          cv::countNonZero(component) > 2 * cv::countNonZero(best.object.mask());
@@ -180,7 +180,7 @@ ChosenStart selectAutomatically(const FrameImages& images, const SceneContext& s
                                 const std::vector<cv::Point>& not_points) {
   const cv::Rect whole({0, 0}, images.depth.size());
   const cv::Mat labels =
-      depthComponents(images.depth, onPlanes(images.depth, whole, scene.planes), scene.noise);
+      depthComponents(images.depth, findOnPlanes(images.depth, whole, scene.planes), scene.noise);
   ChosenStart best{std::nullopt, "there is no object that stands out"};
   double highest = 0.0;
   cv::Mat seen = cv::Mat::zeros(images.depth.size(), CV_8UC1);

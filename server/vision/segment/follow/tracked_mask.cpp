@@ -51,7 +51,7 @@ constexpr double kMostAgain = 1.6;  // of its usual area
 constexpr double kOfOtherColors = 0.65;
 
 // Returns the colours of the picture without the object, of every second pixel and row.
-ColorHistogram elsewhere(const FrameImages& images, const cv::Mat& mask) {
+ColorHistogram collectElsewhere(const FrameImages& images, const cv::Mat& mask) {
   ColorHistogram out;
   for (int v = 0; v < mask.rows; v += 2) {
     const auto* color = images.color.ptr<cv::Vec3b>(v);
@@ -101,7 +101,7 @@ void TrackedMask::forgetColors(const SceneContext& scene) {
 
 void TrackedMask::relax(const FrameImages& images, const SceneContext& scene, int most_rounds) {
   for (int round = 0; round < most_rounds; ++round) {
-    const ObjectRoi patch = patchAround(images, mask_);
+    const ObjectRoi patch = makePatch(images, mask_);
     if (patch.empty()) return;
     forgetColors(scene);
     updateMemory(patch, mask_(patch.box), memory_);
@@ -112,7 +112,7 @@ void TrackedMask::relax(const FrameImages& images, const SceneContext& scene, in
     mask_ = wholePicture(mask, patch, images);
     if (changed < kSettled * area) break;
   }
-  learnAppearance(patchAround(images, mask_), images, scene, true);
+  learnAppearance(makePatch(images, mask_), images, scene, true);
 }
 
 void TrackedMask::learnAppearance(const ObjectRoi& patch, const FrameImages& images,
@@ -120,12 +120,12 @@ void TrackedMask::learnAppearance(const ObjectRoi& patch, const FrameImages& ima
   forgetColors(scene);
   updateMemory(patch, mask_(patch.box), memory_);
   updateShape(patch, mask_(patch.box), is_whole, memory_);
-  memory_.elsewhere = elsewhere(images, mask_);
+  memory_.elsewhere = collectElsewhere(images, mask_);
   whole_ = mask_;
-  isSeenWell(patch);
+  resetToVisible(patch);
 }
 
-void TrackedMask::isSeenWell(const ObjectRoi& patch) {
+void TrackedMask::resetToVisible(const ObjectRoi& patch) {
   const double area = cv::countNonZero(whole_(patch.box));
   // An object that leaves the picture has not shrunk.
   if (clearOfBorder(whole_) || area > area_px_) area_px_ = area;
@@ -157,13 +157,13 @@ bool TrackedMask::convinces(const ContourResult& now, double expected_px) const 
 ObjectRoi TrackedMask::expected(const FrameImages& images, const cv::Matx23d& similarity,
                                 const SceneContext& scene) const {
   ObjectLimits within = limits(scene);
-  ObjectRoi patch = patchAround(images, whole_, similarity, within);
+  ObjectRoi patch = makePatch(images, whole_, similarity, within);
   if (patch.empty() || patch.hidden.empty()) return patch;
   const int hidden = cv::countNonZero(patch.hidden);
   if (hidden <= cv::countNonZero(patch.inside)) return patch;
   if (meanEvidence(memory_, patch.color, patch.hidden) < kOwnColors) return patch;
   within.nearest_mm = within.farthest_mm = 0.0;
-  return patchAround(images, whole_, similarity, within);
+  return makePatch(images, whole_, similarity, within);
 }
 
 // Returns whether `similarity` changes the size too fast, or moves the object unlike the last
@@ -171,7 +171,7 @@ ObjectRoi TrackedMask::expected(const FrameImages& images, const cv::Matx23d& si
 bool TrackedMask::isJump(const cv::Matx23d& similarity) const {
   const ObjectFlow now{.similarity = similarity, .tracks = {}};
   if (std::abs(now.scale() - 1.0) > kSizeJump) return true;
-  const cv::Rect box = boxAround(whole_, 0);
+  const cv::Rect box = findBoxAround(whole_, 0);
   const cv::Moments moments = cv::moments(whole_(box), true);
   const cv::Point2d middle = computeCentroid(moments, box.tl());
   const ObjectFlow last{.similarity = last_similarity_, .tracks = {}};
@@ -211,14 +211,14 @@ void TrackedMask::update(const FrameImages& images, const ObjectFlow& flow,
   const cv::Mat motion = other ? computeMotionEvidence(patch, *other, similarity) : cv::Mat();
   ContourResult now = decideContour(patch, scene.noise, scene.planes, memory_, motion);
   // An object that is mostly hidden comes back where it was: it does not grow beyond its whole.
-  if (!is_mostly_seen) now.mask &= atFullSize(dilatedBy(patch.inside | patch.hidden, 1), patch);
+  if (!is_mostly_seen) now.mask &= scaleToFullSize(dilateBy(patch.inside | patch.hidden, 1), patch);
   const double expected_px = cv::countNonZero(patch.inside) * patch.factor * patch.factor;
   const bool nothing =
       cv::countNonZero(now.mask) < kSmallestObject_px || expected_px < kSmallestObject_px;
   const bool convincing = !nothing && convinces(now, expected_px);
-  setMask(convincing ? now.mask : atFullSize(patch.inside, patch), patch, images);
+  setMask(convincing ? now.mask : scaleToFullSize(patch.inside, patch), patch, images);
   if (convincing) {
-    isSeenWell(patch);
+    resetToVisible(patch);
     if (!flow.reliable) quality_ = kWeaker;
     updateShape(patch, now.mask, cv::countNonZero(now.mask) > kMostlyWhole * usual_px_, memory_);
     if (expected_px > kMostlySeen * area_px_) updateMemory(patch, now.mask, memory_);
@@ -238,7 +238,8 @@ void TrackedMask::update(const FrameImages& images, const ObjectFlow& flow,
 void TrackedMask::setMask(const cv::Mat& seen, const ObjectRoi& patch, const FrameImages& images) {
   mask_ = wholePicture(seen, patch, images);
   const bool hidden = !patch.hidden.empty() && cv::countNonZero(patch.hidden) > 0;
-  whole_ = hidden ? wholePicture(seen | atFullSize(patch.hidden, patch), patch, images) : mask_;
+  whole_ =
+      hidden ? wholePicture(seen | scaleToFullSize(patch.hidden, patch), patch, images) : mask_;
 }
 
 // Searches for the object by one graph cut. Returns true if that decides: the result is better than
@@ -260,16 +261,16 @@ bool TrackedMask::redetectObject(const FrameImages& images, const SceneContext& 
   mask_ = mask;
   whole_ = mask;
   memory_.forgetPlace();
-  isSeenWell(patchAround(images, mask_));
+  resetToVisible(makePatch(images, mask_));
   return true;
 }
 
 void TrackedMask::rememberAppearance(const FrameImages& images, const SceneContext& scene) {
-  likeness_ = likeness(images, scene, mask_);
+  likeness_ = computeLikeness(images, scene, mask_);
 }
 
-double TrackedMask::likeness(const FrameImages& images, const SceneContext& scene,
-                             const cv::Mat& mask) const {
+double TrackedMask::computeLikeness(const FrameImages& images, const SceneContext& scene,
+                                    const cv::Mat& mask) const {
   const KnownObject known{memory_, limits(scene), usual_px_, mask, {}};
   return reidentificationScore(scene.view(images), known, mask);
 }
@@ -307,7 +308,7 @@ std::vector<cv::Point> TrackedMask::visibleAnchors() const {
 }
 
 void TrackedMask::adopt(const cv::Mat& mask, const FrameImages& images, const SceneContext& scene) {
-  const ObjectRoi patch = patchAround(images, mask);
+  const ObjectRoi patch = makePatch(images, mask);
   if (patch.empty()) return;
   // A lost object may still be partly hidden.
   const bool is_whole = present() || cv::countNonZero(mask) > kMostlyWhole * usual_px_;
@@ -347,9 +348,9 @@ void TrackedMask::lose() {
 std::optional<TrackedMask> TrackedMask::search(const FrameImages& images,
                                                const SceneContext& scene) {
   const bool everywhere = lost_++ % kSearchEverywhere == 0;
-  const cv::Rect tight = boxAround(last_sure_, 0);
+  const cv::Rect tight = findBoxAround(last_sure_, 0);
   const cv::Rect near =
-      boxAround(last_sure_, int(kSearchReach * std::max(tight.width, tight.height)));
+      findBoxAround(last_sure_, int(kSearchReach * std::max(tight.width, tight.height)));
   if (auto again = searchIn(near, kLikeNear, images, scene)) return again;
   return everywhere ? searchIn({}, kLikeEverywhere, images, scene) : std::nullopt;
 }
@@ -366,7 +367,7 @@ std::optional<TrackedMask> TrackedMask::searchIn(const cv::Rect& window, const L
   TrackedMask again = *this;
   again.mask_ = again.whole_ = found;
   for (int round = 0; round < kAgainRounds; ++round) {
-    const ObjectRoi patch = patchAround(images, again.mask_);
+    const ObjectRoi patch = makePatch(images, again.mask_);
     if (patch.empty()) return std::nullopt;
     again.memory_.forgetPlace();  // belongs to another patch
     const ContourResult now = decideContour(patch, scene.noise, scene.planes, again.memory_);
@@ -381,7 +382,7 @@ std::optional<TrackedMask> TrackedMask::searchIn(const cv::Rect& window, const L
     return std::nullopt;
   again.whole_ = again.mask_;
   again.lost_ = 0;
-  again.isSeenWell(patchAround(images, again.mask_));
+  again.resetToVisible(makePatch(images, again.mask_));
   // The found mask may be a part of the object.
   again.area_px_ = std::max(again.area_px_, area_px_);
   again.usual_px_ = usual_px_;

@@ -53,8 +53,8 @@ class TrackedMask {
   /// (see reidentificationScore()).
   void rememberAppearance(const FrameImages& images, const SceneContext& scene);
   /// Returns how likely `mask` is this object; see reidentificationScore().
-  [[nodiscard]] double likeness(const FrameImages& images, const SceneContext& scene,
-                                const cv::Mat& mask) const;
+  [[nodiscard]] double computeLikeness(const FrameImages& images, const SceneContext& scene,
+                                       const cv::Mat& mask) const;
   /// Corrects the mask by the author's points: pixels around positive points belong to the object,
   /// those around negative points do not. Regions of anchors remain. Without an anchor, marks the
   /// object as lost if no pixel remains, or none of its colours.
@@ -108,7 +108,7 @@ class TrackedMask {
   // `is_whole`: nothing hides a part of the object.
   void learnAppearance(const ObjectRoi& patch, const FrameImages& images, const SceneContext& scene,
                        bool is_whole);
-  void isSeenWell(const ObjectRoi& patch);
+  void resetToVisible(const ObjectRoi& patch);
   [[nodiscard]] ObjectLimits limits(const SceneContext& scene) const;
   [[nodiscard]] bool convinces(const ContourResult& now, double expected_px) const;
   [[nodiscard]] bool isJump(const cv::Matx23d& similarity) const;

@@ -32,8 +32,8 @@ std::vector<cv::Point> traceRim(const cv::Mat& piece) {
 
 // Returns whether an occluder may hide the joint of piece and mask: they are near each other, and
 // no pixel between them lies behind both.
-bool connectedBehind(const GraphRoi& view, const cv::Mat& mask, const cv::Mat& piece,
-                     double px_per_mm) {
+bool isConnectedBehind(const GraphRoi& view, const cv::Mat& mask, const cv::Mat& piece,
+                       double px_per_mm) {
   cv::Point from;
   cv::Point to;
   int nearest = 1 << 30;
@@ -74,13 +74,13 @@ cv::Mat mergeOccludedParts(const GraphRoi& view, const cv::Mat& mask, const cv::
   for (bool grows = true; grows;) {
     const std::size_t before = left.size();
     std::erase_if(left, [&](const cv::Mat& piece) {
-      if (!connectedBehind(view, out, piece, px_per_mm)) return false;
+      if (!isConnectedBehind(view, out, piece, px_per_mm)) return false;
       out |= piece;
       return true;
     });
     grows = left.size() < before;
   }
-  return withoutHoles(out, out.rows * out.cols / kSmallestHole);
+  return fillHolesOf(out, out.rows * out.cols / kSmallestHole);
 }
 
 namespace {
@@ -151,7 +151,7 @@ cv::Mat distances(const Surroundings& s, double depth_mm, const cv::Size& pictur
 
 // Returns the share of the component among the first measured pixels to the left, right, above and
 // below.
-float besideComponent(const Surroundings& s, int u, int v) {
+float findDepthBeside(const Surroundings& s, int u, int v) {
   int of_it = 0;
   int met = 0;
   for (const cv::Point& way :
@@ -177,7 +177,7 @@ cv::Mat placeEvidence(const Surroundings& s) {
       float& sum = out.at<float>(v, u);
       const bool of_it = s.component.at<unsigned char>(v, u) != 0;
       if (!(s.view.depth.at<float>(v, u) > 0)) {
-        sum += kCutOfCandidate.hole * (besideComponent(s, u, v) - kCutOfCandidate.beside_object);
+        sum += kCutOfCandidate.hole * (findDepthBeside(s, u, v) - kCutOfCandidate.beside_object);
       } else if (s.view.plane.at<unsigned char>(v, u) != 0) {
         sum += kCutOfCandidate.plane;
       } else {
@@ -230,10 +230,10 @@ Surroundings prepareSurroundings(const FrameContext& scene, const Click& click) 
   const int reach = std::max(50, int(kReach_mm * pixelsPerMm(depth_mm, picture)));
   const cv::Rect box = cv::Rect(click.at.x - reach, click.at.y - reach, 2 * reach, 2 * reach) &
                        cv::Rect({0, 0}, picture);
-  out.view = GraphRoi::withValleys(scene, box, kCutOfCandidate.most_px);
+  out.view = GraphRoi::makeWithValleys(scene, box, kCutOfCandidate.most_px);
   out.at = out.view.toRoi(click.at);
   out.component =
-      click.component.empty() ? cv::Mat(out.view.depth > 0) : out.view.shrunk(click.component);
+      click.component.empty() ? cv::Mat(out.view.depth > 0) : out.view.shrinkImage(click.component);
   out.distance = distances(out, depth_mm, picture);
   out.px_per_mm = out.view.shrink * pixelsPerMm(depth_mm, picture);
   out.hand = findHand(scene, out);
@@ -252,7 +252,7 @@ Surroundings prepareSurroundings(const FrameContext& scene, const Click& click) 
 // Returns the piece with the click, and the pieces connected to it behind an occluder.
 cv::Mat selectPieces(const Surroundings& s, const cv::Mat& mask) {
   if (mask.at<unsigned char>(s.at) == 0) return {};
-  return mergeOccludedParts(s.view, mask, pieceAt(mask, s.at), s.px_per_mm);
+  return mergeOccludedParts(s.view, mask, findPiece(mask, s.at), s.px_per_mm);
 }
 
 cv::Mat cutOnce(const Surroundings& s, const cv::Mat& object, const cv::Mat& background,
@@ -270,7 +270,7 @@ cv::Mat cutOnce(const Surroundings& s, const cv::Mat& object, const cv::Mat& bac
   return selectPieces(s, minimumCut(terms, s.view, noise, kCutOfCandidate));
 }
 
-cv::Mat cutWithin(const Surroundings& s, const Reach& reach, const DepthNoise& noise) {
+cv::Mat cutInReach(const Surroundings& s, const Reach& reach, const DepthNoise& noise) {
   const cv::Mat far = s.distance > reach.far_mm;
   const cv::Mat measured = s.view.depth > 0;
   cv::Mat object = s.component & (s.distance < reach.near_mm) & ~(s.never | s.hand);
@@ -306,13 +306,13 @@ Candidates computeCandidates(const FrameContext& scene, const Click& click) {
   std::vector<cv::Mat> small;
   const auto cutAll = [&] {
     for (const Reach& reach : kReaches) {
-      cv::Mat mask = cutWithin(s, reach, scene.noise);
+      cv::Mat mask = cutInReach(s, reach, scene.noise);
       if (!mask.empty() && isNew(small, mask)) small.push_back(mask);
     }
   };
   cutAll();
   if (cv::countNonZero(s.hand) > 0) {  // the colours may be the object's after all
-    out.hand = s.view.inPicture(s.hand, picture);
+    out.hand = s.view.placeInPicture(s.hand, picture);
     s.hand.setTo(0);
     s.unary = placeEvidence(s);
     cutAll();
@@ -322,7 +322,7 @@ Candidates computeCandidates(const FrameContext& scene, const Click& click) {
     cutAll();
   }
   out.masks.reserve(small.size());
-  for (const cv::Mat& mask : small) out.masks.push_back(s.view.inPicture(mask, picture));
+  for (const cv::Mat& mask : small) out.masks.push_back(s.view.placeInPicture(mask, picture));
   return out;
 }
 

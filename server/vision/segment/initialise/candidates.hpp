@@ -13,13 +13,11 @@
 
 namespace hapticast::server {
 
-// Merges the visible parts of an object that a nearer surface (for example, fingers) splits into
-// pieces. Thread: the one that runs Vision.
-
 /// Returns the piece `main`, together with those pieces of `mask` that probably are the same object
 /// behind a nearer surface. Fills small holes. A piece is added if no pixel between it and `main`
 /// lies behind both, and if it does not reach the border of the region. `mask`: 0/255, size of
-/// `view`. `px_per_mm`: pixels of `view` for each mm.
+/// `view`. `px_per_mm`: pixels of `view` for each mm. A nearer surface is, for example, a finger.
+/// Thread: the one that runs Vision.
 cv::Mat mergeOccludedParts(const GraphRoi& view, const cv::Mat& mask, const cv::Mat& main,
                            double px_per_mm);
 
@@ -55,7 +53,7 @@ struct ObjectnessTerms {
 };
 
 /// Returns the terms of `mask` (CV_8UC1, 0/255, size of the image). All are 0 if it has fewer than
-/// ten pixels at the size of the view.
+/// ten pixels in the reduced region (GraphRoi).
 ObjectnessTerms computeObjectnessTerms(const FrameContext& scene, const cv::Mat& mask);
 
 /// Returns how well a mask with these terms covers one object and nothing else (objectness): about

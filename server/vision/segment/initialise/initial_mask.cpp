@@ -47,13 +47,13 @@ int findRoot(std::vector<int>& parent, int i) {
   return i;
 }
 
-cv::Mat tidy(const cv::Mat& component) {
+cv::Mat cleanComponent(const cv::Mat& component) {
   cv::Mat mask;
   const cv::Mat disc2 = cv::getStructuringElement(cv::MORPH_ELLIPSE, {5, 5});
   const cv::Mat disc1 = cv::getStructuringElement(cv::MORPH_ELLIPSE, {3, 3});
   cv::morphologyEx(component, mask, cv::MORPH_CLOSE, disc2);
   cv::morphologyEx(mask, mask, cv::MORPH_OPEN, disc1);
-  return withoutHoles(mask, mask.rows * mask.cols / 100);
+  return fillHolesOf(mask, mask.rows * mask.cols / 100);
 }
 
 // Marks the negative points for GrabCut (its corner is at `origin`). Their object may be connected
@@ -75,7 +75,7 @@ void markNot(const cv::Point& object, const std::vector<cv::Point>& not_points,
     cv::circle(marks, point - origin, 10, cv::GC_BGD, cv::FILLED);
 }
 
-int labelNear(const cv::Mat& labels, const cv::Point& point) {
+int findLabelNear(const cv::Mat& labels, const cv::Point& point) {
   int best = 0;
   int best_square = kNear_px * kNear_px + 1;
   const cv::Rect around =
@@ -155,10 +155,10 @@ ObjectStart findObject(const cv::Mat& depth, const cv::Point& point, const Depth
   }
   cv::Mat mask;
   for (int round = 0; round < 2; ++round) {  // the second round has the supports
-    const cv::Mat labels = depthComponents(depth, onPlanes(depth, whole, planes), noise);
-    const int label = labelNear(labels, point);
+    const cv::Mat labels = depthComponents(depth, findOnPlanes(depth, whole, planes), noise);
+    const int label = findLabelNear(labels, point);
     if (label == 0) return {{}, "there is no depth", false, std::move(planes)};
-    mask = tidy(labels == label);
+    mask = cleanComponent(labels == label);
     findSupports(depth, mask, planes);
   }
   if (cv::countNonZero(mask) < kSmallestObject_px)
@@ -168,11 +168,11 @@ ObjectStart findObject(const cv::Mat& depth, const cv::Point& point, const Depth
 
 cv::Mat cutByColor(const FrameImages& images, const cv::Mat& mask, const std::vector<Plane>& planes,
                    const cv::Point& object_point, const std::vector<cv::Point>& not_points) {
-  const cv::Rect box = boxAround(mask, 60);
+  const cv::Rect box = findBoxAround(mask, 60);
   cv::Mat marks(box.size(), CV_8UC1, cv::Scalar(cv::GC_PR_BGD));
   marks.setTo(cv::GC_PR_FGD, mask(box));
-  marks.setTo(cv::GC_BGD, dilatedBy(mask(box), 30) == 0);
-  marks.setTo(cv::GC_BGD, onPlanes(images.depth, box, planes) & (mask(box) == 0));
+  marks.setTo(cv::GC_BGD, dilateBy(mask(box), 30) == 0);
+  marks.setTo(cv::GC_BGD, findOnPlanes(images.depth, box, planes) & (mask(box) == 0));
   cv::Mat inner;
   cv::distanceTransform(mask(box), inner, cv::DIST_L2, 3);
   double deepest = 0.0;

@@ -35,9 +35,8 @@ struct Component {
 // Returns whether there are enough well exposed corners to track.
 bool hasTexture(const FrameImages& images, const cv::Mat& mask) {
   std::vector<cv::Point2f> corners;
-  const cv::Rect box = boxAround(mask, 0);
-  const cv::Mat exposed =
-      erodedBy(mask(box), 2) & (images.gray(box) > 8) & (images.gray(box) < 247);
+  const cv::Rect box = findBoxAround(mask, 0);
+  const cv::Mat exposed = erodeBy(mask(box), 2) & (images.gray(box) > 8) & (images.gray(box) < 247);
   if (2 * cv::countNonZero(exposed) < cv::countNonZero(mask)) return false;
   cv::goodFeaturesToTrack(images.gray(box), corners, 30, 0.03, 4.0, exposed);
   return corners.size() >= 12;
@@ -131,7 +130,7 @@ void addEndOfLimb(const cv::Mat& depth, const cv::Mat& skin, const Component& li
 
 }  // namespace
 
-cv::Mat nearestCompact(const FrameImages& images, const cv::Mat& labels) {
+cv::Mat findNearestCompact(const FrameImages& images, const cv::Mat& labels) {
   for (const Component& each : listComponents(images, labels)) {
     if (each.is_compact && hasTexture(images, each.mask)) return each.mask;
   }
@@ -139,7 +138,7 @@ cv::Mat nearestCompact(const FrameImages& images, const cv::Mat& labels) {
 }
 
 std::vector<ObjectProposal> proposeObjects(const FrameContext& scene, const cv::Mat& labels) {
-  const cv::Mat skin = scene.skin.in(scene.images.color);
+  const cv::Mat skin = scene.skin.findSkin(scene.images.color);
   std::vector<ObjectProposal> out;
   for (const Component& each : listComponents(scene.images, labels)) {
     if (out.size() >= kMostProposals) break;

@@ -16,7 +16,7 @@ namespace hapticast::server {
 /// is none. A compact component covers 0.6 to 30 % of the picture and at least 35 % of its own
 /// bounding box. It is also clear of the picture's border and has enough texture to track.
 /// `labels`: see depthComponents().
-cv::Mat nearestCompact(const FrameImages& images, const cv::Mat& labels);
+cv::Mat findNearestCompact(const FrameImages& images, const cv::Mat& labels);
 
 /// A place where an object may be.
 struct ObjectProposal {

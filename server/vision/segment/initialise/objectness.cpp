@@ -40,9 +40,9 @@ MaskView makeView(const FrameContext& scene, const cv::Mat& mask) {
   MaskView out;
   const double area = cv::countNonZero(mask);
   const double shrink = std::min(1.0, std::sqrt(kObject_px / std::max(area, 1.0)));
-  const cv::Rect box = boxAround(mask, int(kRingMargin_px / shrink) + 1);
-  out.view = GraphRoi::withValleys(scene, box, shrink * shrink * box.area());
-  out.mask = out.view.shrunk(mask);
+  const cv::Rect box = findBoxAround(mask, int(kRingMargin_px / shrink) + 1);
+  out.view = GraphRoi::makeWithValleys(scene, box, shrink * shrink * box.area());
+  out.mask = out.view.shrinkImage(mask);
   cv::Mat inner;
   cv::Mat outer;
   cv::copyMakeBorder(out.mask, inner, 1, 1, 1, 1, cv::BORDER_REPLICATE);
@@ -73,7 +73,7 @@ double depthEdge(const MaskView& m, const cv::Point& in, const cv::Point& out,
 }
 
 // Returns the depth of a valley between a place inside and one outside, 0..1.
-double valleyBetween(const MaskView& m, const cv::Point& in, const cv::Point& out) {
+double findValley(const MaskView& m, const cv::Point& in, const cv::Point& out) {
   double deepest = 0.0;
   for (const cv::Point& at : {in, (in + out) / 2, out})
     deepest = std::max(deepest, double(m.view.valley.at<float>(at)));
@@ -85,7 +85,7 @@ void addPlace(const MaskView& m, const cv::Point& in, const cv::Point& out, cons
               Contour& sum) {
   const double color =
       std::min(1.0, cv::norm(m.view.lab.at<cv::Vec3f>(in) - m.view.lab.at<cv::Vec3f>(out)) / 25.0);
-  const double depth = std::max(depthEdge(m, in, out, noise), valleyBetween(m, in, out));
+  const double depth = std::max(depthEdge(m, in, out, noise), findValley(m, in, out));
   const bool hand =
       m.view.skin.at<unsigned char>(out) != 0 && m.view.skin.at<unsigned char>(in) == 0;
   const double edge = hand ? 1.0 : std::max(color, depth);
@@ -95,7 +95,7 @@ void addPlace(const MaskView& m, const cv::Point& in, const cv::Point& out, cons
   if (known && depth < 0.6 && !hand) sum.contact += color > 0.6 ? 0.5 : 1.0;
 }
 
-Contour alongContour(const MaskView& m, const DepthNoise& noise) {
+Contour measureAlongContour(const MaskView& m, const DepthNoise& noise) {
   cv::Mat du;
   cv::Mat dv;
   cv::Mat smooth;
@@ -207,7 +207,7 @@ ObjectnessTerms computeObjectnessTerms(const FrameContext& scene, const cv::Mat&
   if (cv::countNonZero(mask) == 0) return {};
   const MaskView m = makeView(scene, mask);
   if (m.area < 10.0) return {};
-  const Contour contour = alongContour(m, scene.noise);
+  const Contour contour = measureAlongContour(m, scene.noise);
   const Colors colors = collectColors(m);
   const Body body = fitBody(m, mask.size());
   return {colors.apart, colors.missing, contour.edge, contour.weak, contour.contact, contour.border,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What strangers on the port and viewers that do not read cost the server, and whom they touch:
-// nobody.
+// The cost of unauthorised clients and of viewers that do not read. They do not affect other
+// viewers.
 #include <sys/resource.h>
 
 #include <array>
@@ -16,11 +16,11 @@
 namespace hapticast::testing {
 namespace {
 
-using StrangersTest = StreamTest;
+using UntrustedClientsTest = StreamTest;
 using server::Broadcaster;
 using std::chrono::milliseconds;
 
-TEST_F(StrangersTest, WhoSaysNothingKeepsNobodyOut) {
+TEST_F(UntrustedClientsTest, ASilentClientKeepsNoViewerOut) {
   server::StreamSettings settings;
   settings.max_clients = 2;
   TestServer server(io, clock, settings);
@@ -43,7 +43,7 @@ TEST_F(StrangersTest, WhoSaysNothingKeepsNobodyOut) {
   EXPECT_FALSE(silent.back()->closed);
 }
 
-TEST_F(StrangersTest, TheAddressThatMostComeFromMakesRoom) {
+TEST_F(UntrustedClientsTest, RemovesAClientOfTheMostFrequentAddress) {
   TestServer server(io, clock);
   RawPeer other(io, server.port(), 2);  // older than all of them
   std::vector<std::unique_ptr<RawPeer>> silent;
@@ -60,7 +60,7 @@ TEST_F(StrangersTest, TheAddressThatMostComeFromMakesRoom) {
   }));
 }
 
-TEST_F(StrangersTest, WhereAllComeFromDifferentAddressesTheOldestMakesRoom) {
+TEST_F(UntrustedClientsTest, RemovesTheOldestClientIfAllAddressesDiffer) {
   TestServer server(io, clock);
   std::vector<std::unique_ptr<RawPeer>> silent;
   for (std::uint8_t i = 0; i < Broadcaster::kMaxPending; ++i) {
@@ -72,23 +72,23 @@ TEST_F(StrangersTest, WhereAllComeFromDifferentAddressesTheOldestMakesRoom) {
   EXPECT_TRUE(silent.front()->closed);
 }
 
-/// What it had sent has been read already when it is turned out: a hello that comes too late.
-TEST_F(StrangersTest, WhoIsTurnedOutIsNoViewerAnyMore) {
+/// The server has read its hello when it removes the client: the hello comes too late.
+TEST_F(UntrustedClientsTest, ARemovedClientIsNoViewer) {
   TestServer server(io, clock);
   std::vector<std::unique_ptr<MemoryChannel>> ours;
-  const auto stranger = [&] {
+  const auto connectSilently = [&] {
     auto ends = MemoryChannel::pair(io, kMaxSmallMessageBytes);
     ours.push_back(std::move(ends.first));
     server.broadcaster.accept(std::move(ends.second));
   };
-  for (std::size_t i = 0; i < Broadcaster::kMaxPending; ++i) stranger();
+  for (std::size_t i = 0; i < Broadcaster::kMaxPending; ++i) connectSilently();
   io.restart();
   io.poll();  // all of them wait for a hello
   const auto hello = std::make_shared<const std::vector<std::uint8_t>>(encode(Hello{}));
   asio::co_spawn(
       io, [&]() -> asio::awaitable<void> { co_await ours[0]->write(hello); }, asio::detached);
   io.poll_one();  // it is written, and not yet read
-  stranger();
+  connectSilently();
   io.restart();
   io.poll();
   EXPECT_EQ(server.broadcaster.counts().welcomed, 0U);
@@ -97,7 +97,7 @@ TEST_F(StrangersTest, WhoIsTurnedOutIsNoViewerAnyMore) {
   EXPECT_TRUE(runUntil([&] { return io.stopped(); })) << "nobody is left behind";
 }
 
-TEST_F(StrangersTest, AtTheEndEveryViewerHearsGoodbye) {
+TEST_F(UntrustedClientsTest, AtTheEndEveryViewerReceivesGoodbye) {
   TestServer server(io, clock);
   std::vector<std::unique_ptr<RawPeer>> viewers;
   for (std::size_t i = 0; i < Broadcaster::kMaxPending + 8; ++i) viewers.push_back(viewer(server));
@@ -105,7 +105,7 @@ TEST_F(StrangersTest, AtTheEndEveryViewerHearsGoodbye) {
   for (const auto& each : viewers) EXPECT_EQ(farewell(*each).code, ErrorCode::kShuttingDown);
 }
 
-TEST_F(StrangersTest, TheEndOfTheServerGivesAClosedPeerNoMoreTime) {
+TEST_F(UntrustedClientsTest, TheEndOfTheServerGivesAClosedPeerNoMoreTime) {
   ManualClock still;
   server::StreamSettings settings;
   settings.goodbye_deadline = std::chrono::seconds(10);
@@ -121,7 +121,7 @@ TEST_F(StrangersTest, TheEndOfTheServerGivesAClosedPeerNoMoreTime) {
   EXPECT_TRUE(runUntil([&] { return io.stopped(); }));
 }
 
-TEST_F(StrangersTest, TheWelcomeComesBeforeThePong) {
+TEST_F(UntrustedClientsTest, TheWelcomeComesBeforeThePong) {
   TestServer server(io, clock);
   RawPeer peer(io, server.port());
   std::vector<std::uint8_t> both = framed(encode(Hello{kProtocolVersion, "quick", false, true}));
@@ -136,7 +136,7 @@ TEST_F(StrangersTest, TheWelcomeComesBeforeThePong) {
   EXPECT_TRUE(std::holds_alternative<Pong>(peer.got[1]));
 }
 
-TEST_F(StrangersTest, WhoEndsOnlyItsOwnSideIsToldWhyItGetsNothingMore) {
+TEST_F(UntrustedClientsTest, AHalfClosedClientGetsTheReasonOfItsEnd) {
   TestServer server(io, clock);
   const auto peer = viewer(server);
   peer->finish();
@@ -144,9 +144,9 @@ TEST_F(StrangersTest, WhoEndsOnlyItsOwnSideIsToldWhyItGetsNothingMore) {
   EXPECT_TRUE(runUntil([&] { return server.broadcaster.counts().clients == 0; }));
 }
 
-/// What a viewer that has stopped reading finds when it reads on after it was closed: the system
+/// Data for a viewer that reads on after a stop, when it was closed: the system
 /// has forgotten what it did not take, so that the connection ends in a reset.
-TEST_F(StrangersTest, AStalledViewerLeavesNothingInTheKernel) {
+TEST_F(UntrustedClientsTest, AStalledViewerLeavesNothingInTheKernel) {
   for (const bool half_closed : {false, true}) {
     server::StreamSettings settings;
     settings.write_timeout = milliseconds(300);
@@ -173,7 +173,7 @@ TEST_F(StrangersTest, AStalledViewerLeavesNothingInTheKernel) {
   }
 }
 
-TEST_F(StrangersTest, TheLogStaysReadable) {
+TEST_F(UntrustedClientsTest, TheLogStaysReadable) {
   const LogLines log;
   const ManualClock still;  // no further line is earned meanwhile
   TestServer server(io, still);
@@ -185,7 +185,7 @@ TEST_F(StrangersTest, TheLogStaysReadable) {
   EXPECT_NE(log.text().find("closing"), std::string::npos) << "a crowd hides no problem";
 }
 
-TEST_F(StrangersTest, AnIPv4ViewerOfAnIPv6PortIsShownAsOne) {
+TEST_F(UntrustedClientsTest, AnIPv4ViewerOfAnIPv6PortIsShownAsOne) {
   boost::system::error_code ec;
   asio::ip::tcp::acceptor acceptor(io);
   acceptor.open(asio::ip::tcp::v6(), ec);
@@ -197,7 +197,7 @@ TEST_F(StrangersTest, AnIPv4ViewerOfAnIPv6PortIsShownAsOne) {
   EXPECT_EQ(channel.peer().rfind("127.0.0.1:", 0), 0U) << channel.peer();
 }
 
-TEST_F(StrangersTest, AnotherViewerIsServedFirstEveryTime) {
+TEST_F(UntrustedClientsTest, AnotherViewerIsServedFirstEveryTime) {
   TestServer server(io, clock);
   std::vector<std::unique_ptr<MemoryChannel>> ours;
   std::vector<std::size_t> arrivals;  // who got something, in order
@@ -207,7 +207,7 @@ TEST_F(StrangersTest, AnotherViewerIsServedFirstEveryTime) {
     auto ends = MemoryChannel::pair(io, kMaxSmallMessageBytes);
     ours.push_back(std::move(ends.first));
     server.broadcaster.accept(std::move(ends.second));
-    const auto watch = [&, i]() -> asio::awaitable<void> {
+    const auto receive = [&, i]() -> asio::awaitable<void> {
       co_await ours[i]->write(hello);
       for (;;) {
         const auto payload = co_await ours[i]->read();
@@ -215,7 +215,7 @@ TEST_F(StrangersTest, AnotherViewerIsServedFirstEveryTime) {
         arrivals.push_back(i);
       }
     };
-    asio::co_spawn(io, watch, asio::detached);
+    asio::co_spawn(io, receive, asio::detached);
   }
   ASSERT_TRUE(runUntil([&] { return server.broadcaster.counts().clients == 2; }));
   std::multiset<std::size_t> first;
@@ -230,7 +230,7 @@ TEST_F(StrangersTest, AnotherViewerIsServedFirstEveryTime) {
   for (std::size_t i = 0; i < 2; ++i) EXPECT_EQ(first.count(i), 3U) << i;
 }
 
-TEST(FileLimit, IsRaisedToWhatTheViewersNeedOrSaysWhatFits) {
+TEST(FileLimit, IsRaisedForTheViewersOrReportsHowManyFit) {
   rlimit before{};
   ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &before), 0);
   rlimit low = before;
@@ -248,9 +248,9 @@ TEST(FileLimit, IsRaisedToWhatTheViewersNeedOrSaysWhatFits) {
     setrlimit(RLIMIT_NOFILE, &hard);
     LogLines log;
     const std::size_t fit = server::raiseFileLimit(2000);
-    const bool told = log.text().find("--max-clients 2000") != std::string::npos &&
-                      log.text().find("enough for " + std::to_string(fit)) != std::string::npos;
-    std::_Exit(fit == 150 - 64 - Broadcaster::kMaxPending && told ? 0 : 1);
+    const bool logged = log.text().find("--max-clients 2000") != std::string::npos &&
+                        log.text().find("enough for " + std::to_string(fit)) != std::string::npos;
+    std::_Exit(fit == 150 - 64 - Broadcaster::kMaxPending && logged ? 0 : 1);
   };
   EXPECT_EXIT(fits_only(), ::testing::ExitedWithCode(0), "");
 }
