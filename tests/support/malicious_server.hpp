@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
 // False streams as data: each row has the messages that a malicious server sends and the expected
-// verdict. Each begins with an honest stream: a plateau of 10 mm that
-// rests in the middle of the picture at 25 frames a second. Messages
-// leave as bytes, and datagrams are signed: a malicious server has the key. Times are
-// arguments. No threads, no sockets.
+// verdict. Each begins with an honest stream: a plateau of 10 mm that rests in the middle of the
+// picture at 25 frames a second. Messages leave as bytes, and datagrams are signed: a malicious
+// server has the key. Times are arguments. No threads, no sockets.
 #pragma once
 
 #include <cstdint>

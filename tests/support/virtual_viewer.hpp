@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// A viewer in virtual time. Bytes go through the client's own decoder, receiver,
-// decode thread and renderer to a virtual device in a hand. The force at the hand is computed from
-// the sent forces and the true motion, without the client's counters.
+// A viewer in virtual time. Bytes go through the client's own decoder, receiver, decode thread and
+// renderer to a virtual device in a hand. The force at the hand is computed from the sent forces
+// and the true motion, without the client's counters.
 #pragma once
 
 #include <algorithm>

@@ -73,7 +73,7 @@ void RigidTemplate::addLevel(const cv::Mat& gray, const Surface& surface, int fa
     const cv::Mat smooth_gray = smoothGray(gray(cv::Rect(box_.tl(), size)), factor);
     const cv::Mat known = surface.mask(part) & (surface.depth(part) > 0);
     const cv::Mat depth = smoothDepth(surface.depth(part), known, factor);
-    cv::Mat inside = shrunk(known, factor) > 250;
+    cv::Mat inside = shrinkImage(known, factor) > 250;
     if (levels_.empty()) addOutline(inside, depth, factor);
     inside = erodeBy(inside, 2);
     const auto count = static_cast<std::size_t>(cv::countNonZero(inside));

@@ -44,7 +44,7 @@ RigidRoi cropRoi(const FrameImages& images, const cv::Rect& area, int factor,
 
 /// Returns `image`, reduced by `factor` in both directions. Its sides must be multiples of
 /// `factor`.
-cv::Mat shrunk(const cv::Mat& image, int factor);
+cv::Mat shrinkImage(const cv::Mat& image, int factor);
 /// Returns `depth`, smoothed over the pixels of `known` (CV_8UC1, 0/255) and reduced by `factor`.
 /// The result is 0 where too few pixels are in `known`.
 cv::Mat smoothDepth(const cv::Mat& depth, const cv::Mat& known, int factor);

@@ -103,7 +103,7 @@ Surface cleanSurface(const cv::Mat& depth, const cv::Mat& mask, const DepthNoise
   const bool trusted = exact_mask && contoursAgree(near_depth, object, known, noise);
   const cv::Mat measured =
       trusted ? known : foregroundPixels(near_depth, object, known, noise, out.reduction);
-  out.depth = filled(near_depth, measured, object, out.reduction)(inner).clone();
+  out.depth = fillHoles(near_depth, measured, object, out.reduction)(inner).clone();
   out.measured = measured(inner).clone();
   return out;
 }
@@ -116,7 +116,7 @@ Surface warpSurface(const cv::Mat& mask, const Surface& before, const cv::Matx23
       warpImage(before.measured, before.box, out.box, similarity, cv::INTER_NEAREST) & out.mask;
   const cv::Mat depth = warpImage(before.depth, before.box, out.box, similarity, cv::INTER_NEAREST);
   out.reduction = computeReduction(out.box.size(), mask.size(), kLargestSurface_px);
-  out.depth = filled(depth, out.measured & (depth > 0), out.mask, out.reduction);
+  out.depth = fillHoles(depth, out.measured & (depth > 0), out.mask, out.reduction);
   out.quantum_mm = before.quantum_mm;
   return out;
 }

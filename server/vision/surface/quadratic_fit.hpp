@@ -28,8 +28,8 @@ cv::Mat fitWider(const cv::Mat& height, const cv::Mat& rounded, const cv::Mat& m
 /// al. 1996), then membrane sweeps (Gauss-Seidel steps of Laplace's equation). With a `reduction`
 /// above 1 most sweeps work at 1 / reduction of the size, and the last ones at full size. Thread:
 /// any.
-cv::Mat filled(const cv::Mat& values, const cv::Mat& known, const cv::Mat& wanted,
-               int reduction = 1);
+cv::Mat fillHoles(const cv::Mat& values, const cv::Mat& known, const cv::Mat& wanted,
+                  int reduction = 1);
 
 /// Returns `values` at 1 / reduction of the size, with all pixels outside `known` filled by
 /// push-pull only. That suffices for comparisons.
