@@ -40,15 +40,26 @@ printHitRate() {
   rm -f "$CCACHE_STATSLOG"
 }
 
-configure() {  # preset; with strict=yes a warning is an error
+# Two builds differ from a preset by switches alone: `plain` has neither batches nor precompiled headers and finds a
+# missing include, `tidy` is what clang-tidy reads.
+listFlags() {  # preset, plain or tidy: prints the arguments of cmake
+  case "$1" in
+    plain) echo "--preset debug -B build/plain -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON -DCMAKE_CXX_FLAGS_DEBUG=-O0" ;;
+    tidy) echo "--preset release -B build/tidy -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=16" ;;
+    *) echo "--preset $1" ;;
+  esac
+}
+
+configure() {  # preset, plain or tidy; with strict=yes a warning is an error
   mkdir -p build
-  cmake --preset "$1" ${strict:+-DHAPTICAST_WERROR=ON} >"build/$1.configure.log" 2>&1 || {
+  # shellcheck disable=SC2046
+  cmake $(listFlags "$1") ${strict:+-DHAPTICAST_WERROR=ON} >"build/$1.configure.log" 2>&1 || {
     grep -A3 -E 'CMake Error|not found|Could not find' "build/$1.configure.log" >&2
-    endWith "cmake --preset $1 failed (build/$1.configure.log); deploy/install-deps installs what is missing"
+    endWith "cmake $(listFlags "$1") failed (build/$1.configure.log); deploy/install-deps installs what is missing"
   }
 }
 
-build() {  # preset, targets ...
+build() {  # preset, plain or tidy; targets ...
   preset=$1
   shift
   configure "$preset"

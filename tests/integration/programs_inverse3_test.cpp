@@ -58,8 +58,8 @@ double compare(const std::vector<Inverse3Service::Force>& sent, const std::vecto
   return best;
 }
 
-/// Prints how often the client sends, and returns the messages per second.
-double printRate(const std::vector<Inverse3Service::Force>& forces) {
+/// Prints how often the client sends.
+void printRate(const std::vector<Inverse3Service::Force>& forces) {
   std::vector<double> gaps_ms;
   for (std::size_t i = 1; i < forces.size(); ++i)
     gaps_ms.push_back(1e-6 * static_cast<double>(forces[i].time_ns - forces[i - 1].time_ns));
@@ -68,7 +68,6 @@ double printRate(const std::vector<Inverse3Service::Force>& forces) {
                              static_cast<double>(gaps_ms.size()));
   std::printf("%.0f messages a second; from one to the next %.2f ms (median), %.2f ms (99 %%)\n",
               rate, gaps_ms[gaps_ms.size() / 2], gaps_ms[gaps_ms.size() * 99 / 100]);
-  return rate;
 }
 
 TEST_F(ProgramsInverse3Test, TheForcesOfTheLogReachTheService) {
@@ -78,15 +77,19 @@ TEST_F(ProgramsInverse3Test, TheForcesOfTheLogReachTheService) {
     SCOPED_TRACE(version);
     const Inverse3Service service(version);
     const std::string log = path(std::string(version) + ".csv");
-    const auto client = touchWith(address, service, {"--log", log, "--seconds", "4"});
-    EXPECT_EQ(client->wait(kSoon), 0) << client->output();
+    const auto client = touchWith(address, service, {"--log", log});
+    const auto listContacts = [&service] {
+      std::vector<Inverse3Service::Force> sent = service.forces();
+      std::erase_if(sent, [](const auto& each) { return each.force_N.norm() <= 0.05; });
+      return sent;
+    };
+    // Forces, not seconds: a busy machine sends fewer of them in a second.
+    EXPECT_TRUE(waitUntil(kSoon, [&] { return listContacts().size() > 1000; })) << client->output();
+    interrupt(*client);
     EXPECT_EQ(service.foreignForces(), 0) << "the key of this version";
     EXPECT_EQ(service.lastForce_N(), 0.0);
-    std::vector<Inverse3Service::Force> sent;
-    for (const auto& each : service.forces())
-      if (each.force_N.norm() > 0.05) sent.push_back(each);
-    EXPECT_GT(printRate(service.forces()), 100.0) << "far below what an idle machine does";
-    ASSERT_GT(sent.size(), 100U) << client->output();
+    const std::vector<Inverse3Service::Force> sent = listContacts();
+    printRate(service.forces());
     const double error = compare(sent, readLog(log), service.forces().front().time_ns);
     std::printf("%s: %zu forces, %.2f %% from the log\n", version, sent.size(), 100.0 * error);
     EXPECT_LT(error, 0.02);
