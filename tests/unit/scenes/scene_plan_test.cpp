@@ -122,7 +122,7 @@ TEST(ScenePlan, FollowsASceneThatStopsAndMovesAgain) {
   VisionSettings settings;
   settings.depth_range = DepthRange{650, 850};
   Vision vision(scene.info(), settings, &clock);
-  const auto on = [&](Stage stage) {
+  const auto isOn = [&](Stage stage) {
     return vision.plan().begin()->second[static_cast<std::size_t>(stage)].on;
   };
   double u = 120;
