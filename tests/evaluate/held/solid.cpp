@@ -216,17 +216,17 @@ Ball ballAround(const Thing& thing, const Part& part) {
   };
   switch (part.form) {
     case Form::kRoundCone:
-      return makeAround({0, 0.5 * size.y(), 0}, 0.5 * size.y() + std::max(size.x(), size.z()));
+      return around({0, 0.5 * size.y(), 0}, 0.5 * size.y() + std::max(size.x(), size.z()));
     case Form::kEllipsoid:
-      return makeAround(Vec3::Zero(), size.maxCoeff());
+      return around(Vec3::Zero(), size.maxCoeff());
     case Form::kBox:
-      return makeAround(Vec3::Zero(), size.norm());
+      return around(Vec3::Zero(), size.norm());
     case Form::kCylinder:
-      return makeAround(Vec3::Zero(), length(size.x(), size.y()));
+      return around(Vec3::Zero(), length(size.x(), size.y()));
     case Form::kMug:
-      return makeAround({0.4 * size.y(), 0, 0}, length(size.x(), size.y()) + 0.6 * size.y());
+      return around({0.4 * size.y(), 0, 0}, length(size.x(), size.y()) + 0.6 * size.y());
     case Form::kTube:
-      return makeAround(Vec3::Zero(), size.y() + size.x());
+      return around(Vec3::Zero(), size.y() + size.x());
   }
   return {};
 }
