@@ -63,7 +63,7 @@ class ProgramsLanTest : public ProgramsTest {
                                                 std::vector<std::string> command) const {
     const std::string bus = "DBUS_SYSTEM_BUS_ADDRESS=unix:path=" + busOf(host);
     command.insert(command.begin(), {"/usr/bin/env", bus});
-    return TwoHosts::on(host, std::move(command));
+    return TwoHosts::runOn(host, std::move(command));
   }
   [[nodiscard]] std::unique_ptr<Process> announce(const std::string& host, const std::string& name,
                                                   const std::string& plays = "clip") const {

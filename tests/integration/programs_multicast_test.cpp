@@ -104,7 +104,7 @@ class ProgramsMulticastTest : public ProgramsTest, public ::testing::WithParamIn
     if (how.hops > 0) {
       command.insert(command.end(), {"--multicast-ttl", std::to_string(how.hops)});
     }
-    return std::make_unique<Process>(TwoHosts::on(hosts_.server(), std::move(command)));
+    return std::make_unique<Process>(TwoHosts::runOn(hosts_.server(), std::move(command)));
   }
   [[nodiscard]] std::unique_ptr<Process> client(const std::string& summary) const {
     const std::string host = GetParam().v6 ? "[" + std::string(serverHost()) + "]" : serverHost();
@@ -121,7 +121,7 @@ class ProgramsMulticastTest : public ProgramsTest, public ::testing::WithParamIn
                                      "--summary",
                                      summary};
     if (GetParam().named) command.insert(command.end(), {"--interface", TwoHosts::kViewerLink});
-    return std::make_unique<Process>(TwoHosts::on(hosts_.viewer(), std::move(command)));
+    return std::make_unique<Process>(TwoHosts::runOn(hosts_.viewer(), std::move(command)));
   }
   /// Whether the hand has pressed for a second, in which frames have come.
   [[nodiscard]] bool pressedLong() const {

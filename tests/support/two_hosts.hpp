@@ -44,8 +44,8 @@ class TwoHosts {
   [[nodiscard]] std::string server() const { return name_ + "s"; }
   [[nodiscard]] std::string viewer() const { return name_ + "v"; }
   /// What a program is started with, to be on that host.
-  [[nodiscard]] static std::vector<std::string> isOn(const std::string& host,
-                                                     std::vector<std::string> command) {
+  [[nodiscard]] static std::vector<std::string> runOn(const std::string& host,
+                                                      std::vector<std::string> command) {
     command.insert(command.begin(), {"/usr/bin/env", "ip", "netns", "exec", host});
     return command;
   }
