@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include <bit>
+#include <utility>
 
 namespace hapticast::server {
 
@@ -26,8 +27,12 @@ void SkippedFrames::endRun() {
   } else if (is_new_) {
     spdlog::warn("{}; frames {} to {} are left out", problem_, first_, last_);
   }
-  problem_.clear();
+  (void)cancelRun();
+}
+
+std::string SkippedFrames::cancelRun() {
   is_new_ = false;
+  return std::exchange(problem_, "");
 }
 
 }  // namespace hapticast::server

@@ -22,6 +22,9 @@ class SkippedFrames {
   /// Ends the run, if there is one: logs its first problem, unless an earlier playback of the clip
   /// logged all of its frames.
   void endRun();
+  /// Ends the run without a line of the log. Returns the problem of its first frame; "" if there is
+  /// no run.
+  [[nodiscard]] std::string cancelRun();
   /// Returns the problem of the run's first frame; "" if there is no run.
   [[nodiscard]] const std::string& problem() const { return problem_; }
 

@@ -107,9 +107,10 @@ std::optional<RgbdFrame> ImageSequence::read() {
     }
     skipped_.add(index, problem);
   }
-  const std::string& problem = skipped_.problem();
-  if (!problem.empty() && (!any_read_ || hasVanished(files_.frames.back())))
-    throw SourceError(problem + ", and no frame after it can be read either; put the files back");
+  const bool has_run = !skipped_.problem().empty();
+  if (has_run && (!any_read_ || hasVanished(files_.frames.back())))
+    throw SourceError(skipped_.cancelRun() +
+                      ", and no frame after it can be read either; put the files back");
   skipped_.endRun();
   return std::nullopt;
 }

@@ -143,7 +143,10 @@ ImageResult readV4l2Depth(const V4l2Format& format, std::span<const std::uint8_t
   if (findDepthKind(format.code) == DepthKind::kHeight) {
     ImageResult grey = format.code == fourCc("GREY") ? readPacked(format, 1, 1, -1, bytes)
                                                      : readV4l2Color(format, bytes);
-    return grey.ok() ? toDepth(grey.image, {DepthKind::kHeight}) : grey;
+    if (!grey.ok()) return grey;
+    if (grey.image.channels() == 3 && isColorCoded(grey.image))
+      return {{}, "delivers depth as colours"};
+    return toDepth(grey.image, {DepthKind::kHeight});
   }
   if (std::string problem = findSizeProblem(format, 1, 1); !problem.empty()) return {{}, problem};
   const Rows rows = findRows(format, 2ULL * format.width_px, format.height_px, bytes);

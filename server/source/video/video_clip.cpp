@@ -42,7 +42,7 @@ std::optional<RgbdFrame> VideoClip::read() {
     skipped_.add(frame.index, problem);
   }
   if (!any_read_) {
-    throw SourceError(skipped_.problem() +
+    throw SourceError(skipped_.cancelRun() +
                       ", and no frame after it can be used either; put the file back");
   }
   skipped_.endRun();
