@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: MIT
+// The pump of the pipeline and the requests of operators, in virtual time: which frames leave, when
+// they are due, and what pause, seek and material change.
+#include "server/pipeline/frame_pump.hpp"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "server/pipeline/operator_requests.hpp"
+#include "tests/support/log_lines.hpp"
+#include "tests/support/manual_clock.hpp"
+#include "tests/unit/vision/vision_scenes.hpp"
+
+namespace hapticast::server {
+namespace {
+
+constexpr std::uint64_t kFrames = 20;
+constexpr Duration kPeriod = std::chrono::milliseconds(40);
+
+/// Counts the frames of the stream.
+class FrameCounter final : public StreamSink {
+ public:
+  void describe(const StreamDescription& /*description*/) override {}
+  void changeKey(const DatagramKey& /*key*/) override {}
+  void publish(EncodedFrame frame) override { ids.push_back(frame.id); }
+  void publish(EncodedVideo /*video*/) override {}
+  [[nodiscard]] bool videoWanted() const override { return false; }
+  [[nodiscard]] bool datagramsWanted() const override { return false; }
+
+  std::vector<std::uint64_t> ids;
+};
+
+/// A pump over a ball of 20 frames whose waits move the clock.
+class FramePumpTest : public ::testing::Test {
+ protected:
+  static VisionSettings makeSettings() {
+    VisionSettings settings;
+    settings.depth_range = DepthRange{650, 850};
+    settings.low_latency = true;
+    return settings;
+  }
+  FramePump makePump(bool loop = false) {
+    return {
+        {source_, vision_, encoder_, clock_, media_clock_, &counter_}, loop, [this](MediaTime due) {
+          const MediaTime now = media_clock_.now();
+          if (due > now) clock_.advance(due - now);
+          return !stop_;
+        }};
+  }
+  /// Runs the pump to the end of the clip. Returns the number of its frames.
+  static int runToEnd(FramePump& pump) {
+    int frames = 0;
+    while (pump.step() == PumpStep::kFrame) ++frames;
+    pump.flush();
+    return frames;
+  }
+  std::size_t countPublished() {
+    encoder_.finish();
+    return sink_.ids.size();
+  }
+
+  const test::BallScene scene_{.width = 64, .height = 48, .radius_px = 10};
+  ManualClock clock_;
+  LocalMediaClock media_clock_{clock_};
+  test::FunctionSource source_{scene_.info(), kFrames, [this](std::uint64_t index) {
+                                 return scene_.frame(index, 20.0 + double(index), 24);
+                               }};
+  VisionSettings settings_ = makeSettings();
+  Vision vision_{scene_.info(), settings_};
+  FrameCounter sink_;
+  EncoderThread encoder_{std::vector<StreamSink*>{&sink_}};
+  PipelineCounter counter_{clock_};
+  OperatorRequests requests_;
+  bool stop_ = false;
+};
+
+TEST_F(FramePumpTest, PublishesEachFrameOfAClipInItsTime) {
+  FramePump pump = makePump();
+  const MediaTime begin = media_clock_.now();
+  EXPECT_EQ(runToEnd(pump), int(kFrames));
+  EXPECT_EQ(pump.skipped(), 0U);
+  EXPECT_EQ(pump.lastPublished() - begin, (kFrames - 1) * kPeriod);
+  EXPECT_GE(media_clock_.now() - begin, (kFrames - 1) * kPeriod);
+  EXPECT_EQ(countPublished(), kFrames);
+}
+
+TEST_F(FramePumpTest, SkipsFramesThatAreLate) {
+  FramePump pump = makePump();
+  EXPECT_EQ(pump.step(), PumpStep::kFrame);
+  clock_.advance(5 * kPeriod);
+  EXPECT_EQ(pump.step(), PumpStep::kFrame);
+  EXPECT_GT(pump.skipped(), 0U);
+}
+
+TEST_F(FramePumpTest, ALoopEndsWithTheServer) {
+  FramePump pump = makePump(true);
+  for (std::uint64_t i = 0; i < 2 * kFrames; ++i) EXPECT_EQ(pump.step(), PumpStep::kFrame);
+  stop_ = true;
+  PumpStep last = PumpStep::kFrame;
+  for (std::uint64_t i = 0; i <= kFrames && last == PumpStep::kFrame; ++i) last = pump.step();
+  EXPECT_EQ(last, PumpStep::kEnd);
+}
+
+TEST_F(FramePumpTest, ASeekContinuesAtItsTimeAndPublishesNothingBefore) {
+  FramePump pump = makePump();
+  EXPECT_EQ(pump.step(), PumpStep::kFrame);
+  Control seek;
+  seek.seek_s = 0.6;
+  requests_.push(seek);
+  EXPECT_TRUE(requests_.carryOut(pump, counter_, settings_));
+  pump.resume();
+  EXPECT_EQ(runToEnd(pump), 5) << "frames 15 to 19";
+  EXPECT_EQ(countPublished(), 6U);
+}
+
+TEST_F(FramePumpTest, APauseHoldsUntilItIsTakenBack) {
+  FramePump pump = makePump();
+  EXPECT_FALSE(requests_.carryOut(pump, counter_, settings_));
+  Control control;
+  control.paused = true;
+  requests_.push(control);
+  EXPECT_TRUE(requests_.carryOut(pump, counter_, settings_));
+  EXPECT_TRUE(requests_.paused());
+  EXPECT_EQ(counter_.counts().phase, PipelinePhase::kPause);
+  const MediaTime begin = media_clock_.now();
+  pump.idle();
+  EXPECT_GT(media_clock_.now(), begin);
+  control.paused = false;
+  requests_.push(control);
+  EXPECT_TRUE(requests_.carryOut(pump, counter_, settings_));
+  EXPECT_FALSE(requests_.paused());
+  EXPECT_EQ(runToEnd(pump), int(kFrames)) << "the pause skipped none";
+}
+
+TEST_F(FramePumpTest, MaterialsOfOperatorsAndOfAReloadReachTheSettings) {
+  FramePump pump = makePump();
+  Control control;
+  control.material.stiffness_N_mm = 2.0;
+  requests_.push(control);
+  EXPECT_TRUE(requests_.carryOut(pump, counter_, settings_));
+  EXPECT_EQ(settings_.material.stiffness_N_mm, 2.0);
+  VisionSettings reloaded = settings_;
+  reloaded.material.stiffness_N_mm = 0.3;
+  reloaded.mass_kg = 0.2;
+  requests_.pushReload(reloaded);
+  EXPECT_FALSE(requests_.carryOut(pump, counter_, settings_)) << "a reload is no operator";
+  EXPECT_EQ(settings_.material.stiffness_N_mm, 0.3);
+  EXPECT_EQ(settings_.mass_kg, 0.2);
+}
+
+}  // namespace
+}  // namespace hapticast::server
