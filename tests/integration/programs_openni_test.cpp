@@ -66,7 +66,9 @@ TEST_F(ProgramsOpenniTest, AnUnpluggedCameraFadesTheForceAndComesBack) {
   EXPECT_TRUE(presses(away, 1000)) << client->output();
   interrupt(*client);
   interrupt(*server);
-  EXPECT_EQ(countOccurrences("warning", server->output()), 1U) << server->output();
+  // Not all warnings: on a starved machine the camera may be silent for a second, which is one,
+  // too.
+  EXPECT_EQ(countOccurrences("was unplugged", server->output()), 1U) << server->output();
   const auto summary = nlohmann::json::parse(std::ifstream(path("sum.json")));
   EXPECT_EQ(summary["step_excess_max_N"], 0.0);
   EXPECT_EQ(summary["frames"]["malformed"], 0);
