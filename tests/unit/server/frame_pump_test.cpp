@@ -15,11 +15,11 @@
 namespace hapticast::server {
 namespace {
 
-constexpr std::uint64_t kFrames = 20;
-constexpr Duration kPeriod = std::chrono::milliseconds(40);
+constexpr std::uint64_t kPumpedFrames = 20;
+constexpr Duration kPumpedPeriod = std::chrono::milliseconds(40);
 
 /// Counts the frames of the stream.
-class FrameCounter final : public StreamSink {
+class PumpedFrames final : public StreamSink {
  public:
   void describe(const StreamDescription& /*description*/) override {}
   void changeKey(const DatagramKey& /*key*/) override {}
@@ -63,12 +63,12 @@ class FramePumpTest : public ::testing::Test {
   const test::BallScene scene_{.width = 64, .height = 48, .radius_px = 10};
   ManualClock clock_;
   LocalMediaClock media_clock_{clock_};
-  test::FunctionSource source_{scene_.info(), kFrames, [this](std::uint64_t index) {
+  test::FunctionSource source_{scene_.info(), kPumpedFrames, [this](std::uint64_t index) {
                                  return scene_.frame(index, 20.0 + double(index), 24);
                                }};
   VisionSettings settings_ = makeSettings();
   Vision vision_{scene_.info(), settings_};
-  FrameCounter sink_;
+  PumpedFrames sink_;
   EncoderThread encoder_{std::vector<StreamSink*>{&sink_}};
   PipelineCounter counter_{clock_};
   OperatorRequests requests_;
@@ -78,27 +78,27 @@ class FramePumpTest : public ::testing::Test {
 TEST_F(FramePumpTest, PublishesEachFrameOfAClipInItsTime) {
   FramePump pump = makePump();
   const MediaTime begin = media_clock_.now();
-  EXPECT_EQ(runToEnd(pump), int(kFrames));
+  EXPECT_EQ(runToEnd(pump), int(kPumpedFrames));
   EXPECT_EQ(pump.skipped(), 0U);
-  EXPECT_EQ(pump.lastPublished() - begin, (kFrames - 1) * kPeriod);
-  EXPECT_GE(media_clock_.now() - begin, (kFrames - 1) * kPeriod);
-  EXPECT_EQ(countPublished(), kFrames);
+  EXPECT_EQ(pump.lastPublished() - begin, (kPumpedFrames - 1) * kPumpedPeriod);
+  EXPECT_GE(media_clock_.now() - begin, (kPumpedFrames - 1) * kPumpedPeriod);
+  EXPECT_EQ(countPublished(), kPumpedFrames);
 }
 
 TEST_F(FramePumpTest, SkipsFramesThatAreLate) {
   FramePump pump = makePump();
   EXPECT_EQ(pump.step(), PumpStep::kFrame);
-  clock_.advance(5 * kPeriod);
+  clock_.advance(5 * kPumpedPeriod);
   EXPECT_EQ(pump.step(), PumpStep::kFrame);
   EXPECT_GT(pump.skipped(), 0U);
 }
 
 TEST_F(FramePumpTest, ALoopEndsWithTheServer) {
   FramePump pump = makePump(true);
-  for (std::uint64_t i = 0; i < 2 * kFrames; ++i) EXPECT_EQ(pump.step(), PumpStep::kFrame);
+  for (std::uint64_t i = 0; i < 2 * kPumpedFrames; ++i) EXPECT_EQ(pump.step(), PumpStep::kFrame);
   stop_ = true;
   PumpStep last = PumpStep::kFrame;
-  for (std::uint64_t i = 0; i <= kFrames && last == PumpStep::kFrame; ++i) last = pump.step();
+  for (std::uint64_t i = 0; i <= kPumpedFrames && last == PumpStep::kFrame; ++i) last = pump.step();
   EXPECT_EQ(last, PumpStep::kEnd);
 }
 
@@ -130,7 +130,7 @@ TEST_F(FramePumpTest, APauseHoldsUntilItIsTakenBack) {
   requests_.push(control);
   EXPECT_TRUE(requests_.carryOut(pump, counter_, settings_));
   EXPECT_FALSE(requests_.paused());
-  EXPECT_EQ(runToEnd(pump), int(kFrames)) << "the pause skipped none";
+  EXPECT_EQ(runToEnd(pump), int(kPumpedFrames)) << "the pause skipped none";
 }
 
 TEST_F(FramePumpTest, MaterialsOfOperatorsAndOfAReloadReachTheSettings) {
