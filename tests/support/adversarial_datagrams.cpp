@@ -177,7 +177,7 @@ FalseStreams places() {
                    })),
       false_stream("ids_ahead_of_tcp", kHarmless,
                    headed([](DatagramHeader& header, OutgoingDatagrams&) {
-                     header.frame += 2000;  // so that TCP's are taken for late ones
+                     header.frame += 2000;  // the client then drops those of TCP as late
                    }),
                    true),
   };
