@@ -70,7 +70,7 @@ void VideoClip::startTracks() {
 
 bool VideoClip::grab() {
   if (ended_) return false;
-  if (isPair() ? grabByNumber() : grabByTime()) {
+  if (grabFrame()) {
     ++next_;
     return true;
   }
@@ -82,6 +82,8 @@ bool VideoClip::grab() {
                     color_.file->file(), next_ - 1, *info_.frame_count));
   return false;
 }
+
+bool VideoClip::grabFrame() { return isPair() ? grabByNumber() : grabByTime(); }
 
 void VideoClip::throwNoFrame(const VideoChannel& channel) const {
   const bool began = info_.width_px > 0;

@@ -82,6 +82,7 @@ class VideoClip final : public RgbdSource {
   bool grab();
   /// Moves both channels to the next frame; `next_` is still its number. Returns false at the end.
   /// Throws SourceError if there is no first frame.
+  bool grabFrame();
   bool grabByNumber();
   bool grabByTime();
   /// Moves the depth to the frame of the colour's time. Returns false at the end of the depth.

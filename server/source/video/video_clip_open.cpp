@@ -103,7 +103,7 @@ void VideoClip::begin(double fps) {
   cv::Mat color;
   cv::Mat depth;
   while (color.empty() || depth.empty()) {
-    if (!(isPair() ? grabByNumber() : grabByTime())) throwNoFrame(color_);
+    if (!grabFrame()) throwNoFrame(color_);
     cv::Mat next_color;
     cv::Mat next_depth;
     (void)retrieve(next_color, next_depth);

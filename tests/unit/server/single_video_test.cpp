@@ -1,42 +1,23 @@
 // SPDX-License-Identifier: MIT
-// One video file with colour and depth: as two tracks, or as halves of one picture. The files are
-// written with ffmpeg where it is there.
+// One video file with colour and depth: as two tracks, or as halves of one picture.
 #include "server/source/video/video_clip.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <array>
 #include <cmath>
-#include <cstdlib>
 #include <fstream>
-#include <functional>
 #include <iterator>
-#include <memory>
 #include <opencv2/imgproc.hpp>
-#include <vector>
 
 #include "server/source/picture/depth_code.hpp"
-#include "tests/unit/server/source_files.hpp"
+#include "tests/unit/server/single_video_files.hpp"
 
 namespace hapticast::server {
 namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
-
-constexpr int kFrames = 10;
-constexpr const char* kCopyTwo =
-    " -map 0 -map 1 -c:v:0 libx264 -pix_fmt:v:0 yuv420p -c:v:1 ffv1 -pix_fmt:v:1 gray16le ";
-
-/// Frame i of a drawn depth: 500 + 100 i mm on the left, random on the right.
-cv::Mat drawnDepth(int i, cv::Size size) {
-  cv::Mat depth(size, CV_16UC1);
-  cv::RNG random(static_cast<std::uint64_t>(i) + 1);
-  random.fill(depth, cv::RNG::UNIFORM, 0, 65536);
-  depth.colRange(0, size.width / 2).setTo(500 + 100 * i);
-  return depth;
-}
 
 /// Returns the colour that Record3D writes for a depth.
 cv::Vec3b hueOf(double depth_mm) {
@@ -47,44 +28,6 @@ cv::Vec3b hueOf(double depth_mm) {
   bgr.convertTo(levels, CV_8U, 255.0);
   return levels.at<cv::Vec3b>(0, 0);
 }
-
-class SingleVideoFiles : public testing::Test {
- protected:
-  void SetUp() override {
-    if (std::system("ffmpeg -version >/dev/null 2>&1") != 0) GTEST_SKIP() << "needs ffmpeg";
-  }
-  [[nodiscard]] std::string at(const std::string& name) const { return (folder / name).string(); }
-  /// Runs ffmpeg in the folder.
-  void ffmpeg(const std::string& arguments) const {
-    const std::string command = "cd '" + folder.string() + "' && ffmpeg -loglevel quiet -y " +
-                                arguments + " >/dev/null 2>&1 </dev/null";
-    ASSERT_EQ(std::system(command.c_str()), 0) << arguments;
-  }
-  /// Writes pictures one after the other. Returns the arguments of ffmpeg that read them.
-  [[nodiscard]] std::string raw(const std::string& name, const std::string& format, cv::Size size,
-                                const std::function<cv::Mat(int)>& draw, int fps = 30) const {
-    std::ofstream out(folder / name, std::ios::binary);
-    for (int i = 0; i < kFrames; ++i) {
-      const cv::Mat picture = draw(i);
-      out.write(reinterpret_cast<const char*>(picture.data),
-                static_cast<std::streamsize>(picture.total() * picture.elemSize()));
-    }
-    return "-f rawvideo -pix_fmt " + format + " -s " + std::to_string(size.width) + "x" +
-           std::to_string(size.height) + " -r " + std::to_string(fps) + " -i " + name + " ";
-  }
-  [[nodiscard]] std::string rawDepth(cv::Size size = {64, 48}, int fps = 30) const {
-    return raw(
-        "depth.raw", "gray16le", size, [&](int i) { return drawnDepth(i, size); }, fps);
-  }
-  [[nodiscard]] static std::string rawColor() {
-    return "-f lavfi -i testsrc=size=64x48:rate=30:duration=0.333 ";
-  }
-  [[nodiscard]] std::string openError(const std::string& name,
-                                      const VideoLayout& layout = {}) const {
-    return errorOf([&] { (void)openSource(at(name), 0.0, false, layout); });
-  }
-  SourceFolder folder;
-};
 
 TEST_F(SingleVideoFiles, TwoTracksAreColourAndDepthToTheBit) {
   ffmpeg(rawColor() + rawDepth() + kCopyTwo + "two.mkv");
@@ -97,7 +40,7 @@ TEST_F(SingleVideoFiles, TwoTracksAreColourAndDepthToTheBit) {
     EXPECT_NEAR(static_cast<double>(source->info().frame_count.value_or(0)), 10.0, 2.0);
     EXPECT_EQ(source->info().fps, 30.0);
     for (int round = 0; round < 2; ++round) {
-      for (int i = 0; i < kFrames; ++i) {
+      for (int i = 0; i < kVideoFrames; ++i) {
         const auto frame = source->read();
         ASSERT_TRUE(frame);
         EXPECT_EQ(frame->index, static_cast<std::uint64_t>(i));
@@ -133,7 +76,7 @@ TEST_F(SingleVideoFiles, TimesPairFramesOfOtherRates) {
   ffmpeg(rawColor() + rawDepth({64, 48}, 15) + kCopyTwo + "rates.mkv");
   const auto source = openSource(at("rates.mkv"), 0.0);
   const LogLines log;
-  for (int i = 0; i < kFrames; ++i) {
+  for (int i = 0; i < kVideoFrames; ++i) {
     const auto frame = source->read();
     ASSERT_TRUE(frame);
     // An odd frame lies in the middle of two depths.
@@ -169,7 +112,7 @@ TEST_F(SingleVideoFiles, TimesThatRunBackLeaveFramesOut) {
   int frames = 0;
   while (source->read()) ++frames;
   EXPECT_GE(frames, 5);
-  EXPECT_LT(frames, kFrames);
+  EXPECT_LT(frames, kVideoFrames);
   EXPECT_THAT(log.text(), HasSubstr("jump.mkv: frame 5 has a time stamp that runs back"));
 }
 
@@ -218,7 +161,7 @@ TEST_F(SingleVideoFiles, RawDepthInTheFormatOfAKinectIsExact) {
   bytes.replace(place, header.size(), recorder);
   const auto source = openSource(folder.write("b16g.mkv", bytes), 0.0);
   EXPECT_EQ(source->info().depth_kind, DepthKind::kMetric);
-  for (int i = 0; i < kFrames; ++i) {
+  for (int i = 0; i < kVideoFrames; ++i) {
     const auto frame = source->read();
     ASSERT_TRUE(frame);
     cv::Mat wanted;
@@ -249,7 +192,7 @@ TEST_F(SingleVideoFiles, HalvesOfGreyDepth) {
     const auto source = openSource(at(name), 0.0, false, layout);
     EXPECT_EQ(source->info().width_px, 64);
     EXPECT_EQ(source->info().height_px, 48);
-    for (int i = 0; i < kFrames; ++i) {
+    for (int i = 0; i < kVideoFrames; ++i) {
       const auto frame = source->read();
       ASSERT_TRUE(frame);
       EXPECT_EQ(frame->depth.at<float>(30, 30), first + step * static_cast<float>(i));
@@ -310,123 +253,6 @@ TEST_F(SingleVideoFiles, DepthOutsideTheRangeOfRecord3dIsNotMeasured) {
   EXPECT_NEAR(depth.at<float>(0, 1), 120.0F, 1.0F);
   EXPECT_NEAR(depth.at<float>(0, 2), 2780.0F, 1.0F);
   EXPECT_EQ(depth.at<float>(0, 3), 0.0F);
-}
-
-TEST_F(SingleVideoFiles, AColourVideoAloneIsRefusedWithoutAGuess) {
-  ffmpeg("-f lavfi -i mandelbrot=size=64x48:rate=30 -frames:v 3 -c:v mjpeg c.avi");
-  EXPECT_THAT(openError("c.avi"), AllOf(HasSubstr("c.avi: is a single file with one video track"),
-                                        HasSubstr("COLOR,DEPTH")));
-}
-
-TEST_F(SingleVideoFiles, TooLargePicturesAreRefusedBeforeTheyAreDecoded) {
-  ffmpeg("-f lavfi -i color=size=16400x64 -frames:v 1 -c:v mjpeg wide.avi");
-  EXPECT_THAT(openError("wide.avi", {Layout::kSideBySide, DepthCode::kGrey}),
-              HasSubstr("wide.avi: is 8200x64, larger than 8192 px a side"));
-  ffmpeg("-f lavfi -i color=size=12288x6144 -frames:v 1 -c:v mjpeg large.avi");
-  EXPECT_THAT(
-      openError("large.avi", {Layout::kSideBySide, DepthCode::kGrey}),
-      HasSubstr("large.avi: has pictures that cannot be decoded or are larger than 8192x4320"));
-}
-
-TEST_F(SingleVideoFiles, PlaylistsAndFilesOfManyTracksAreRefused) {
-  ffmpeg("-f lavfi -i color=size=32x32:duration=1 -c:v libx264 -f hls list.m3u8");
-  EXPECT_THAT(openError("list.m3u8"), HasSubstr("list.m3u8: "));
-  std::string maps;
-  for (int i = 0; i < 17; ++i) maps += "-map 0 ";
-  ffmpeg("-f lavfi -i color=size=32x32:duration=0.2 " + maps + "-c:v ffv1 many.mkv");
-  EXPECT_THAT(openError("many.mkv"), HasSubstr("many.mkv: has 17 tracks; allowed are 16"));
-}
-
-TEST_F(SingleVideoFiles, FlagsOfVideosAreRefusedForOtherSources) {
-  const VideoLayout beside{Layout::kSideBySide, DepthCode::kGrey};
-  const VideoLayout hue{Layout::kSeparate, DepthCode::kHue};
-  for (const std::string& spec : {std::string("synthetic:still"), folder.string()}) {
-    EXPECT_THAT(errorOf([&] { (void)openSource(spec, 0.0, false, beside); }),
-                HasSubstr("only a single video file has a --layout"));
-    EXPECT_THAT(errorOf([&] { (void)openSource(spec, 0.0, false, hue); }),
-                HasSubstr("--depth-code (hue: only videos"));
-  }
-  EXPECT_THAT(errorOf([&] { (void)openSource("a.mp4,b.mp4", 0.0, false, beside); }),
-              HasSubstr("only a single video file has a --layout"));
-}
-
-TEST_F(SingleVideoFiles, DamagedFilesPlayTheirCompleteFramesOrEndInOneSentence) {
-  ffmpeg(rawColor() + rawDepth() + kCopyTwo + "two.mkv");
-  ffmpeg("-i two.mkv -map 0 -c:v:0 copy -c:v:1 png -pix_fmt:v:1 gray16be two.mov");
-  ffmpeg("-i two.mkv -map 0:0 -c copy -movflags +faststart beside.mp4");
-  ffmpeg("-i two.mkv -map 0:0 -c:v mjpeg beside.avi");
-  ffmpeg("-i two.mkv -map 0:0 -c copy beside.ts");
-  ffmpeg("-i two.mkv -map 0:0 -c:v libvpx beside.webm");
-  cv::RNG random(3);
-  int opened = 0;
-  int refused = 0;
-  for (const std::string name :
-       {"two.mkv", "two.mov", "beside.mp4", "beside.avi", "beside.ts", "beside.webm"}) {
-    std::ifstream in(folder / name, std::ios::binary);
-    const std::string bytes{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-    const VideoLayout layout{name[0] == 't' ? Layout::kSeparate : Layout::kSideBySide,
-                             DepthCode::kInverse};
-    const VideoLayout chosen = name[0] == 't' ? VideoLayout{} : layout;
-    for (int i = 0; i < 40; ++i) {
-      std::string damaged = bytes;
-      if (i % 2 == 0) damaged.resize(bytes.size() * static_cast<std::size_t>(i) / 40);
-      for (int k = 0; i % 2 == 1 && k < 8; ++k) {  // in the header, then anywhere
-        const int range = i < 20 ? std::min<int>(600, static_cast<int>(bytes.size()))
-                                 : static_cast<int>(bytes.size());
-        damaged[static_cast<std::size_t>(random.uniform(0, range))] =
-            static_cast<char>(random.uniform(0, 256));
-      }
-      const std::string file = folder.write("damaged_" + name, damaged);
-      const LogLines log;
-      try {
-        const auto source = openSource(file, 0.0, false, chosen);
-        ++opened;
-        int frames = 0;
-        while (source->read() && frames < 1000) ++frames;
-        EXPECT_LE(frames, 2 * kFrames) << name << " " << i;
-      } catch (const SourceError& error) {
-        ++refused;
-        const std::string line = error.what();
-        EXPECT_THAT(line, HasSubstr("damaged_" + name));
-        EXPECT_EQ(line.find('\n'), std::string::npos) << line;
-      }
-      EXPECT_LE(log.count(), 12) << log.text();
-    }
-  }
-  EXPECT_GT(opened, 30);
-  EXPECT_GT(refused, 30);
-}
-
-TEST_F(SingleVideoFiles, ACutFileReportsWhereItEnds) {
-  ffmpeg(
-      "-f lavfi -i testsrc2=size=128x96:rate=30:duration=2 -c:v mjpeg -movflags +faststart c.mp4");
-  std::ifstream in(folder / "c.mp4", std::ios::binary);
-  const std::string bytes{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-  const std::string file = folder.write("cut.mp4", bytes.substr(0, bytes.size() / 2));
-  VideoClip source(std::make_unique<VideoFile>(file), {Layout::kSideBySide, DepthCode::kHue}, 0.0);
-  const LogLines log;
-  std::uint64_t last = 0;
-  while (const auto frame = source.read()) last = frame->index;
-  EXPECT_LT(last, 40U);
-  EXPECT_THAT(log.text(),
-              AllOf(HasSubstr("cut.mp4: ends after frame "), HasSubstr("states 60 frames")));
-}
-
-TEST_F(SingleVideoFiles, TwoSizesInOneFileLeaveTheSecondOut) {
-  ffmpeg("-f lavfi -i testsrc=size=64x48:rate=25 -frames:v 3 -c:v mjpeg a.mjpeg");
-  ffmpeg("-f lavfi -i testsrc=size=96x80:rate=25 -frames:v 3 -c:v mjpeg b.mjpeg");
-  std::string bytes;
-  for (const char* name : {"a.mjpeg", "b.mjpeg"}) {
-    std::ifstream in(folder / name, std::ios::binary);
-    bytes.append(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
-  }
-  VideoClip source(std::make_unique<VideoFile>(folder.write("both.mjpeg", bytes)),
-                   {Layout::kSideBySide, DepthCode::kHue}, 0.0);
-  const LogLines log;
-  int frames = 0;
-  while (source.read()) ++frames;
-  EXPECT_EQ(frames, 3);
-  EXPECT_THAT(log.text(), HasSubstr("both.mjpeg: frame 3 cannot be decoded or is not 32x48"));
 }
 
 }  // namespace
