@@ -12,6 +12,16 @@ namespace hapticast {
 using Vec2 = Eigen::Vector2d;
 using Vec3 = Eigen::Vector3d;
 
+/// Returns `expression`, a vector, shortened to a length of at most `longest`. Real-time.
+template <class Derived>
+[[nodiscard]] typename Derived::PlainObject limitLength(
+    const Eigen::MatrixBase<Derived>& expression, double longest) noexcept {
+  const typename Derived::PlainObject vector = expression;
+  const double length = vector.norm();
+  if (length > longest) return vector * (longest / length);
+  return vector;
+}
+
 /// A rectangle of whole pixels; (u, v) is its top-left pixel.
 struct PixelRect {
   int u = 0;

@@ -61,11 +61,6 @@ Vec3 gridAcceleration(const PlayObject& frame, const Vec2& image_px) noexcept {
          b * ((1.0 - a) * cell(i, down) + a * cell(right, down));
 }
 
-Vec3 shortenTo(const Vec3& vector, double limit) noexcept {
-  const double length = vector.norm();
-  return length > limit ? Vec3(vector * (limit / length)) : vector;
-}
-
 /// Acceleration of the object's material at the contact, nominal mm/s²: as stated by the stream,
 /// and within the plausibility bounds.
 struct AtContact {
@@ -99,8 +94,8 @@ AtContact computeAcceleration(const InterpolatedObject& object, const Vec3& cont
   const PlausibilityBounds& plausibility = object.plausibility;
   const double turn = object.angular_velocity_rad_s;
   return {object.acceleration_mm_s2 + grid + turned(turn, turn_rate),
-          shortenTo(object.acceleration_mm_s2, plausibility.acceleration_mm_s2) +
-              shortenTo(grid, plausibility.grid_mm_s2) +
+          limitLength(object.acceleration_mm_s2, plausibility.acceleration_mm_s2) +
+              limitLength(grid, plausibility.grid_mm_s2) +
               turned(std::clamp(turn, -plausibility.turn_rad_s, plausibility.turn_rad_s),
                      std::clamp(turn_rate, -plausibility.turn_rate_rad_s2,
                                 plausibility.turn_rate_rad_s2))};
@@ -179,7 +174,7 @@ Vec3 DynamicForce::pulse_N(const InterpolatedObject& object, MediaTime play_time
     has_pulse_ = true;
     pulse_ = *impact;
     pulse_.delta_velocity_mm_s =
-        shortenTo(pulse_.delta_velocity_mm_s, object.plausibility.impact_mm_s);
+        limitLength(pulse_.delta_velocity_mm_s, object.plausibility.impact_mm_s);
     const double cut_N =
         height_N(impact->delta_velocity_mm_s) - height_N(pulse_.delta_velocity_mm_s);
     implausible_pulse_ = !(cut_N <= kFelt_N);
@@ -204,11 +199,11 @@ Vec3 DynamicForce::evaluate(const InterpolatedObject* object, double penetration
   const AtContact acceleration = computeAcceleration(
       *object, contact_mm != nullptr ? *contact_mm : object->position_mm, stream.workspace);
   const auto pushes_N = [&](const Vec3& acceleration_mm_s2) noexcept {
-    return shortenTo(mass_kg * to_metres * acceleration_mm_s2, kObjectShare * profile_.peak_N);
+    return limitLength(mass_kg * to_metres * acceleration_mm_s2, kObjectShare * profile_.peak_N);
   };
   const Vec3 streamed_N = pushes_N(acceleration.streamed);
   const Vec3 plausible_N = pushes_N(acceleration.plausible);
-  const Vec3 object_N = plausible_N + shortenTo(streamed_N - plausible_N, kSlack_N);
+  const Vec3 object_N = plausible_N + limitLength(streamed_N - plausible_N, kSlack_N);
   const Vec3 inertia_N = -cursorMass_kg() * cursor_acceleration_m_s2;
   const Vec3 pulsed_N = pulse_N(*object, play_time, mass_kg * to_metres);
   const Vec3 force_N = object_N + inertia_N + pulsed_N;

@@ -31,10 +31,6 @@ constexpr double kSlideDepth_mm = 1.0;
 constexpr double kSlideSpeed_mm_s = 20.0;
 constexpr double kSlideReach_mm = 6.0;
 
-Vec3 limitLength(const Vec3& v, double longest) noexcept {
-  const double length = v.norm();
-  return length > longest ? Vec3(v * (longest / length)) : v;
-}
 }  // namespace
 
 HandScript::HandScript(HandKind kind, const HandStiffness& stiffness,

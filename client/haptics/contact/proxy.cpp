@@ -218,7 +218,7 @@ bool Proxy::pushOut(int moves, double longest_mm) noexcept {
   for (int i = 0; i < moves; ++i) {
     const EdgeSample edge = probe_.edge(at_mm_.head<2>());
     if (edge.distance_mm <= 0.0 && edge.distance_mm > -2.0 * kOutside_mm) break;
-    at_mm_.head<2>() += limitStep(stepToEdge(edge), longest_mm);
+    at_mm_.head<2>() += limitLength(stepToEdge(edge), longest_mm);
   }
   const EdgeSample edge = probe_.edge(at_mm_.head<2>());
   return edge.distance_mm <= 0.0 || edge.gradient.squaredNorm() > kFlatEdge * kFlatEdge;

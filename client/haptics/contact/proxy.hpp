@@ -11,6 +11,7 @@
 #include <cstdint>
 
 #include "client/haptics/contact/height_sampler.hpp"
+#include "common/geometry.hpp"
 #include "common/relief/height_field.hpp"
 
 namespace hapticast::client {
@@ -138,12 +139,6 @@ class Proxy {
 constexpr double kLookAhead_px = 0.5;  // length of a small step; it skips no detail of 1 px
 // Distance of a proxy at a wall from the mask's edge, on the outside.
 constexpr double kOutside_mm = 1e-3;
-
-/// Returns `step_mm`, shortened to a length of at most `longest_mm`.
-inline Vec2 limitStep(const Vec2& step_mm, double longest_mm) noexcept {
-  const double length_mm = step_mm.norm();
-  return length_mm > longest_mm ? Vec2(step_mm * (longest_mm / length_mm)) : step_mm;
-}
 
 /// Returns a Newton step from the sampled point towards the point kOutside_mm outside the mask's
 /// edge.

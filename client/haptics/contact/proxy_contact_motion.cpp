@@ -102,7 +102,7 @@ void Proxy::slideOnTop() noexcept {
     done_ = true;
     return;
   }
-  stepOnTop(here, limitStep(step_mm, kStep_px * probe_.relief().pixel_mm()));
+  stepOnTop(here, limitLength(step_mm, kStep_px * probe_.relief().pixel_mm()));
 }
 
 /// Leaves the relief towards the HIP if that path is free. Returns true if the proxy left.
@@ -186,7 +186,7 @@ double Proxy::share(double length_mm, double depth_mm) noexcept {
 void Proxy::applyFriction(const Height& here, Vec2 step_mm, double depth_mm) noexcept {
   const Vec2 gradient = here.now.gradient;
   const double part = share(computeLengthOnPlane(step_mm, gradient), depth_mm);
-  step_mm = limitStep(part * step_mm, kStep_px * probe_.relief().pixel_mm());
+  step_mm = limitLength(part * step_mm, kStep_px * probe_.relief().pixel_mm());
   done_ = true;
   if (computeLengthOnPlane(step_mm, gradient) < kConverged_mm) return;
   for (int i = 0; i <= kShrinks && done_; ++i, step_mm *= kShrink) {
@@ -244,9 +244,9 @@ void Proxy::slideOnWall() noexcept {
 /// Steps along the edge and by one Newton step back to it, unless that leads away from the HIP.
 void Proxy::stepAlongWall(const Vec2& along_mm) noexcept {
   const Vec2 q_mm = at_mm_.head<2>();
-  const Vec2 step_mm = limitStep(along_mm, kStep_px * probe_.relief().pixel_mm());
+  const Vec2 step_mm = limitLength(along_mm, kStep_px * probe_.relief().pixel_mm());
   const Vec2 beside_mm = q_mm + step_mm;
-  const Vec2 to_mm = beside_mm + limitStep(stepToEdge(probe_.edge(beside_mm)), step_mm.norm());
+  const Vec2 to_mm = beside_mm + limitLength(stepToEdge(probe_.edge(beside_mm)), step_mm.norm());
   if ((hip_mm_.head<2>() - to_mm).norm() < (hip_mm_.head<2>() - q_mm).norm()) {
     at_mm_.head<2>() = to_mm;
   } else {
