@@ -27,9 +27,8 @@ asio::awaitable<Dialled> searchAndDial(std::shared_ptr<Discovery> discovery, std
   asio::steady_timer timer(io);
   std::string why;
   for (auto searched = Duration::zero(); searched < Duration(kSearch); searched += kStep) {
-    const std::string describeAbsence = discovery->describeAbsence();
-    if (!describeAbsence.empty() && searched >= Duration(kNoDaemon))
-      co_return DialError{describeAbsence};
+    const std::string absence = discovery->describeAbsence();
+    if (!absence.empty() && searched >= Duration(kNoDaemon)) co_return DialError{absence};
     const auto found = only(discovery->servers(), name, why);
     if (found) {
       const Dial dial = dial_found(*found);
@@ -80,9 +79,8 @@ bool listServers() {
     std::puts(text.c_str());
     return true;
   }
-  const std::string describeAbsence = discovery.describeAbsence();
-  spdlog::error("{}", describeAbsence.empty() ? "no server is announced on the LAN"
-                                              : kNoSearch + describeAbsence);
+  const std::string absence = discovery.describeAbsence();
+  spdlog::error("{}", absence.empty() ? "no server is announced on the LAN" : kNoSearch + absence);
   return false;
 }
 

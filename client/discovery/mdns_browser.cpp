@@ -66,7 +66,7 @@ struct Discovery::Browser {
     };
     {
       const std::lock_guard lock(mutex);
-      describeAbsence.clear();
+      absence.clear();
     }
     avahi = client;
     services = avahi_service_browser_new(client, AVAHI_IF_UNSPEC, AVAHI_PROTO_UNSPEC, kServiceType,
@@ -129,7 +129,7 @@ struct Discovery::Browser {
 
   void onRemoved(const std::string& why) {
     const std::lock_guard lock(mutex);
-    describeAbsence = why;
+    absence = why;
   }
 
   AvahiClient* avahi = nullptr;
@@ -137,10 +137,10 @@ struct Discovery::Browser {
   std::map<Key, AvahiServiceResolver*> resolvers;
   mutable std::mutex mutex;
   std::map<AvahiServiceResolver*, FoundServer> found;  // mutex
-  std::string describeAbsence;                         // mutex
+  std::string absence;                                 // mutex
   AvahiSession session{{.runs = [this](AvahiClient* client) { start(client); },
                         .over = [this] { forget(); },
-                        .describeAbsence = [this](const std::string& why) { onRemoved(why); }}};
+                        .onAbsent = [this](const std::string& why) { onRemoved(why); }}};
 };
 
 Discovery::Discovery() : browser_(std::make_unique<Browser>()) {}
@@ -158,7 +158,7 @@ std::vector<FoundServer> Discovery::servers() const {
 
 std::string Discovery::describeAbsence() const {
   const std::lock_guard lock(browser_->mutex);
-  return browser_->describeAbsence;
+  return browser_->absence;
 }
 
 }  // namespace hapticast::client

@@ -76,7 +76,7 @@ void AvahiSession::changed(AvahiClient* client, int state, void* self) {
 
 void AvahiSession::lost(const std::string& why) {
   events_.over();
-  if (!std::exchange(logged_absent_, true)) events_.describeAbsence(why);
+  if (!std::exchange(logged_absent_, true)) events_.onAbsent(why);
 }
 
 void AvahiSession::retryLater() {

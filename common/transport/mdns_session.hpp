@@ -25,7 +25,7 @@ class AvahiSession {
     std::function<void()> over;
     /// No daemon runs; the argument is the cause. The session does not call it again until the
     /// daemon has run.
-    std::function<void(const std::string&)> describeAbsence;
+    std::function<void(const std::string&)> onAbsent;
   };
 
   /// Starts to connect. Throws std::runtime_error if the library cannot start.

@@ -128,7 +128,7 @@ struct Announcer::Service {
   AvahiSession session{
       {.runs = [this](AvahiClient* client) { make(client); },
        .over = [this] { withdraw(); },
-       .describeAbsence =
+       .onAbsent =
            [](const std::string& why) {
              spdlog::warn("not announced on the LAN: {}; the server tries again automatically",
                           why);

@@ -120,7 +120,7 @@ Comparison compareRows(const Scope& scope, const std::vector<Row>& got,
   std::map<std::string, int> skipped;
   for (const auto& [key, row] : before) {
     if (now.contains(key) || !scope.whole) continue;
-    if (scope.describeAbsence.contains(row->scene)) {
+    if (scope.absent_scenes.contains(row->scene)) {
       ++skipped[row->scene];
     } else {
       out.failures.push_back(describeFigure(scope, *row) + "got nothing" + describeLimit(*row));

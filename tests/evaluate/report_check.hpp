@@ -39,9 +39,9 @@ class CheckFailed : public std::runtime_error {
 
 /// The part of a baseline that a run can have.
 struct Scope {
-  std::string topic;                           ///< for the lines below
-  bool whole = true;                           ///< false: a part was run, the rest is not missed
-  std::set<std::string> describeAbsence = {};  ///< scenes whose clip is not on this machine
+  std::string topic;                         ///< for the lines below
+  bool whole = true;                         ///< false: a part was run, the rest is not missed
+  std::set<std::string> absent_scenes = {};  ///< scenes whose clip is not on this machine
 };
 
 struct Comparison {

@@ -48,7 +48,7 @@ struct StepState {
   double moved_mm = 0.0;                     ///< motion in this tick (CountedMotion)
   Vec3 velocity_change_mm_s = Vec3::Zero();  ///< change in this tick (CountedMotion)
   HipState ahead;                            ///< predicted HIP; the wall acts there
-  /// Motion of the surface from now to the time of `predictAhead`.
+  /// Motion of the surface from now to the time of `ahead`.
   Vec3 surface_ahead_mm = Vec3::Zero();
   // These are zero without a contact:
   bool contact = false;

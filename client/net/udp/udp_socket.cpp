@@ -89,8 +89,7 @@ void enlargeBuffer(udp::socket& socket) {
 /// Converts the system's error to a text for the user.
 Error makeError(const boost::system::error_code& ec) { return Error{ec.message()}; }
 
-/// Returns the index of the interface `hasName`; with an empty name that of the route to the
-/// server.
+/// Returns the index of the interface `called`; with an empty name that of the route to the server.
 Result<unsigned> findInterface(asio::io_context& io, const std::string& called,
                                const Endpoint& server) {
   std::string name = called;

@@ -47,8 +47,8 @@ class MotionHistory {
   /// nominal mm.
   [[nodiscard]] MotionWindow window(std::uint32_t id, std::uint64_t frame, int lookahead,
                                     const NominalFrame& nominal) const;
-  /// Returns the motion of object `id` at the middle frame of `findAround`. If the object was lost
-  /// in that frame, the motion is zero and the position is its last pose.
+  /// Returns the motion of object `id` at the middle frame of `around`. If the object was lost in
+  /// that frame, the motion is zero and the position is its last pose.
   [[nodiscard]] Motion motion(std::uint32_t id, const MotionWindow& around, int lookahead,
                               const NominalFrame& nominal) const;
   /// Returns whether the cell motion of object `id` was measured in all frames of the window around

@@ -72,13 +72,13 @@ Rub wallRub(bool slow) {
                                  {point.outward.x(), point.outward.y(), 0.0}};
   };
   const Vec2 outward = wall.at(0.0).outward;
-  Rub applyFriction{"side wall", wall.scene, rubbingHand(surface),
-                    [=](const Vec3&) { return Vec3(outward.x(), outward.y(), 0.0); }};
-  if (!slow) return applyFriction;
-  applyFriction.name += ", 3 mm/s";
-  applyFriction.hand = rubbingHand(surface, kSlow_mm_s);
-  applyFriction.required = false;
-  return applyFriction;
+  Rub rub{"side wall", wall.scene, rubbingHand(surface),
+          [=](const Vec3&) { return Vec3(outward.x(), outward.y(), 0.0); }};
+  if (!slow) return rub;
+  rub.name += ", 3 mm/s";
+  rub.hand = rubbingHand(surface, kSlow_mm_s);
+  rub.required = false;
+  return rub;
 }
 
 double ratioOf(const Tick& tick, const Vec3& normal) {
@@ -92,7 +92,7 @@ struct Rubbed {
 
 // `true_normal`: against the true surface, else against the rendered one (a mask's edge of
 // whole pixels has directions that are a degree or two off).
-Rubbed rubbed(const Rub& applyFriction, const std::vector<Tick>& ticks, bool true_normal) {
+Rubbed rubbed(const Rub& rub, const std::vector<Tick>& ticks, bool true_normal) {
   double breakaway = 0;
   double slip_square = 0;
   double count = 0;
@@ -100,7 +100,7 @@ Rubbed rubbed(const Rub& applyFriction, const std::vector<Tick>& ticks, bool tru
     const double since_s = tick.time_s - kStart_s;
     if (since_s < 0.0 || since_s > kSlipping_s) continue;
     const Vec3 proxy_mm = tick.hand.hip_mm + tick.displacement_mm;
-    const double ratio = ratioOf(tick, true_normal ? applyFriction.normal(proxy_mm) : tick.normal);
+    const double ratio = ratioOf(tick, true_normal ? rub.normal(proxy_mm) : tick.normal);
     if (since_s < kStuck_s) {
       breakaway = std::max(breakaway, ratio);
     } else {
@@ -112,21 +112,21 @@ Rubbed rubbed(const Rub& applyFriction, const std::vector<Tick>& ticks, bool tru
           100.0 * std::sqrt(slip_square / std::max(1.0, count))};
 }
 
-Outcome measure(const Rub& applyFriction) {
+Outcome measure(const Rub& rub) {
   StreamKind kind;
   kind.longest_s = 2.0;
   kind.material.static_friction = kSticking;
   kind.material.dynamic_friction = kSliding;
   const Variant& variant = defaultVariant();
-  const ForceTrace trace = renderTrace(makeStream(applyFriction.scene, kind), variant,
-                                       applyFriction.hand, {0.4, 1.6, -0.08});
+  const ForceTrace trace =
+      renderTrace(makeStream(rub.scene, kind), variant, rub.hand, {0.4, 1.6, -0.08});
   Outcome out;
   for (const bool true_normal : {false, true}) {
-    const Rubbed off = rubbed(applyFriction, trace.ticks, true_normal);
-    const std::string name = applyFriction.name + (true_normal ? ", against the true normal" : "");
+    const Rubbed off = rubbed(rub, trace.ticks, true_normal);
+    const std::string name = rub.name + (true_normal ? ", against the true normal" : "");
     out.rows.push_back(rowOf(name, "friction, breakaway off by", variant, off.breakaway, "%", 0.0));
     out.rows.push_back(rowOf(name, "friction, slip off by", variant, off.slip, "%", 0.0));
-    if (true_normal || !applyFriction.required) continue;
+    if (true_normal || !rub.required) continue;
     out.goals.push_back(
         {"friction on the " + name + ": breakaway against mu", "%", 2.0, 1.0, off.breakaway});
     out.goals.push_back({"friction on the " + name + ": slip against mu", "%", 2.0, 1.0, off.slip});
