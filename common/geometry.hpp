@@ -16,9 +16,9 @@ using Vec3 = Eigen::Vector3d;
 template <class Derived>
 [[nodiscard]] typename Derived::PlainObject limitLength(
     const Eigen::MatrixBase<Derived>& expression, double longest) noexcept {
-  const typename Derived::PlainObject vector = expression;
+  typename Derived::PlainObject vector = expression;
   const double length = vector.norm();
-  if (length > longest) return vector * (longest / length);
+  if (length > longest) vector *= longest / length;
   return vector;
 }
 
