@@ -34,7 +34,6 @@ SelectedDevice selectDevice(const Settings& settings, const Clock& clock,
                               .hand = settings.hand,
                               .clock = clock,
                               .pointer = pointer,
-                              .falcon = settings.falcon,
                               .options = settings.device_options,
                               .log = [](const std::string& line) { spdlog::info("{}", line); }};
   const bool scripted = settings.device == "auto" && settings.hand_given;

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "client/control_request.hpp"
+#include "client/device/falcon/falcon_settings.hpp"
 #include "client/device/open_device.hpp"
 #include "client/settings.hpp"
 #include "common/build_options.hpp"
@@ -148,8 +149,9 @@ void addDriverOption(CLI::App& app, Settings& settings) {
          [add](const std::vector<std::string>& texts) {
            for (const std::string& text : texts) add(text);
          },
-         "A setting for the driver of the device; `serial` selects one of several devices")
-      ->type_name("KEY=VALUE");
+         "A setting for the driver of the device; `serial` selects one of several devices. "
+         "DRIVER.KEY=VALUE is for this driver only, e.g. falcon.gain=3500")
+      ->type_name("[DRIVER.]KEY=VALUE");
 }
 
 void addDeviceOptions(CLI::App& app, Settings& settings) {
@@ -182,6 +184,17 @@ bool hasDevice(std::string_view name) {
                      [name](const DeviceKind& kind) { return kind.name == name; });
 }
 
+/// Adds --falcon-KEY VALUE, which is --device-option falcon.KEY=VALUE.
+void addFalconOption(CLI::App& app, Settings& settings, const std::string& key, const char* type,
+                     const char* help) {
+  const auto set = [&settings, key](const std::string& text) {
+    if (key == "gain" && !parseNumberInRange<double>(text, kLeastFalconGain, kMostFalconGain))
+      throw notANumber("--falcon-gain", text, kLeastFalconGain, kMostFalconGain);
+    settings.device_options["falcon." + key] = text;
+  };
+  app.add_option_function<std::string>("--falcon-" + key, set, help)->type_name(type);
+}
+
 void addFalconOptions(CLI::App& app, Settings& settings) {
   app.add_flag("--list-devices", settings.list_devices,
                "List the kinds of devices and the connected devices, and end");
@@ -189,15 +202,14 @@ void addFalconOptions(CLI::App& app, Settings& settings) {
             "Check that the motion of a device follows its commands, in sign, axis and size, and "
             "end. Hold the grip loosely: it is pushed with 0.3 N");
   if (!hasDevice("falcon")) return;
-  app.add_option("--falcon-firmware", settings.falcon.firmware_file,
-                 "The Falcon's firmware, a file of your own, loaded after each power-up; default: "
-                 "hapticast/falcon.bin in $XDG_DATA_HOME, else in ~/.local/share")
-      ->type_name("FILE");
-  app.add_option("--falcon-serial", settings.falcon.serial,
-                 "Which Falcon, by its serial number (--list-devices); default: the first")
-      ->type_name("S");
-  addNumber(app, "--falcon-gain", settings.falcon.gain, 100.0, 20000.0, "COUNTS_PER_NM",
-            "Motor counts for a torque of 1 N m at an arm of the Falcon; default: 3500");
+  addFalconOption(app, settings, "firmware", "FILE",
+                  "The Falcon's firmware, a file of your own, loaded after each power-up; default: "
+                  "hapticast/falcon.bin in $XDG_DATA_HOME, else in ~/.local/share");
+  addFalconOption(app, settings, "serial", "S",
+                  "Which Falcon, by its serial number (--list-devices); default: the first");
+  addFalconOption(
+      app, settings, "gain", "COUNTS_PER_NM",
+      "Motor counts for a torque of 1 N m at an arm of the Falcon, 100..20000; default: 3500");
   addNumber(app, "--falcon-calibrate", settings.calibration_g, 50.0, 500.0, "GRAMS",
             "Measure the gain with a known weight, step by step, and end; the file of --config "
             "stores the gain, else the log shows it");

@@ -10,9 +10,12 @@
 
 #include "client/device/calibrate.hpp"
 #include "client/device/check_device.hpp"
+#include "client/device/falcon/falcon_settings.hpp"
+#include "client/device/open_device.hpp"
 #include "client/report/fault_log.hpp"
 #include "common/cli/run_program.hpp"
 #include "common/private_file.hpp"
+#include "common/text.hpp"
 
 namespace hapticast::client {
 
@@ -27,10 +30,10 @@ void stopAtSignals() {
 
 void logInfo(const std::string& line) { spdlog::info("{}", line); }
 
-DeviceRequest toRequest(const Settings& settings, const Clock& clock) {
-  return {.profile = settings.profile,
+DeviceRequest toRequest(const Settings& settings, const std::string& kind, const Clock& clock) {
+  return {.kind = kind,
+          .profile = settings.profile,
           .clock = clock,
-          .falcon = settings.falcon,
           .options = settings.device_options,
           .log = logInfo};
 }
@@ -41,12 +44,13 @@ std::string checkFile() { return (stateFolder() / "checked-devices").string(); }
 
 void printDevices(const Settings& settings) {
   const SteadyClock clock;
-  std::fputs(listDevices(toRequest(settings, clock)).c_str(), stdout);
+  std::fputs(listDevices(toRequest(settings, "", clock)).c_str(), stdout);
 }
 
 int runDeviceCheck(const Settings& settings) {
   const SteadyClock clock;
-  const auto device = openDevice(settings.check_device, toRequest(settings, clock));
+  const auto device =
+      openDevice(settings.check_device, toRequest(settings, settings.check_device, clock));
   stopAtSignals();
   const auto check = checkDevice(*device, clock, stop_command, logInfo);
   if (!check) return kDone;
@@ -65,10 +69,16 @@ int runDeviceCheck(const Settings& settings) {
 
 int runFalconCalibration(const Settings& settings) {
   const SteadyClock clock;
-  const auto device = openDevice("falcon", toRequest(settings, clock));
+  const DeviceRequest request = toRequest(settings, "falcon", clock);
+  const auto device = openDevice("falcon", request);
   stopAtSignals();
-  const auto gain = calibrate(*device, clock, settings.falcon.gain, settings.calibration_g,
-                              stop_command, logInfo);
+  const auto options = selectDriverOptions(request);
+  const auto set = options.find("gain");
+  const double used =
+      set == options.end()
+          ? kFalconGain
+          : parseNumberInRange<double>(set->second, kLeastFalconGain, kMostFalconGain).value();
+  const auto gain = calibrate(*device, clock, used, settings.calibration_g, stop_command, logInfo);
   if (!gain) return kDone;
   if (settings.config_file.empty()) {
     spdlog::info("put this line into a file for --config: falcon-gain = {:.0f}", *gain);

@@ -9,7 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "client/device/open_device.hpp"
 #include "client/haptics/contact/surface_model.hpp"
 #include "client/net/origin_pin.hpp"
 #include "client/net/udp/transport_selector.hpp"
@@ -37,7 +36,6 @@ struct Settings {
   bool list_servers = false;
   std::string device = "auto";
   std::string profile;  ///< name of a built-in profile, or a file; empty: the default of the device
-  FalconSettings falcon;
   std::map<std::string, std::string> device_options;  ///< of --device-option KEY=VALUE
   bool list_devices = false;
   std::string check_device;    ///< kind of --check-device; empty: no check

@@ -43,7 +43,7 @@ set(rules
 )
 # One door per library: who may include it.
 set(doors
-  "^boost/"                          "^(common/transport/asio\\.hpp|client/device/inverse3/websocket\\.cpp|server/http/http_request\\.cpp|tests/.*)$"
+  "^boost/"                          "^(common/transport/asio\\.hpp|client/device/inverse3/websocket\\.cpp|server/http/http_(response|server)\\.[ch]pp|tests/.*)$"
   "^common/transport/asio\\.hpp$"              "^((common/transport|server/stream|server/relay|server/http|client/net|client/discovery|tests)/|(server|client)/[^/]*$)"
   "\\.pb\\.h$"                       "^common/protocol/(decode|encode|read_frame|write_frame|fragment|relay)\\.[ch]pp$"
   "^google/protobuf"                 "^common/protocol/(decode|encode|scan)\\.cpp$"
@@ -51,12 +51,13 @@ set(doors
   "^opencv2/"                        "^((server/(source|vision)|client/view|tests)/|server/preview)"
   "^lib(av[a-z]+|swscale)/"           "^server/source/video/video_(file\\.cpp|format\\.[ch]pp)$"
   "^turbojpeg\\.h$"                  "^client/view/picture\\.cpp$"
-  "^nlohmann/"                       "^(server/(source/picture/json_object\\.hpp|author/scene_file\\.cpp|http/status\\.cpp)$|client/(report/summary|device/inverse3/protocol)\\.cpp$|tests/)"
+  "^nlohmann/"                       "^(server/(source/picture/json_object\\.hpp|author/scene_file\\.cpp|http/metrics_text\\.cpp)$|client/(report/summary|device/inverse3/protocol)\\.cpp$|tests/)"
   "^SDL"                             "^(client/(view/(window/|sound)|device/gamepad)|tests/)"
   "^(imgui|backends/imgui)"          "^(client/view/window/|tests/)"
   "^avahi-"                          "^(common/transport/mdns_session|client/discovery/mdns_browser|server/stream/announce)\\.cpp$"
   "^nats/"                           "^server/relay/nats_connection\\.cpp$"
   "^OpenNI\\.h$"                     "^server/source/live/openni_camera\\.cpp$"
+  "^systemd/"                        "^server/service_manager\\.cpp$"
   "^libusb"                          "^client/device/falcon/usb\\.cpp$"
   "^common/(codec|protocol|transport)/" "^(common/(codec|protocol|transport)/|server/(stream/|relay/|pipeline/|http/|[^/]*$)|client/(net/|discovery/|report/|[^/]*$)|tests/)"
 )

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <deque>
 
-#include "client/device/open_device.hpp"
+#include "client/device/device_request.hpp"
 #include "client/device/pointed_hand.hpp"
 #include "common/time.hpp"
 

@@ -3,7 +3,7 @@
 // visible as the distance between both.
 #include <stdexcept>
 
-#include "client/device/open_device.hpp"
+#include "client/device/device_request.hpp"
 #include "client/device/pointed_hand.hpp"
 #include "client/haptics/tick_report.hpp"
 

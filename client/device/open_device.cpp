@@ -81,14 +81,6 @@ std::vector<std::string> deviceNames() {
   return names;
 }
 
-PlantProfile loadProfile(const std::string& name_or_file, const std::string& own) {
-  try {
-    return loadDeviceProfile(name_or_file.empty() ? own : name_or_file);
-  } catch (const std::runtime_error& error) {
-    throw std::runtime_error(std::string("--profile ") + error.what());
-  }
-}
-
 std::unique_ptr<HapticDevice> openDevice(const std::string& name, const DeviceRequest& request) {
   for (const DeviceKind& kind : deviceKinds()) {
     const bool best = request.pointer == nullptr ? &kind == &deviceKinds().front()

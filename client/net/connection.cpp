@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "client/net/welcome_rate_limiter.hpp"
 #include "common/protocol/signed_frame.hpp"
 
 namespace hapticast::client {
@@ -47,7 +46,7 @@ struct Connection::Session {
   bool closed = false;
   bool welcomed = false;
   bool wrong_origin = false;
-  WelcomeRateLimiter welcomes;
+  RateLimiter welcomes = makeWelcomeLimiter();
   std::optional<LocalTime> unanswered_since;  // welcome without an answered ping yet
   bool pinging = false;
   std::size_t sent_pings = 0;  // since the newest welcome

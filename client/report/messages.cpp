@@ -34,16 +34,16 @@ std::optional<std::string> ConnectionLog::preparing(double share, LocalTime now)
 }
 
 std::optional<std::string> ConnectionLog::logLoss(const std::string& why, LocalTime now) {
-  if (why == reason_ && !lost_interval_.isDue(now)) return std::nullopt;
+  if (why != reason_) lost_interval_ = RateLimiter::makeOnceAMinute();
+  if (!lost_interval_.allow(now)) return std::nullopt;
   reason_ = why;
-  lost_interval_.onLogged(now);
   return limit_.admit(ever_connected_ ? server_ + ": " + why + "; trying again"
                                       : "waiting for a server at " + server_ + " (" + why + ")",
                       now);
 }
 
 std::optional<std::string> StreamErrorLog::onCounts(const ReceiverCounts& counts, LocalTime now) {
-  if (!interval_.isDue(now)) return std::nullopt;
+  if (!interval_.isReady(now)) return std::nullopt;
   std::string text;
   const auto add = [&](std::uint64_t count, std::uint64_t logged, const char* what) {
     if (count > logged)
@@ -61,7 +61,7 @@ std::optional<std::string> StreamErrorLog::onCounts(const ReceiverCounts& counts
       "frames that arrived faster than the client renders them and were dropped: ");
   if (text.empty()) return std::nullopt;
   logged_ = counts;
-  interval_.onLogged(now);
+  (void)interval_.allow(now);
   return "server error: " + text;
 }
 

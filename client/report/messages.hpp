@@ -12,7 +12,7 @@
 #include "client/haptics/rearm_policy.hpp"
 #include "client/haptics/tick_report.hpp"
 #include "client/net/receiver.hpp"
-#include "common/log_rate_limiter.hpp"
+#include "common/rate_limiter.hpp"
 
 namespace hapticast::client {
 
@@ -46,10 +46,10 @@ class ConnectionLog {
  private:
   std::string server_;
   std::string reason_;
-  std::optional<double> logged_share_;  // of this connection
-  LogInterval lost_interval_;           // for reason_
+  std::optional<double> logged_share_;                          // of this connection
+  RateLimiter lost_interval_ = RateLimiter::makeOnceAMinute();  // for reason_
   bool ever_connected_ = false;
-  LogRateLimiter limit_;
+  RateLimiter limit_;
 };
 
 /// Log lines about defects of the stream. There is at most one line per minute.
@@ -61,7 +61,7 @@ class StreamErrorLog {
 
  private:
   ReceiverCounts logged_;
-  LogInterval interval_;
+  RateLimiter interval_ = RateLimiter::makeOnceAMinute();
 };
 
 /// Measures the work of the force on the hand in the last 10 s, for a line to the user.
@@ -99,13 +99,13 @@ class HapticStatusLog {
   bool logged_enable_ = false;            // logged once a run
   std::optional<LocalTime> empty_since_;  // no frame since then
   bool logged_empty_ = false;
-  LogInterval softer_;
-  LogInterval later_;
+  RateLimiter softer_ = RateLimiter::makeOnceAMinute();
+  RateLimiter later_ = RateLimiter::makeOnceAMinute();
   WorkMeter work_;
-  LogInterval works_;
-  LogRateLimiter limit_;
+  RateLimiter works_ = RateLimiter::makeOnceAMinute();
+  RateLimiter limit_;
   // Separate limit, so that a stream cannot suppress lines about a halt.
-  LogRateLimiter halt_limit_;
+  RateLimiter halt_limit_;
 };
 
 }  // namespace hapticast::client

@@ -1,89 +1,100 @@
 // SPDX-License-Identifier: MIT
 #include "server/http/http_response.hpp"
 
-#include <fmt/core.h>
-
+#include <boost/beast/http/error.hpp>
+#include <limits>
+#include <string>
 #include <string_view>
 
 namespace hapticast::server {
 
 namespace {
 
-constexpr std::string_view kPlainText = "text/plain; charset=utf-8";
+namespace http = boost::beast::http;
+using http::status;
 
-/// A response before its transmission.
-struct HttpContent {
-  HttpStatus status = HttpStatus::kOk;
-  std::string body;
-  std::string_view type = kPlainText;
-};
+constexpr unsigned kHttp11 = 11;
 
-std::string_view reasonOf(HttpStatus status) {
-  switch (status) {
-    case HttpStatus::kOk:
-      return "OK";
-    case HttpStatus::kMalformed:
-      return "Bad Request";
-    case HttpStatus::kNotFound:
-      return "Not Found";
-    case HttpStatus::kMethodNotAllowed:
-      return "Method Not Allowed";
-    case HttpStatus::kContentTooLarge:
-      return "Content Too Large";
-    case HttpStatus::kHeadersTooLarge:
-      return "Request Header Fields Too Large";
-    case HttpStatus::kUnavailable:
-      return "Service Unavailable";
+/// Returns whether the head names its host as RFC 9112, section 3.2 asks: once in version 1.1.
+bool hasValidHost(const HttpRequestParser& parser) {
+  const std::size_t hosts = parser.get().count(http::field::host);
+  return hosts == 1 || (hosts == 0 && parser.get().version() < kHttp11);
+}
+
+void setContent(HttpResponse& response, status code, std::string body,
+                const char* type = "text/plain; charset=utf-8") {
+  response.result(code);
+  response.set(http::field::content_type, type);
+  response.body() = std::move(body);
+}
+
+void showHealth(HttpResponse& response, const Metrics& metrics) {
+  const auto problem = findProblem(metrics);
+  setContent(response, problem ? status::service_unavailable : status::ok,
+             problem.value_or("ok") + "\n");
+}
+
+void show(HttpResponse& response, const HttpRequestParser& parser,
+          const std::function<Metrics()>& metrics) {
+  const auto& head = parser.get();
+  if (head.method() != http::verb::get && head.method() != http::verb::head) {
+    response.set(http::field::allow, "GET, HEAD");
+    return setContent(response, status::method_not_allowed, "only GET and HEAD\n");
   }
-  return "";
-}
-
-HttpContent makeErrorContent(HttpStatus status, std::string_view why) {
-  return {status, fmt::format("{}\n", why)};
-}
-
-HttpContent showHealth(const Metrics& metrics) {
-  if (const auto problem = findProblem(metrics))
-    return makeErrorContent(HttpStatus::kUnavailable, *problem);
-  return {HttpStatus::kOk, "ok\n"};
-}
-
-HttpContent show(const HttpRequest& request, const std::function<Metrics()>& metrics) {
-  if (request.method == HttpMethod::kOther)
-    return makeErrorContent(HttpStatus::kMethodNotAllowed, "only GET and HEAD");
-  if (request.has_body)
-    return makeErrorContent(HttpStatus::kContentTooLarge, "a request has no body here");
-  if (request.path == "/metrics")
-    return {HttpStatus::kOk, writePrometheus(metrics()),
-            "text/plain; version=0.0.4; charset=utf-8"};
-  if (request.path == "/health") return showHealth(metrics());
-  if (request.path == "/status.json")
-    return {HttpStatus::kOk, writeStatus(metrics()), "application/json"};
-  return makeErrorContent(HttpStatus::kNotFound, "there are /metrics, /health and /status.json");
-}
-
-std::string toBytes(const HttpContent& content, bool with_body, bool keep_alive) {
-  const bool wrong_method = content.status == HttpStatus::kMethodNotAllowed;
-  return fmt::format(
-      "HTTP/1.1 {} {}\r\nContent-Type: {}\r\nContent-Length: {}\r\nCache-Control: no-store\r\n"
-      "X-Content-Type-Options: nosniff\r\n{}Connection: {}\r\n\r\n{}",
-      static_cast<int>(content.status), reasonOf(content.status), content.type, content.body.size(),
-      wrong_method ? "Allow: GET, HEAD\r\n" : "", keep_alive ? "keep-alive" : "close",
-      with_body ? content.body : "");
+  if (parser.hasBody())
+    return setContent(response, status::payload_too_large, "a request has no body here\n");
+  const std::string_view target(head.target().data(), head.target().size());
+  const std::string_view path = target.substr(0, target.find('?'));
+  if (path == "/metrics")
+    return setContent(response, status::ok, writePrometheus(metrics()),
+                      "text/plain; version=0.0.4; charset=utf-8");
+  if (path == "/health") return showHealth(response, metrics());
+  if (path == "/status.json")
+    return setContent(response, status::ok, writeStatus(metrics()), "application/json");
+  setContent(response, status::not_found, "there are /metrics, /health and /status.json\n");
 }
 
 }  // namespace
 
-std::string respond(const HttpRequest& request, bool keep_alive,
-                    const std::function<Metrics()>& metrics) {
-  return toBytes(show(request, metrics), request.method != HttpMethod::kHead, keep_alive);
+HttpRequestParser::HttpRequestParser() {
+  header_limit(kMaxHead_bytes);
+  body_limit(std::numeric_limits<std::uint64_t>::max());  // bodies are not read
 }
 
-std::string respondToError(HttpStatus status) {
-  const bool large = status == HttpStatus::kHeadersTooLarge;
-  return toBytes(makeErrorContent(
-                     status, large ? "the request is too large" : "this is no request of HTTP/1.1"),
-                 true, false);
+bool HttpRequestParser::hasBody() const { return chunked() || content_length().value_or(0) > 0; }
+
+std::optional<HttpRequestParser> readRequest(boost::beast::flat_buffer& bytes,
+                                             boost::system::error_code& error) {
+  if (bytes.size() == 0) return std::nullopt;
+  HttpRequestParser parser;
+  const std::size_t used = parser.put(bytes.data(), error);
+  if (parser.is_header_done()) {
+    bytes.consume(used);
+  } else if (error == http::error::need_more) {
+    if (bytes.size() < bytes.max_size()) return std::nullopt;
+    error = http::error::buffer_overflow;
+  }
+  return parser;
+}
+
+HttpResponse respond(const HttpRequestParser& parser, const boost::system::error_code& error,
+                     bool may_stay_open, const std::function<Metrics()>& metrics) {
+  HttpResponse response(status::ok, kHttp11);
+  response.set(http::field::cache_control, "no-store");
+  response.set("X-Content-Type-Options", "nosniff");
+  const bool is_read = !error && hasValidHost(parser);
+  if (error == http::error::header_limit || error == http::error::buffer_overflow) {
+    setContent(response, status::request_header_fields_too_large, "the request is too large\n");
+  } else if (!is_read) {
+    setContent(response, status::bad_request, "this is no request of HTTP/1.1\n");
+  } else {
+    show(response, parser, metrics);
+  }
+  const bool stays = is_read && may_stay_open && parser.get().keep_alive() && !parser.hasBody();
+  response.set(http::field::connection, stays ? "keep-alive" : "close");
+  response.content_length(response.body().size());
+  if (is_read && parser.get().method() == http::verb::head) response.body().clear();
+  return response;
 }
 
 }  // namespace hapticast::server

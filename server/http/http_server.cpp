@@ -2,9 +2,9 @@
 #include "server/http/http_server.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cstdint>
-#include <string>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/http/read.hpp>
+#include <boost/beast/http/write.hpp>
 #include <utility>
 
 #include "server/http/http_response.hpp"
@@ -15,7 +15,6 @@ namespace hapticast::server {
 namespace {
 constexpr auto kCheckConnectionsEvery = std::chrono::milliseconds(250);  // chosen
 constexpr auto kPauseOfAcceptor = std::chrono::milliseconds(200);        // chosen
-constexpr std::size_t kChunk_bytes = 8192;
 // Chosen: more than a client sends before it reads the response.
 constexpr int kMostDrainedChunks = 64;
 }  // namespace
@@ -23,8 +22,7 @@ constexpr int kMostDrainedChunks = 64;
 struct HttpServer::Connection {
   asio::ip::tcp::socket socket;
   LocalTime deadline;
-  HttpRequestReader reader;
-  std::array<std::uint8_t, kChunk_bytes> chunk;
+  boost::beast::flat_buffer buffer{kMaxHead_bytes};  // a longer head is an error
 
   void close() {
     boost::system::error_code ignored;
@@ -84,7 +82,7 @@ void HttpServer::add(asio::ip::tcp::socket socket) {
     connections_.erase(oldest);
   }
   auto connection =
-      std::make_shared<Connection>(Connection{std::move(socket), clock_.now() + kTimeout, {}, {}});
+      std::make_shared<Connection>(Connection{std::move(socket), clock_.now() + kTimeout});
   connections_.push_back(connection);
   asio::co_spawn(
       io_, [this, connection] { return serve(connection); }, asio::detached);
@@ -109,36 +107,24 @@ asio::awaitable<void> HttpServer::serve(std::shared_ptr<Connection> connection) 
 }
 
 asio::awaitable<void> HttpServer::answerAll(Connection& connection) {
+  namespace http = boost::beast::http;
   for (std::size_t number = 1; number <= kMostRequests; ++number) {
     connection.deadline = clock_.now() + kTimeout;
-    const MaybeRequest request = co_await readRequest(connection);
-    if (request.ok() && !request.value()) co_return;
-    const bool goes_on = request.ok() && request.value()->keep_alive &&
-                         !request.value()->has_body && number < kMostRequests;
-    const std::string response =
-        request.ok() ? respond(*request.value(), goes_on, [this] { return collectFreshMetrics(); })
-                     : respondToError(request.error());
-    connection.deadline = clock_.now() + kTimeout;
+    HttpRequestParser parser;
     boost::system::error_code ec;
-    co_await asio::async_write(connection.socket, asio::buffer(response),
+    co_await http::async_read_header(connection.socket, connection.buffer, parser,
+                                     asio::redirect_error(asio::use_awaitable, ec));
+    const bool is_ours = ec && ec.category() == make_error_code(http::error::bad_method).category();
+    if ((ec && !is_ours) || ec == http::error::end_of_stream || ec == http::error::partial_message)
+      co_return;
+    co_await awaitTurn();
+    HttpResponse response =
+        respond(parser, ec, number < kMostRequests, [this] { return collectFreshMetrics(); });
+    connection.deadline = clock_.now() + kTimeout;
+    co_await http::async_write(connection.socket, response,
                                asio::redirect_error(asio::use_awaitable, ec));
     if (ec) co_return;
-    if (!goes_on) co_return co_await finish(connection);
-  }
-}
-
-asio::awaitable<HttpServer::MaybeRequest> HttpServer::readRequest(Connection& connection) {
-  for (;;) {
-    if (!connection.reader.empty()) {
-      co_await awaitTurn();
-      auto request = connection.reader.next();
-      if (!request.ok() || request.value()) co_return request;
-    }
-    boost::system::error_code ec;
-    const std::size_t size = co_await connection.socket.async_read_some(
-        asio::buffer(connection.chunk), asio::redirect_error(asio::use_awaitable, ec));
-    if (ec) co_return std::optional<HttpRequest>();
-    connection.reader.feed(std::span(connection.chunk).first(size));
+    if (!response.keep_alive()) co_return co_await finish(connection);
   }
 }
 
@@ -156,7 +142,8 @@ asio::awaitable<void> HttpServer::finish(Connection& connection) {
   boost::system::error_code ec;
   connection.socket.shutdown(asio::socket_base::shutdown_send, ec);
   for (int i = 0; !ec && i < kMostDrainedChunks; ++i) {
-    (void)co_await connection.socket.async_read_some(asio::buffer(connection.chunk),
+    connection.buffer.clear();
+    (void)co_await connection.socket.async_read_some(connection.buffer.prepare(kMaxHead_bytes),
                                                      asio::redirect_error(asio::use_awaitable, ec));
   }
 }

@@ -4,8 +4,6 @@
 
 #include <optional>
 #include <string>
-#include <string_view>
-#include <vector>
 
 #include "server/pipeline/pipeline_counts.hpp"
 #include "server/relay/relay_counts.hpp"
@@ -35,15 +33,5 @@ struct Metrics {
 [[nodiscard]] std::string writePrometheus(const Metrics& metrics);
 /// Returns the figures as a JSON object.
 [[nodiscard]] std::string writeStatus(const Metrics& metrics);
-
-// Stages of the pipeline with a measured time, in one order for both formats.
-
-/// Time of one stage, by its name.
-struct NamedStage {
-  std::string_view name;
-  StageTime time;
-};
-/// Returns the stages of vision, then vision as a whole, the encoder and the signer.
-[[nodiscard]] std::vector<NamedStage> listStages(const PipelineCounts& pipeline);
 
 }  // namespace hapticast::server

@@ -11,21 +11,15 @@ namespace hapticast::server {
 
 namespace {
 
-// Chosen: more than the plans of a loop's round.
-constexpr std::size_t kMostRetired = 256;
+constexpr Duration kLeastPause = std::chrono::seconds(1);  // chosen: a readable log
 constexpr Duration kSameAgain = std::chrono::minutes(1);
 
-std::string removeFigures(std::string text) {
+/// Returns the decisions of a plan as a text; different figures in a reason do not count.
+std::string describeDecisions(const std::vector<PlanLine>& lines) {
+  std::string text;
+  for (const PlanLine& line : lines) text += (line.on ? "on " : "off ") + line.why + '\n';
   std::erase_if(text, [](char c) { return (c >= '0' && c <= '9') || c == '.'; });
   return text;
-}
-
-/// Returns whether two plans decide equally; different figures in a reason do not count.
-bool areSameDecisions(const std::vector<PlanLine>& a, const std::vector<PlanLine>& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                    [](const PlanLine& x, const PlanLine& y) {
-                      return x.on == y.on && removeFigures(x.why) == removeFigures(y.why);
-                    });
 }
 
 void logLine(std::uint32_t id, const PlanLine& line, std::size_t relief_bytes) {
@@ -44,44 +38,21 @@ void logLine(std::uint32_t id, const PlanLine& line, std::size_t relief_bytes) {
 
 void PlanLog::log(const std::map<std::uint32_t, std::vector<PlanLine>>& plans,
                   const ReliefBytes& relief_bytes, MediaTime now) {
-  for (auto each = logged_.begin(); each != logged_.end();) {
-    if (plans.contains(each->first)) {
-      ++each;
-    } else {
-      retire(std::move(each->second));
-      each = logged_.erase(each);
-    }
-  }
+  logged_.resize(std::max(logged_.size(), plans.size()));
+  auto logged = logged_.begin();
   for (const auto& [id, lines] : plans) {
-    LoggedPlan& logged = logged_[id];
-    const bool too_soon = !logged.lines.empty() && now - logged.at < std::chrono::seconds(1);
-    if (too_soon || areSameDecisions(lines, logged.lines)) continue;
-    logged.lines = lines;
-    if (!isNews(logged, now)) continue;
-    logged.at = now;
+    Logged& place = *logged++;
+    std::string decisions = describeDecisions(lines);
+    if (decisions == place.newest || (place.at && now - *place.at < kLeastPause)) continue;
+    place.newest = std::move(decisions);
+    const auto [before, is_new] = place.times.try_emplace(place.newest, now);
+    if (!is_new && now - before->second < kSameAgain) continue;
+    before->second = now;
+    place.at = now;
     const auto bytes = relief_bytes.find(id);
     for (const PlanLine& line : lines)
       logLine(id, line, bytes == relief_bytes.end() ? 0 : bytes->second);
   }
-}
-
-bool PlanLog::isNews(LoggedPlan& logged, MediaTime now) const {
-  const auto same = [&logged](const Lines& lines) { return areSameDecisions(logged.lines, lines); };
-  if (std::any_of(retired_.begin(), retired_.end(), same)) return false;
-  const auto before = std::find_if(logged.all.begin(), logged.all.end(),
-                                   [&](const LoggedLines& each) { return same(each.lines); });
-  if (before == logged.all.end()) {
-    logged.all.push_back({logged.lines, now});
-    return true;
-  }
-  if (now - before->at < kSameAgain) return false;
-  before->at = now;
-  return true;
-}
-
-void PlanLog::retire(LoggedPlan plan) {
-  for (LoggedLines& each : plan.all) retired_.push_back(std::move(each.lines));
-  while (retired_.size() > kMostRetired) retired_.pop_front();
 }
 
 void DepthRangeLog::log(const std::optional<MappedRange>& mapped) {

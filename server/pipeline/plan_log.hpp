@@ -4,9 +4,9 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <map>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "common/time.hpp"
@@ -19,32 +19,21 @@ namespace hapticast::server {
 /// Logs the scene plans of all objects at a limited rate.
 class PlanLog {
  public:
-  /// Logs those of `plans` (by object id) that changed. It logs each object at most once a second,
-  /// and the same plan of an object at most once a minute. It does not log a new object whose plan
-  /// equals that of a vanished object, because each playback of a looped clip has new ids.
+  /// Logs those of `plans` (by object id) whose decisions changed. An object's place in `plans`
+  /// stands for the object, because each playback of a looped clip has new ids. The log has a place
+  /// at most once a second, and the same decisions of a place at most once a minute.
   /// `relief_bytes`: sizes of the reliefs, by object id. The log states them as saved while the
   /// stage `heights` is off.
   void log(const std::map<std::uint32_t, std::vector<PlanLine>>& plans,
            const ReliefBytes& relief_bytes, MediaTime now);
 
  private:
-  using Lines = std::vector<PlanLine>;
-  struct LoggedLines {
-    Lines lines;
-    MediaTime at;
+  struct Logged {
+    std::string newest;                      // decisions, as a text
+    std::optional<MediaTime> at;             // time of the last lines
+    std::map<std::string, MediaTime> times;  // of all logged decisions
   };
-  struct LoggedPlan {
-    Lines lines;  // newest plan of the object
-    MediaTime at;
-    std::vector<LoggedLines> all;  // logged plans, without duplicates
-  };
-  /// Returns whether the newest plan of `logged` has to be logged. If it has, marks the plan as
-  /// logged at `now`.
-  bool isNews(LoggedPlan& logged, MediaTime now) const;
-  void retire(LoggedPlan plan);
-
-  std::map<std::uint32_t, LoggedPlan> logged_;  // newest plans, by object id
-  std::deque<Lines> retired_;                   // plans of vanished objects, oldest first
+  std::vector<Logged> logged_;  // by place
 };
 
 /// Logs the mapped range of one stream, once. Adds a warning if the object covers only a small part

@@ -16,8 +16,8 @@
 #include <thread>
 #include <vector>
 
-#include "common/log_rate_limiter.hpp"
 #include "common/protocol/relay.hpp"
+#include "common/rate_limiter.hpp"
 #include "server/relay/nats_connection.hpp"
 #include "server/relay/origin_election.hpp"
 #include "server/relay/relay_counts.hpp"
@@ -84,11 +84,11 @@ class RelayPublisher final : public StreamSink {
   std::optional<DatagramKey> datagram_key_;       // newest one for edges; guarded by mutex_
   Waiting waiting_;                               // guarded by mutex_
   std::uint64_t number_ = 0;                      // of the last message; guarded by mutex_
-  LogInterval same_number_;                       // guarded by mutex_
-  LogInterval distrusted_;                        // guarded by mutex_
-  bool logged_active_ = false;                    // used by the thread only
-  std::optional<LocalTime> heartbeat_;            // last own one; guarded by mutex_
-  LogInterval too_large_;                         // used by the thread only
+  RateLimiter same_number_ = RateLimiter::makeOnceAMinute();  // guarded by mutex_
+  RateLimiter distrusted_ = RateLimiter::makeOnceAMinute();   // guarded by mutex_
+  bool logged_active_ = false;                                // used by the thread only
+  std::optional<LocalTime> heartbeat_;                        // last own one; guarded by mutex_
+  RateLimiter too_large_ = RateLimiter::makeOnceAMinute();    // used by the thread only
   NatsConnection nats_;
   std::jthread thread_;  // last member: it uses all others
 };

@@ -14,8 +14,8 @@
 #include <string>
 #include <vector>
 
-#include "common/log_rate_limiter.hpp"
 #include "common/protocol/relay.hpp"
+#include "common/rate_limiter.hpp"
 #include "common/transport/clock_sync.hpp"
 #include "server/relay/nats_connection.hpp"
 #include "server/relay/origin_follower.hpp"
@@ -86,7 +86,7 @@ class RelaySubscriber {
   std::optional<EncodedFrame> last_frame_;  // until the clock is synchronised
   std::optional<LocalTime> last_state_;
   bool silent_ = false;
-  LogRateLimiter problems_;
+  RateLimiter problems_;
   NatsConnection nats_;  // last member: its callbacks use all others
 };
 

@@ -10,7 +10,7 @@
 
 #include "common/text.hpp"
 #include "server/source/folder/image_sequence.hpp"
-#include "server/source/live/live_video.hpp"
+#include "server/source/live/network_stream.hpp"
 #include "server/source/live/openni_camera.hpp"
 #include "server/source/live/v4l2_camera.hpp"
 #include "server/source/rgbd_source.hpp"
@@ -137,7 +137,7 @@ std::unique_ptr<RgbdSource> openLive(const std::string& url, double fps, bool to
         "two streams have no common clock, so their frames cannot be paired; send colour and depth "
         "as one stream (two tracks, or two halves of the picture with --layout)");
   }
-  return std::make_unique<LiveVideo>(url, layout, fps);
+  return openNetworkStream(url, layout, fps);
 }
 
 }  // namespace

@@ -11,9 +11,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "common/log_rate_limiter.hpp"
 #include "common/mdns.hpp"
 #include "common/protocol/messages.hpp"
+#include "common/rate_limiter.hpp"
 #include "common/transport/mdns_session.hpp"
 #include "common/transport/network_interfaces.hpp"
 #include "server/stream/stream_settings.hpp"
@@ -123,7 +123,7 @@ struct Announcer::Service {
   const std::string version;
   const std::string stream_name;
   const std::string tls;
-  LogRateLimiter limit;  // a host may claim each name again and again
+  RateLimiter limit;  // a host may claim each name again and again
   AvahiEntryGroup* group = nullptr;
   AvahiSession session{
       {.runs = [this](AvahiClient* client) { make(client); },

@@ -336,14 +336,14 @@ asio::awaitable<void> Broadcaster::startTimer() {
 }
 
 bool Broadcaster::log(spdlog::level::level_enum level, std::string_view line) {
-  LogRateLimiter& limit = level >= spdlog::level::warn ? problems_ : connections_log_limit_;
+  RateLimiter& limit = level >= spdlog::level::warn ? problems_ : connections_log_limit_;
   const auto admitted = limit.admit(std::string(line), clock_.now());
   if (admitted) spdlog::log(level, "{}", *admitted);
   return admitted.has_value();
 }
 
 void Broadcaster::logHidden() {
-  for (LogRateLimiter* limit : {&connections_log_limit_, &problems_}) {
+  for (RateLimiter* limit : {&connections_log_limit_, &problems_}) {
     if (limit->dropped() == 0 || !(stopped_ || limit->isReady(clock_.now()))) continue;
     const std::uint64_t hidden = limit->popDropped();
     (void)limit->allow(clock_.now());
@@ -354,7 +354,7 @@ void Broadcaster::logHidden() {
 }
 
 void Broadcaster::logSlowViewers(LocalTime now) {
-  if (!slow_interval_.isDue(now)) return;
+  if (!slow_interval_.isReady(now)) return;
   const StreamCounts all = counts();
   if (all.sent.dropped() == logged_.dropped()) return;
   const bool logged =
@@ -366,11 +366,11 @@ void Broadcaster::logSlowViewers(LocalTime now) {
                       all.sent.videos_dropped - logged_.videos_dropped, all.clients));
   if (!logged) return;
   logged_ = all.sent;
-  slow_interval_.onLogged(now);
+  (void)slow_interval_.allow(now);
 }
 
 void Broadcaster::logDatagrams(LocalTime now) {
-  if (datagrams_ == nullptr || !datagrams_interval_.isDue(now)) return;
+  if (datagrams_ == nullptr || !datagrams_interval_.isReady(now)) return;
   const DatagramSenderCounts all = datagrams_->counts();
   const std::uint64_t lost = all.lost() - logged_datagrams_.lost();
   const std::uint64_t wrong = all.rejectedEchoes() - logged_datagrams_.rejectedEchoes();
@@ -381,18 +381,18 @@ void Broadcaster::logDatagrams(LocalTime now) {
                                            lost, wrong));
   if (!logged) return;
   logged_datagrams_ = all;
-  datagrams_interval_.onLogged(now);
+  (void)datagrams_interval_.allow(now);
 }
 
 bool Broadcaster::isTooLarge(const EncodedFrame& frame) {
   const bool too_large = frame.delta->size() > kMaxMessageBytes;
   const LocalTime now = clock_.now();
-  if ((too_large || frame.too_many_datagrams) && large_interval_.isDue(now) &&
+  if ((too_large || frame.too_many_datagrams) && large_interval_.isReady(now) &&
       log(spdlog::level::warn,
           fmt::format("a frame of {} kB, more than {}", frame.delta->size() / 1000,
                       too_large ? "viewers accept: the server leaves it out"
                                 : "datagrams carry: the server sends it by TCP only"))) {
-    large_interval_.onLogged(now);
+    (void)large_interval_.allow(now);
   }
   return too_large;
 }

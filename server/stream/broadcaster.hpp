@@ -13,8 +13,8 @@
 #include <string_view>
 #include <vector>
 
-#include "common/log_rate_limiter.hpp"
 #include "common/protocol/messages.hpp"
+#include "common/rate_limiter.hpp"
 #include "common/transport/asio.hpp"
 #include "server/stream/access_list.hpp"
 #include "server/stream/datagram_sender.hpp"
@@ -178,11 +178,11 @@ class Broadcaster final : public StreamSink, private SessionHost {
   LocalTime checked_;
   LocalTime counted_;
   DatagramSenderCounts logged_datagrams_;
-  LogInterval slow_interval_;
-  LogInterval large_interval_;
-  LogInterval datagrams_interval_;
-  LogRateLimiter connections_log_limit_;  // separate, so that many viewers do not hide problems
-  LogRateLimiter problems_;
+  RateLimiter slow_interval_ = RateLimiter::makeOnceAMinute();
+  RateLimiter large_interval_ = RateLimiter::makeOnceAMinute();
+  RateLimiter datagrams_interval_ = RateLimiter::makeOnceAMinute();
+  RateLimiter connections_log_limit_;  // separate, so that many viewers do not hide problems
+  RateLimiter problems_;
 };
 
 }  // namespace hapticast::server

@@ -46,7 +46,7 @@ class FalconTest : public ::testing::Test {
   }
   client::DeviceRequest request() {
     return {.clock = clock_,
-            .falcon = {.firmware_file = file_},
+            .options = {{"falcon.firmware", file_}},
             .helper_program = HAPTICAST_DEVICE_PROGRAM,
             .log = [this](const std::string& line) { logged_.append(line).append("\n"); }};
   }

@@ -103,7 +103,7 @@ TEST_F(FalconStart, AnotherSerialNumber) {
   bootAndPlugIn();
   try {
     auto another = request();
-    another.falcon.serial = "FTOTHER";
+    another.options["falcon.serial"] = "FTOTHER";
     (void)client::openDevice("falcon", another);
     ADD_FAILURE();
   } catch (const client::DeviceAbsent& error) {

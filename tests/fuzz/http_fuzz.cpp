@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: MIT
-// The HTTP port's reader of requests: however the bytes are cut into chunks, the same requests come
-// out and the same error ends them, and each gets one whole response.
+// The requests of the HTTP port: the bytes in chunks of any size give the same requests and the
+// same error at the end, and each request gets one whole response.
 #include <algorithm>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/http/error.hpp>
+#include <boost/beast/http/write.hpp>
 #include <cstdint>
 #include <cstdlib>
-#include <optional>
 #include <span>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -42,28 +45,50 @@ void check(const std::string& response, bool with_body) {
   require(length > 0 && body == (with_body ? length : 0));
 }
 
-Outcome read(std::span<const std::uint8_t> stream, std::size_t chunk) {
-  HttpRequestReader reader;
-  Outcome outcome;
-  while (!stream.empty()) {
-    const auto size = std::min(chunk, stream.size());
-    reader.feed(stream.first(size));
-    stream = stream.subspan(size);
-    for (;;) {
-      const auto next = reader.next();
-      if (!next.ok()) {
-        outcome.push_back(respondToError(next.error()));
-        check(outcome.back(), true);
-        return outcome;
-      }
-      if (!next.value()) break;
-      const HttpRequest& request = *next.value();
-      outcome.push_back(respond(request, request.keep_alive, metrics));
-      check(outcome.back(), request.method != HttpMethod::kHead);
-      if (request.has_body || !request.keep_alive) return outcome;
+namespace http = boost::beast::http;
+
+/// Moves at most `chunk` bytes of `stream` into `buffer`, as far as there is room.
+void feed(boost::beast::flat_buffer& buffer, std::span<const std::uint8_t>& stream,
+          std::size_t chunk) {
+  const std::size_t room = buffer.max_size() - buffer.size();
+  const auto part = stream.first(std::min({chunk, stream.size(), room}));
+  buffer.commit(boost::asio::buffer_copy(buffer.prepare(part.size()),
+                                         boost::asio::buffer(part.data(), part.size())));
+  stream = stream.subspan(part.size());
+}
+
+/// Reads one request as the server does. Returns false if the bytes end before it does.
+bool readHead(HttpRequestParser& parser, boost::system::error_code& error,
+              boost::beast::flat_buffer& buffer, std::span<const std::uint8_t>& stream,
+              std::size_t chunk) {
+  for (;;) {
+    error = http::error::need_more;
+    if (buffer.size() > 0) buffer.consume(parser.put(buffer.data(), error));
+    if (parser.is_header_done() || error != http::error::need_more) return true;
+    if (buffer.size() == buffer.max_size()) {
+      error = http::error::buffer_overflow;
+      return true;
     }
+    if (stream.empty()) return false;
+    feed(buffer, stream, chunk);
   }
-  return outcome;
+}
+
+Outcome read(std::span<const std::uint8_t> stream, std::size_t chunk) {
+  boost::beast::flat_buffer buffer{kMaxHead_bytes};
+  Outcome outcome;
+  for (;;) {
+    HttpRequestParser parser;
+    boost::system::error_code error;
+    if (!readHead(parser, error, buffer, stream, chunk)) return outcome;
+    if (parser.is_header_done()) error = {};
+    const HttpResponse response = respond(parser, error, true, metrics);
+    std::ostringstream text;
+    text << response;
+    outcome.push_back(text.str());
+    check(outcome.back(), error || parser.get().method() != http::verb::head);
+    if (!response.keep_alive()) return outcome;
+  }
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 // that the client expects.
 #include <algorithm>
 
-#include "client/net/welcome_rate_limiter.hpp"
+#include "common/rate_limiter.hpp"
 #include "common/transport/clock_sync.hpp"
 #include "tests/integration/fake_server.hpp"
 
@@ -50,7 +50,7 @@ TEST_F(ConnectionTest, LeavesAServerThatChangesItsOriginTooOften) {
   FakeServer server(io);
   TestClient client(io, clock, server.port());
   ASSERT_TRUE(runUntil([&] { return server.accept(); }));
-  for (int i = 0; i <= client::WelcomeRateLimiter::kBurst; ++i)
+  for (int i = 0; i <= client::kWelcomeBurst; ++i)
     server.peer->send(Welcome{kProtocolVersion, 1, 0, TestServer::description()});
   ASSERT_TRUE(runUntil([&] { return client.news.size() >= 3; }));
   turn();

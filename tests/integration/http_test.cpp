@@ -107,6 +107,17 @@ TEST_F(HttpTest, AnswersRequestsThatComeTogetherInOrder) {
   EXPECT_TRUE(peer.text.ends_with("}\n")) << peer.text;
 }
 
+TEST_F(HttpTest, AnswersARequestThatComesInPortions) {
+  HttpPeer peer(io, http);
+  for (const char each : get("/health")) {
+    EXPECT_EQ(peer.responses(), 0U);
+    peer.send({each});
+    turn();
+    peer.poll();
+  }
+  EXPECT_TRUE(getsResponses(peer, 1));
+}
+
 TEST_F(HttpTest, RefusesWithTheStatusOfTheFault) {
   EXPECT_EQ(finalStatus("\x16\x03\x01\x02\x01"), "400");
   EXPECT_EQ(finalStatus("GET /metrics\r\n\r\n"), "400");

@@ -65,7 +65,7 @@ constexpr RunFault kRunFaults[] = {
     {"exit", "its driver ended (exit code 0); no force"},
     {"descriptors", "its driver ended"},
     {"rounding", ""},
-    {"chatter", "its driver logs too much; lines are left out"},
+    {"chatter", " lines more, not shown)"},
     {"wait_hangs", "its driver does not return from a call; the helper ends it"},
     {"exchange_hangs", "its driver does not return from a call; the helper ends it"},
 };

@@ -180,7 +180,7 @@ TEST_F(UntrustedClientsTest, TheLogStaysReadable) {
   for (int i = 0; i < 60; ++i) (void)viewer(server);
   RawPeer(io, server.port()).send(std::vector<std::uint8_t>(100, 0xFF));
   ASSERT_TRUE(runUntil([&] { return server.broadcaster.counts().clients == 0; }));
-  EXPECT_LE(log.count(), 2 * LogRateLimiter::kBurst);
+  EXPECT_LE(log.count(), 2 * RateLimiter::kLogBurst);
   EXPECT_NE(log.text().find("joined"), std::string::npos);
   EXPECT_NE(log.text().find("closing"), std::string::npos) << "a crowd hides no problem";
 }

@@ -19,8 +19,8 @@
 #include "client/haptics/renderer.hpp"
 #include "client/net/receiver.hpp"
 #include "client/net/udp/udp_socket.hpp"
-#include "client/net/welcome_rate_limiter.hpp"
 #include "common/protocol/messages.hpp"
+#include "common/rate_limiter.hpp"
 #include "common/time.hpp"
 #include "tests/support/chain_fixture.hpp"
 
@@ -212,7 +212,7 @@ class VirtualViewer {
     }
     if (const auto* const welcome = std::get_if<Welcome>(&message)) {
       if (!welcomed_) {
-        welcome_limit_ = {};
+        welcome_limit_ = makeWelcomeLimiter();
       } else if (welcome_limit_.allow(clock_.now())) {
         receiver_.disconnected(clock_.now());
       } else {
@@ -280,7 +280,7 @@ class VirtualViewer {
   std::function<Vec3(double)> target_;
   bool welcomed_ = false;
   int welcomes_ = 0;
-  WelcomeRateLimiter welcome_limit_;
+  RateLimiter welcome_limit_ = makeWelcomeLimiter();
   DatagramKeyRing keys_;                      // none: its datagrams are not sealed
   std::optional<DatagramVerifier> verifier_;  // where the welcome offers datagrams
   std::uint64_t token_ = 0;

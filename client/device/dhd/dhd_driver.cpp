@@ -3,13 +3,12 @@
 
 #include <algorithm>
 #include <array>
-#include <memory>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
 #include "client/device/dhd/dhd_sdk.hpp"
-#include "client/device/helper/program/driver_texts.hpp"
+#include "client/device/helper/program/make_driver.hpp"
 #include "common/geometry.hpp"
 #include "common/time.hpp"
 
@@ -37,11 +36,10 @@ constexpr double kMm_m = 1e3;
 /// An opened device. The SDK's x axis points towards the user, y to the right, z up.
 class DhdDevice {
  public:
-  DhdDevice(const DhdSdk& sdk, char number, const hapticast_host& host)
-      : sdk_(sdk), number_(number), host_(host) {
-    if (commandForce(Vec3::Zero()) >= 0 && sdk_.enableForce(DhdSdk::kOn, number_) >= 0 &&
-        commandForce(Vec3::Zero()) >= 0)
-      return;
+  DhdDevice(const hapticast_host& host, const char* id, hapticast_profile& profile)
+      : sdk_(host), number_(sdk_.openDevice(id)), host_(host) {
+    describe(profile);
+    if (commandZero() && sdk_.enableForce(DhdSdk::kOn, number_) >= 0 && commandZero()) return;
     const std::string reason = sdk_.readError();
     end();
     throw std::runtime_error("the device refuses forces: " + reason +
@@ -51,15 +49,20 @@ class DhdDevice {
   DhdDevice(const DhdDevice&) = delete;
   DhdDevice& operator=(const DhdDevice&) = delete;
 
-  void describe(hapticast_profile& profile) const {
-    const std::string name = sdk_.readName(number_);
-    for (const DhdFamily& family : kDhdFamilies) {
-      if (name.find(family.name) == std::string::npos) continue;
-      profile.peak_N = family.peak_N;
-      profile.count_mm = family.count_mm;
-      std::copy_n(family.workspace_mm.data(), 3, profile.workspace_mm);
+  /// Opens each device for a moment: the SDK knows the serial number of an opened device only.
+  static void list(const hapticast_host& host, const FoundDevice& found) {
+    const DhdSdk sdk(host);
+    const int count = sdk.getDeviceCount();
+    if (count < 0) throw std::runtime_error(sdk.readError());
+    for (int i = 0; i < count; ++i) {
+      const int number = sdk.openId == nullptr ? sdk.open() : sdk.openId(static_cast<char>(i));
+      if (number < 0) {
+        found("", "it does not open: " + sdk.readError());
+        continue;
+      }
+      found(sdk.readSerial(static_cast<char>(number)), "");
+      (void)sdk.close(static_cast<char>(number));
     }
-    (void)sdk_.readSerial(number_).copy(profile.serial, sizeof profile.serial - 1);
   }
 
   /// Commands the force and reads the position. Both are one call of the SDK each.
@@ -84,12 +87,26 @@ class DhdDevice {
     if (fresh) state.buttons = sdk_.readButtons(number_);
   }
 
+  /// Thread: any.
+  bool commandZero() noexcept { return commandForce(Vec3::Zero()) >= 0; }
+
+ private:
+  void describe(hapticast_profile& profile) const {
+    const std::string name = sdk_.readName(number_);
+    for (const DhdFamily& family : kDhdFamilies) {
+      if (name.find(family.name) == std::string::npos) continue;
+      profile.peak_N = family.peak_N;
+      profile.count_mm = family.count_mm;
+      std::copy_n(family.workspace_mm.data(), 3, profile.workspace_mm);
+    }
+    copyText(sdk_.readSerial(number_), profile.serial, sizeof profile.serial);
+  }
+
   /// Returns a negative value if the SDK reports an error. Thread: any.
   int commandForce(const Vec3& force_N) noexcept {
     return sdk_.setForce(force_N.z(), force_N.x(), force_N.y(), number_);
   }
 
- private:
   void logChange(bool answers) {
     if (std::exchange(answers_, answers) == answers) return;
     const std::string line =
@@ -100,7 +117,7 @@ class DhdDevice {
   }
 
   void end() {
-    (void)commandForce(Vec3::Zero());
+    (void)commandZero();
     (void)sdk_.enableForce(DhdSdk::kOff, number_);
     (void)sdk_.close(number_);
   }
@@ -113,71 +130,11 @@ class DhdDevice {
   bool answers_ = true;
 };
 
-DhdDevice& toDhd(hapticast_device* device) { return *reinterpret_cast<DhdDevice*>(device); }
-
-/// Opens each device for a moment: the SDK knows the serial number of an opened device only.
-int listDhd(const hapticast_host* host,
-            void (*found)(void* to, const char* id, const char* problem), void* to, char why[256]) {
-  try {
-    const DhdSdk sdk(*host);
-    const int count = sdk.getDeviceCount();
-    if (count < 0) throw std::runtime_error(sdk.readError());
-    for (int i = 0; i < count; ++i) {
-      const int number = sdk.openId == nullptr ? sdk.open() : sdk.openId(static_cast<char>(i));
-      if (number < 0) {
-        found(to, "", ("it does not open: " + sdk.readError()).c_str());
-        continue;
-      }
-      found(to, sdk.readSerial(static_cast<char>(number)).c_str(), nullptr);
-      (void)sdk.close(static_cast<char>(number));
-    }
-    return HAPTICAST_OK;
-  } catch (const std::runtime_error& error) {
-    writeReason(error.what(), why);
-    return HAPTICAST_LOST;
-  }
-}
-
-hapticast_device* openDhd(const hapticast_host* host, const char* id, hapticast_profile* profile,
-                          char why[256]) {
-  try {
-    const DhdSdk sdk(*host);
-    auto device = std::make_unique<DhdDevice>(sdk, sdk.openDevice(id), *host);
-    device->describe(*profile);
-    return reinterpret_cast<hapticast_device*>(device.release());
-  } catch (const std::runtime_error& error) {
-    writeReason(error.what(), why);
-    return nullptr;
-  }
-}
-
-int exchangeDhd(hapticast_device* device, const double force_N[3], hapticast_state* state) {
-  toDhd(device).exchange({force_N[0], force_N[1], force_N[2]}, *state);
-  return HAPTICAST_OK;
-}
-
-int zeroDhd(hapticast_device* device) {
-  return toDhd(device).commandForce(Vec3::Zero()) >= 0 ? 0 : 1;
-}
-
-void closeDhd(hapticast_device* device) { delete &toDhd(device); }
-
 }  // namespace
 
 const hapticast_driver* dhdDriver() {
-  static const hapticast_driver kDriver{sizeof(hapticast_driver),
-                                        HAPTICAST_DEVICE_ABI,
-                                        "dhd",
-                                        "a device of Force Dimension, or a Falcon, by its SDK",
-                                        "MIT",
-                                        0,
-                                        0,
-                                        listDhd,
-                                        openDhd,
-                                        nullptr,
-                                        exchangeDhd,
-                                        zeroDhd,
-                                        closeDhd};
+  static const hapticast_driver kDriver =
+      makeDriver<DhdDevice>("dhd", "a device of Force Dimension, or a Falcon, by its SDK");
   return &kDriver;
 }
 

@@ -2,12 +2,13 @@
 #if HAPTICAST_LIBUSB
 #include "client/device/falcon/falcon_driver.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <atomic>
 #include <cmath>
-#include <cstdlib>
-#include <memory>
+#include <stdexcept>
 #include <string>
 #include <utility>
 
@@ -15,8 +16,9 @@
 #include "client/device/falcon/falcon_link.hpp"
 #include "client/device/falcon/kinematics.hpp"
 #include "client/device/falcon/pilot.hpp"
-#include "client/device/helper/program/driver_texts.hpp"
+#include "client/device/helper/program/make_driver.hpp"
 #include "client/device/sleep_until.hpp"
+#include "common/text.hpp"
 
 namespace hapticast::client {
 
@@ -40,12 +42,19 @@ const char* toText(FalconPilot::Phase phase) {
   return "";
 }
 
-FalconSettings readOptions(const hapticast_host& host, const char* serial) {
+FalconSettings readFalconSettings(const hapticast_host& host, const char* serial) {
   const auto option = [&host](const char* key) { return host.option(host.self, key); };
   FalconSettings settings;
   if (serial != nullptr) settings.serial = serial;
   if (const char* const file = option("firmware")) settings.firmware_file = file;
-  if (const char* const gain = option("gain")) settings.gain = std::strtod(gain, nullptr);
+  if (const char* const text = option("gain")) {
+    const auto gain = parseNumberInRange<double>(text, kLeastFalconGain, kMostFalconGain);
+    if (!gain)
+      throw std::runtime_error(
+          fmt::format("--device-option gain={}: is not a number from {:g} to {:g}", text,
+                      kLeastFalconGain, kMostFalconGain));
+    settings.gain = *gain;
+  }
   if (const char* const event = option("event_character"))
     settings.event_character = std::string(event) != "0";
   return settings;
@@ -54,11 +63,22 @@ FalconSettings readOptions(const hapticast_host& host, const char* serial) {
 /// An opened Falcon. The loop's thread calls wait() and exchange().
 class Falcon {
  public:
-  Falcon(const FalconSettings& settings, const hapticast_host& host)
+  Falcon(const hapticast_host& host, const char* id, hapticast_profile& profile)
       : host_(host),
-        pilot_(settings.gain),
-        link_(settings, clock_,
-              [host](const std::string& line) { host.log(host.self, line.c_str()); }) {}
+        settings_(readFalconSettings(host, id)),
+        pilot_(settings_.gain),
+        link_(settings_, clock_,
+              [host](const std::string& line) { host.log(host.self, line.c_str()); }) {
+    copyProfile(loadDeviceProfile("falcon"), profile);
+    profile.peak_N = std::min(profile.peak_N, computeFalconPeak_N(settings_.gain));
+    copyText(link_.serial(), profile.serial, sizeof profile.serial);
+    profile.pause_button = FalconButton::kCentre;
+    profile.rearm_button = FalconButton::kRight;
+  }
+
+  static void list(const hapticast_host& /*host*/, const FoundDevice& found) {
+    for (const FalconFound& each : findFalcons()) found(each.serial, each.problem);
+  }
 
   void wait(LocalTime deadline) {
     if (!link_.there()) {
@@ -96,9 +116,8 @@ class Falcon {
     state.saturated = pilot_.saturated();
   }
 
-  [[nodiscard]] const std::string& serial() const { return link_.serial(); }
   /// Thread: any.
-  bool sendZero() { return link_.sendZero(); }
+  bool commandZero() { return link_.sendZero(); }
 
  private:
   void logPhase() {
@@ -109,6 +128,7 @@ class Falcon {
 
   const SteadyClock clock_;
   const hapticast_host host_;
+  const FalconSettings settings_;
   FalconPilot pilot_;
   LocalTime due_{};  // time of the last request
   Vec3 force_N_ = Vec3::Zero();
@@ -116,57 +136,6 @@ class Falcon {
   FalconPilot::Phase logged_ = FalconPilot::Phase::kAway;
   FalconLink link_;  // last member: its thread ends first
 };
-
-Falcon& toFalcon(hapticast_device* device) { return *reinterpret_cast<Falcon*>(device); }
-
-int list(const hapticast_host* /*host*/,
-         void (*found)(void* to, const char* id, const char* problem), void* to, char why[256]) {
-  try {
-    for (const FalconFound& each : findFalcons())
-      found(to, each.serial.c_str(), each.problem.empty() ? nullptr : each.problem.c_str());
-    return HAPTICAST_OK;
-  } catch (const std::runtime_error& error) {
-    writeReason(error.what(), why);
-    return HAPTICAST_LOST;
-  }
-}
-
-hapticast_device* open(const hapticast_host* host, const char* id, hapticast_profile* profile,
-                       char why[256]) {
-  try {
-    const FalconSettings settings = readOptions(*host, id);
-    auto falcon = std::make_unique<Falcon>(settings, *host);
-    const PlantProfile own = loadDeviceProfile("falcon");
-    profile->delay_ticks = own.delay_ticks;
-    profile->mass_kg = own.mass_kg;
-    profile->peak_N = std::min(own.peak_N, computeFalconPeak_N(settings.gain));
-    profile->continuous_N = own.continuous_N;
-    profile->count_mm = own.count_mm;
-    profile->stiffness_N_mm = own.stiffness_N_mm;
-    std::copy_n(own.workspace_mm.data(), 3, profile->workspace_mm);
-    (void)falcon->serial().copy(profile->serial, sizeof profile->serial - 1);
-    profile->pause_button = FalconButton::kCentre;
-    profile->rearm_button = FalconButton::kRight;
-    return reinterpret_cast<hapticast_device*>(falcon.release());
-  } catch (const std::runtime_error& error) {
-    writeReason(error.what(), why);
-    return nullptr;
-  }
-}
-
-int wait(hapticast_device* device, std::int64_t until_ns) {
-  toFalcon(device).wait(LocalTime(Duration(until_ns)));
-  return HAPTICAST_OK;
-}
-
-int exchange(hapticast_device* device, const double force_N[3], hapticast_state* state) {
-  toFalcon(device).exchange({force_N[0], force_N[1], force_N[2]}, *state);
-  return HAPTICAST_OK;
-}
-
-int zero(hapticast_device* device) { return toFalcon(device).sendZero() ? 0 : 1; }
-
-void close(hapticast_device* device) { delete &toFalcon(device); }
 
 }  // namespace
 
@@ -189,19 +158,7 @@ double computeFalconPeak_N(double gain) {
 }
 
 const hapticast_driver* falconDriver() {
-  static const hapticast_driver kDriver{sizeof(hapticast_driver),
-                                        HAPTICAST_DEVICE_ABI,
-                                        "falcon",
-                                        "a Novint Falcon on USB",
-                                        "MIT",
-                                        0,
-                                        0,
-                                        list,
-                                        open,
-                                        wait,
-                                        exchange,
-                                        zero,
-                                        close};
+  static const hapticast_driver kDriver = makeDriver<Falcon>("falcon", "a Novint Falcon on USB");
   return &kDriver;
 }
 

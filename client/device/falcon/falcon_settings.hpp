@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Settings of a Falcon (--falcon-...).
+// Settings of a Falcon: the options of its driver.
 // Thread: any.
 #pragma once
 
@@ -11,6 +11,9 @@ namespace hapticast::client {
 /// stock driver correspond to 3500. Other drivers send three times as much, and devices differ
 /// slightly.
 inline constexpr double kFalconGain = 3500.0;
+// Chosen: from a seventh of the default gain of any driver to twice the largest.
+inline constexpr double kLeastFalconGain = 100.0;
+inline constexpr double kMostFalconGain = 20000.0;
 
 struct FalconSettings {
   /// Empty: the default file, or no file if the firmware already runs.

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <optional>
 
-#include "client/device/open_device.hpp"
+#include "client/device/device_request.hpp"
 #include "client/haptics/safety/wall_law.hpp"
 
 namespace hapticast::client {

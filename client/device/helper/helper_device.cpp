@@ -22,6 +22,7 @@
 #include "client/device/sleep_until.hpp"
 #include "client/haptics/safety/wall_law.hpp"
 #include "client/haptics/tick_report.hpp"
+#include "common/rate_limiter.hpp"
 #include "common/sync/seq_lock.hpp"
 #include "common/text.hpp"
 
@@ -36,17 +37,9 @@ constexpr Duration kTurn = milliseconds(20);  // stop() is noticed so late
 constexpr auto kListPatience = std::chrono::seconds(2);
 constexpr int kMostRestarts = 3;
 constexpr int kDelayTicksMeasured = 200;
-constexpr int kMostLines = 20;  // chosen
-
-std::map<std::string, std::string> collectOptions(const DeviceRequest& request) {
-  auto options = request.options;
-  if (request.kind != "falcon") return options;
-  if (!request.falcon.serial.empty()) options["serial"] = request.falcon.serial;
-  options["firmware"] = request.falcon.firmware_file;
-  options["gain"] = fmt::format("{:.17g}", request.falcon.gain);
-  options["event_character"] = request.falcon.event_character ? "1" : "0";
-  return options;
-}
+// Chosen: a start logs less, and a user reads no more.
+constexpr int kMostLines = 20;
+constexpr Duration kLineRefill = milliseconds(500);
 
 /// One run of the helper, with a page of its own: a helper may die while it writes.
 struct Life {
@@ -79,7 +72,6 @@ class HelperDevice final : public HapticDevice {
   void watch();
   void restart();
   void pushMessage(const std::string& line);
-  void pushDriverLine(const std::string& line);
   void storeCommand(Life& life, const Vec3& force_N) noexcept;
 
   const std::string name_;
@@ -96,8 +88,7 @@ class HelperDevice final : public HapticDevice {
   DeviceReading reading_;
   std::optional<StateCheck> check_;
   // The thread of this object:
-  LocalTime lines_since_{};
-  int lines_ = 0;
+  RateLimiter driver_lines_{kMostLines, kLineRefill};
   // Main:
   std::array<bool, StateCheck::kFindings> reported_{};
   bool slow_reported_ = false;
@@ -112,7 +103,7 @@ HelperDevice::HelperDevice(const DeviceRequest& request)
     : name_(request.kind),
       clock_(request.clock),
       program_(request.helper_program.empty() ? findHelperProgram() : request.helper_program),
-      options_(collectOptions(request)) {
+      options_(selectDriverOptions(request)) {
   hapticast_profile driver = unknownProfile();
   lives_.push_back(start(driver, request.log));
   profile_ = convertProfile(name_, driver, request.profile);
@@ -245,8 +236,10 @@ std::optional<DeviceTraffic> HelperDevice::traffic() const noexcept {
 void HelperDevice::watch() {
   while (!stop_) {
     const Received received = lives_.back()->process->receive(clock_.now() + kTurn);
-    if (received.message && received.message->kind == Kind::kLog)
-      pushDriverLine(received.message->text);
+    if (received.message && received.message->kind == Kind::kLog) {
+      if (const auto line = driver_lines_.admit(received.message->text, clock_.now()))
+        pushMessage(*line);
+    }
     if (received.ended) restart();
   }
 }
@@ -276,18 +269,6 @@ void HelperDevice::restart() {
       pushMessage(error.what());
     }
   }
-}
-
-/// Passes lines of the driver on, at most kMostLines in a second.
-void HelperDevice::pushDriverLine(const std::string& line) {
-  const LocalTime now = clock_.now();
-  if (now - lines_since_ > std::chrono::seconds(1)) {
-    lines_since_ = now;
-    lines_ = 0;
-  }
-  ++lines_;
-  if (lines_ < kMostLines) pushMessage(line);
-  if (lines_ == kMostLines) pushMessage(name_ + ": its driver logs too much; lines are left out");
 }
 
 void HelperDevice::pushMessage(const std::string& line) {
@@ -327,7 +308,7 @@ std::unique_ptr<HapticDevice> openHelperDevice(const DeviceRequest& request) {
 std::vector<std::string> listHelperDevices(const DeviceRequest& request) {
   HelperProcess process(
       request.helper_program.empty() ? findHelperProgram() : request.helper_program, request.kind,
-      "list", collectOptions(request), nullptr);
+      "list", selectDriverOptions(request), nullptr);
   const LocalTime until = request.clock.now() + kListPatience;
   std::vector<std::string> lines;
   while (request.clock.now() < until) {

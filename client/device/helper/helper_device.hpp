@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "client/device/open_device.hpp"
+#include "client/device/device_request.hpp"
 
 namespace hapticast::client {
 

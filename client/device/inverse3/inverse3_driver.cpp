@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "client/device/helper/program/driver_texts.hpp"
+#include "client/device/helper/program/make_driver.hpp"
 #include "client/device/inverse3/protocol.hpp"
 #include "client/device/inverse3/websocket.hpp"
 #include "client/device/sleep_until.hpp"
@@ -85,9 +85,16 @@ std::unique_ptr<WebSocket> connect(const Inverse3Settings& settings, Inverse3Mes
 /// An opened device. The loop's thread calls wait() and exchange().
 class Inverse3 {
  public:
-  Inverse3(Inverse3Settings settings, const hapticast_host& host)
-      : settings_(std::move(settings)), host_(host) {
+  Inverse3(const hapticast_host& host, const char* id, hapticast_profile& profile)
+      : settings_(readInverse3Settings(host, id)), host_(host) {
     open();
+    describe(profile);
+  }
+
+  static void list(const hapticast_host& host, const FoundDevice& found) {
+    Inverse3Message inventory;
+    (void)connect(readInverse3Settings(host, nullptr), inventory);
+    for (const Inverse3Device& each : inventory.devices) found(each.id, "");
   }
 
   void wait(LocalTime deadline) {
@@ -126,10 +133,29 @@ class Inverse3 {
   }
 
   /// The service forgets a force by itself. The next message commands zero. Thread: any.
-  void requestZero() { zero_ = true; }
-  [[nodiscard]] const Inverse3Device& device() const { return device_; }
+  bool commandZero() {
+    zero_ = true;
+    return true;
+  }
 
  private:
+  void describe(hapticast_profile& profile) const {
+    // A force goes out with the next message and acts in the service's next tick. The service's
+    // filters delay it further.
+    profile.delay_ticks = device_.filtered ? 3 : 2;
+    if (device_.filtered)
+      host_.log(host_.self,
+                "inverse3: the service filters forces; switch its force gate and damping off for "
+                "harder walls");
+    profile.peak_N = kPeak_N;
+    std::fill_n(profile.workspace_mm, 3,
+                device_.type == "minverse" ? kMinverseSide_mm : kInverse3Side_mm);
+    profile.rearm_button = 0;
+    profile.pause_button = 1;
+    profile.watchdog_ms = 20;
+    copyText(device_.id, profile.serial, sizeof profile.serial);
+  }
+
   /// Waits for the next deadline on a grid of 1 ms. Skips deadlines that a stall has missed.
   void waitForGrid(LocalTime deadline) {
     due_ = std::max(due_ + kTickPeriod, clock_.now());
@@ -216,81 +242,11 @@ class Inverse3 {
   std::uint64_t damaged_ = 0;
 };
 
-Inverse3& toInverse3(hapticast_device* device) { return *reinterpret_cast<Inverse3*>(device); }
-
-int listInverse3(const hapticast_host* host,
-                 void (*found)(void* to, const char* id, const char* problem), void* to,
-                 char why[256]) {
-  try {
-    Inverse3Message inventory;
-    (void)connect(readInverse3Settings(*host, nullptr), inventory);
-    for (const Inverse3Device& each : inventory.devices) found(to, each.id.c_str(), nullptr);
-    return HAPTICAST_OK;
-  } catch (const std::runtime_error& error) {
-    writeReason(error.what(), why);
-    return HAPTICAST_LOST;
-  }
-}
-
-hapticast_device* openInverse3(const hapticast_host* host, const char* id,
-                               hapticast_profile* profile, char why[256]) {
-  try {
-    auto opened = std::make_unique<Inverse3>(readInverse3Settings(*host, id), *host);
-    const Inverse3Device& device = opened->device();
-    // A force goes out with the next message and acts in the service's next tick. The service's
-    // filters delay it further.
-    profile->delay_ticks = device.filtered ? 3 : 2;
-    if (device.filtered)
-      host->log(host->self,
-                "inverse3: the service filters forces; switch its force gate and damping off for "
-                "harder walls");
-    profile->peak_N = kPeak_N;
-    std::fill_n(profile->workspace_mm, 3,
-                device.type == "minverse" ? kMinverseSide_mm : kInverse3Side_mm);
-    profile->rearm_button = 0;
-    profile->pause_button = 1;
-    profile->watchdog_ms = 20;
-    (void)device.id.copy(profile->serial, sizeof profile->serial - 1);
-    return reinterpret_cast<hapticast_device*>(opened.release());
-  } catch (const std::runtime_error& error) {
-    writeReason(error.what(), why);
-    return nullptr;
-  }
-}
-
-int waitInverse3(hapticast_device* device, std::int64_t until_ns) {
-  toInverse3(device).wait(LocalTime(Duration(until_ns)));
-  return HAPTICAST_OK;
-}
-
-int exchangeInverse3(hapticast_device* device, const double force_N[3], hapticast_state* state) {
-  toInverse3(device).exchange({force_N[0], force_N[1], force_N[2]}, *state);
-  return HAPTICAST_OK;
-}
-
-int zeroInverse3(hapticast_device* device) {
-  toInverse3(device).requestZero();
-  return 0;
-}
-
-void closeInverse3(hapticast_device* device) { delete &toInverse3(device); }
-
 }  // namespace
 
 const hapticast_driver* inverse3Driver() {
-  static const hapticast_driver kDriver{sizeof(hapticast_driver),
-                                        HAPTICAST_DEVICE_ABI,
-                                        "inverse3",
-                                        "a Haply Inverse3 or Minverse, through its service",
-                                        "MIT",
-                                        HAPTICAST_NEEDS_NETWORK,
-                                        0,
-                                        listInverse3,
-                                        openInverse3,
-                                        waitInverse3,
-                                        exchangeInverse3,
-                                        zeroInverse3,
-                                        closeInverse3};
+  static const hapticast_driver kDriver = makeDriver<Inverse3>(
+      "inverse3", "a Haply Inverse3 or Minverse, through its service", HAPTICAST_NEEDS_NETWORK);
   return &kDriver;
 }
 

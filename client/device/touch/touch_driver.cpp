@@ -3,13 +3,12 @@
 
 #include <algorithm>
 #include <chrono>
-#include <memory>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
 #include "client/device/device_profile.hpp"
-#include "client/device/helper/program/driver_texts.hpp"
+#include "client/device/helper/program/make_driver.hpp"
 #include "client/device/touch/servo.hpp"
 
 namespace hapticast::client {
@@ -37,28 +36,25 @@ class HdHandle {
 
 class Touch {
  public:
-  Touch(const HdFunctions& functions, const hapticast_host& host, const char* serial)
-      : functions_(functions),
+  Touch(const hapticast_host& host, const char* id, hapticast_profile& profile)
+      : functions_(host),
         host_(host),
         handle_(functions_, host.option(host.self, "name")),
-        serial_(requireSerial(serial)),
+        serial_(requireSerial(id)),
         servo_(functions_, handle_.get(), clock_) {
     servo_.waitForFrame(clock_.now() + kFirstFrame);
     if (servo_.read().frames + servo_.read().faults == 0)
       throw std::runtime_error("its library does not call back: is its scheduler licensed?");
     last_new_ = clock_.now();
+    copyProfile(loadDeviceProfile("omni"), profile);
+    copyText(serial_, profile.serial, sizeof profile.serial);
   }
 
-  void describe(hapticast_profile& profile) const {
-    const PlantProfile omni = loadDeviceProfile("omni");
-    profile.delay_ticks = omni.delay_ticks;
-    profile.mass_kg = omni.mass_kg;
-    profile.peak_N = omni.peak_N;
-    profile.continuous_N = omni.continuous_N;
-    profile.count_mm = omni.count_mm;
-    profile.stiffness_N_mm = omni.stiffness_N_mm;
-    std::copy_n(omni.workspace_mm.data(), 3, profile.workspace_mm);
-    (void)serial_.copy(profile.serial, sizeof profile.serial - 1);
+  /// The library knows a device only after it has opened it.
+  static void list(const hapticast_host& host, const FoundDevice& found) {
+    const HdFunctions functions(host);
+    const HdHandle handle(functions, host.option(host.self, "name"));
+    found(functions.readSerial(), "");
   }
 
   void exchange(const Vec3& force_N, hapticast_state& state) {
@@ -126,65 +122,11 @@ class Touch {
   Servo servo_;  // last member: its frames end first
 };
 
-Touch& toTouch(hapticast_device* device) { return *reinterpret_cast<Touch*>(device); }
-
-/// The library knows a device only after it has opened it.
-int listTouch(const hapticast_host* host,
-              void (*found)(void* to, const char* id, const char* problem), void* to,
-              char why[256]) {
-  try {
-    const HdFunctions functions(*host);
-    const HdHandle handle(functions, host->option(host->self, "name"));
-    found(to, functions.readSerial().c_str(), nullptr);
-    return HAPTICAST_OK;
-  } catch (const std::runtime_error& error) {
-    writeReason(error.what(), why);
-    return HAPTICAST_LOST;
-  }
-}
-
-hapticast_device* openTouch(const hapticast_host* host, const char* id, hapticast_profile* profile,
-                            char why[256]) {
-  try {
-    auto touch = std::make_unique<Touch>(HdFunctions(*host), *host, id);
-    touch->describe(*profile);
-    return reinterpret_cast<hapticast_device*>(touch.release());
-  } catch (const std::runtime_error& error) {
-    writeReason(error.what(), why);
-    return nullptr;
-  }
-}
-
-int waitTouch(hapticast_device* device, std::int64_t until_ns) {
-  toTouch(device).wait(LocalTime(Duration(until_ns)));
-  return HAPTICAST_OK;
-}
-
-int exchangeTouch(hapticast_device* device, const double force_N[3], hapticast_state* state) {
-  toTouch(device).exchange({force_N[0], force_N[1], force_N[2]}, *state);
-  return HAPTICAST_OK;
-}
-
-int zeroTouch(hapticast_device* device) { return toTouch(device).commandZero() ? 0 : 1; }
-
-void closeTouch(hapticast_device* device) { delete &toTouch(device); }
-
 }  // namespace
 
 const hapticast_driver* touchDriver() {
-  static const hapticast_driver kDriver{sizeof(hapticast_driver),
-                                        HAPTICAST_DEVICE_ABI,
-                                        "touch",
-                                        "a Touch (Phantom Omni) by OpenHaptics",
-                                        "MIT",
-                                        HAPTICAST_NEEDS_NETWORK,
-                                        0,
-                                        listTouch,
-                                        openTouch,
-                                        waitTouch,
-                                        exchangeTouch,
-                                        zeroTouch,
-                                        closeTouch};
+  static const hapticast_driver kDriver =
+      makeDriver<Touch>("touch", "a Touch (Phantom Omni) by OpenHaptics", HAPTICAST_NEEDS_NETWORK);
   return &kDriver;
 }
 

@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "client/device/open_device.hpp"
+#include "client/device/device_request.hpp"
 #include "client/device/sleep_until.hpp"
 #include "client/haptics/tick_report.hpp"
 #include "common/time.hpp"

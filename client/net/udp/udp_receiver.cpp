@@ -105,12 +105,12 @@ const char* UdpReceiver::flood(LocalTime now) {
 
 void UdpReceiver::reportUnopened(LocalTime now) {
   const std::uint64_t unopened = counts().not_opened;
-  if (unopened == reported_unopened_ || !unopened_interval_.isDue(now)) return;
+  if (unopened == reported_unopened_ || !unopened_interval_.isReady(now)) return;
   events_.on_message(std::to_string(unopened - reported_unopened_) +
                      " datagrams were dropped: their key is unknown or has expired, or they are "
                      "not sealed as this stream is");
   reported_unopened_ = unopened;
-  unopened_interval_.onLogged(now);
+  (void)unopened_interval_.allow(now);
 }
 
 void UdpReceiver::update(LocalTime now) {

@@ -17,8 +17,8 @@
 #include "client/net/udp/transport_selector.hpp"
 #include "client/net/udp/udp_socket.hpp"
 #include "common/endpoint.hpp"
-#include "common/log_rate_limiter.hpp"
 #include "common/protocol/messages.hpp"
+#include "common/rate_limiter.hpp"
 #include "common/transport/asio.hpp"
 
 namespace hapticast::client {
@@ -81,7 +81,7 @@ class UdpReceiver : public std::enable_shared_from_this<UdpReceiver> {
   LocalTime counted_at_{};
   DatagramCounts counts_;  // of closed sockets
   std::uint64_t reported_unopened_ = 0;
-  LogInterval unopened_interval_;
+  RateLimiter unopened_interval_ = RateLimiter::makeOnceAMinute();
   std::uint64_t bytes_ = 0;
   bool closed_ = false;
 };

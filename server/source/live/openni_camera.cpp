@@ -21,7 +21,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/source/live/live_camera.hpp"
+#include "server/source/live/paired_camera.hpp"
 #include "server/source/picture/depth_scale.hpp"
 #include "server/source/picture/image_file.hpp"
 
@@ -156,7 +156,7 @@ cv::Mat convertFrame(const openni::VideoFrameRef& frame, const openni::VideoMode
 }
 
 /// An open camera. Its streams run.
-class OpenniDevice final : public LiveDevice, openni::OpenNI::DeviceDisconnectedListener {
+class OpenniDevice final : public PictureCamera, openni::OpenNI::DeviceDisconnectedListener {
  public:
   OpenniDevice(const std::string& device, std::string name, double fps);
   ~OpenniDevice() override;
@@ -301,8 +301,7 @@ std::optional<LivePicture> OpenniDevice::read(Duration longest) {
 
 std::unique_ptr<RgbdSource> openOpenniCamera(const std::string& device, double fps) {
   const std::string name = device.empty() ? "openni" : "openni:" + device;
-  return std::make_unique<LiveCamera>(
-      [=] { return std::make_unique<OpenniDevice>(device, name, fps); });
+  return openPairedCamera([=] { return std::make_unique<OpenniDevice>(device, name, fps); });
 }
 
 }  // namespace hapticast::server

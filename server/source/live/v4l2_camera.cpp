@@ -19,7 +19,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/source/live/live_camera.hpp"
+#include "server/source/live/paired_camera.hpp"
 #include "server/source/live/v4l2_picture.hpp"
 #include "server/source/picture/depth_scale.hpp"
 #include "server/source/picture/image_file.hpp"
@@ -251,7 +251,7 @@ LivePicture V4l2Node::convert(const v4l2_buffer& buffer) const {
 }
 
 /// The two nodes of a camera.
-class V4l2Device final : public LiveDevice {
+class V4l2Device final : public PictureCamera {
  public:
   V4l2Device(const std::string& color, const std::string& depth, double fps);
 
@@ -302,8 +302,7 @@ std::optional<LivePicture> V4l2Device::read(Duration longest) {
 
 std::unique_ptr<RgbdSource> openV4l2Camera(const std::string& color, const std::string& depth,
                                            double fps) {
-  return std::make_unique<LiveCamera>(
-      [=] { return std::make_unique<V4l2Device>(color, depth, fps); });
+  return openPairedCamera([=] { return std::make_unique<V4l2Device>(color, depth, fps); });
 }
 
 }  // namespace hapticast::server

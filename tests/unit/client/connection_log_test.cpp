@@ -54,7 +54,7 @@ TEST(ConnectionLog, AServerThatComesAndGoesDoesNotFillTheLog) {
     count(log.connected("connected: x", localTime(s)));
     count(log.logLoss("go away " + std::to_string(s), localTime(s)));
   }
-  EXPECT_EQ(lines, LogRateLimiter::kBurst + 3) << "a token comes back at 15, 30 and 45 s";
+  EXPECT_EQ(lines, RateLimiter::kLogBurst + 3) << "a token comes back at 15, 30 and 45 s";
   EXPECT_TRUE(last.ends_with(" lines more, not shown)")) << last;
   EXPECT_TRUE(log.connected("connected: x", localTime(61))) << "a minute later";
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "client/device/open_device.hpp"
+#include "client/haptics/tick_report.hpp"
 
 #include <gtest/gtest.h>
 

@@ -27,7 +27,7 @@ TEST(ClientSettings, Defaults) {
   EXPECT_FALSE(run.settings.list_servers);
   EXPECT_EQ(run.settings.device, "auto");
   EXPECT_EQ(run.settings.profile, "");
-  EXPECT_EQ(run.settings.falcon.gain, 3500.0);
+  EXPECT_TRUE(run.settings.device_options.empty());
   EXPECT_FALSE(run.settings.list_devices);
   EXPECT_FALSE(run.settings.rearm);
   EXPECT_FALSE(run.settings.sound);
@@ -117,9 +117,10 @@ void expectAll(const Settings& settings) {
   EXPECT_TRUE(settings.quiet);
   EXPECT_TRUE(settings.list_devices);
   const bool falcon = kHasFalcon;
-  EXPECT_EQ(settings.falcon.firmware_file, falcon ? "f.bin" : "");
-  EXPECT_EQ(settings.falcon.serial, falcon ? "A7" : "");
-  EXPECT_EQ(settings.falcon.gain, falcon ? 4000.0 : 3500.0);
+  std::map<std::string, std::string> options{
+      {"falcon.firmware", "f.bin"}, {"falcon.gain", "4000"}, {"falcon.serial", "A7"}};
+  if (!falcon) options.clear();
+  EXPECT_EQ(settings.device_options, options);
   EXPECT_EQ(settings.calibration_g, falcon ? 200.0 : 0.0);
 }
 

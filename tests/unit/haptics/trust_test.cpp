@@ -268,7 +268,7 @@ TEST(HapticStatusLog, ReportsAHaltEvenIfOtherLinesUsedUpTheLimit) {
   for (int i = 0; i < 100; ++i) {
     TickReport report = at(1.0 + i * 0.1, Halt::kNone);
     report.lookup = i % 2 == 0 ? Lookup::kStale : Lookup::kInterpolated;
-    EXPECT_EQ(log.onReport(report, kNever).has_value(), i < LogRateLimiter::kBurst);
+    EXPECT_EQ(log.onReport(report, kNever).has_value(), i < RateLimiter::kLogBurst);
   }
   EXPECT_TRUE(log.onReport(at(20.0, Halt::kTrustLost), kNever));
 }
@@ -282,7 +282,7 @@ TEST(HapticStatusLog, ReportsAtMostTenHaltsAndTenOtherLinesAMinute) {
     report.lookup = i % 2 == 0 ? Lookup::kStale : Lookup::kInterpolated;
     lines += log.onReport(report, kNever) ? 1 : 0;
   }
-  EXPECT_EQ(lines, 2 * (LogRateLimiter::kBurst + 3)) << "a token comes back at 15, 30 and 45 s";
+  EXPECT_EQ(lines, 2 * (RateLimiter::kLogBurst + 3)) << "a token comes back at 15, 30 and 45 s";
 }
 
 TEST(HapticStatusLog, ReportsOnceAMinuteThatAWallIsSofter) {

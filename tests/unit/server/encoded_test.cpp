@@ -3,10 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <deque>
-
-#include "common/log_rate_limiter.hpp"
-
 namespace hapticast::server {
 namespace {
 
@@ -71,31 +67,6 @@ TEST(FrameEncoder, EncodesVideo) {
   const auto message = decode(*video.payload);
   EXPECT_EQ(std::get<VideoFrame>(message.value()).jpeg, (std::vector<std::uint8_t>{0xFF, 0xD8, 9}));
   EXPECT_EQ(video.id, 2U);
-}
-
-TEST(LogRateLimiter, LetsSomeLinesThroughAndCountsTheRest) {
-  LogRateLimiter limit;
-  std::int64_t allowed = 0;
-  for (int i = 0; i < 100; ++i) allowed += limit.allow(localTime(5.0)) ? 1 : 0;
-  EXPECT_EQ(allowed, LogRateLimiter::kBurst);
-  EXPECT_EQ(limit.popDropped(), 100U - LogRateLimiter::kBurst);
-  EXPECT_EQ(limit.popDropped(), 0U);
-  EXPECT_FALSE(limit.allow(localTime(14.9)));
-  EXPECT_TRUE(limit.allow(localTime(15.0))) << "a line every 15 s from the clock's zero";
-  EXPECT_FALSE(limit.allow(localTime(15.1)));
-}
-
-TEST(LogRateLimiter, NeverLetsMoreThanTenLinesThroughInAMinute) {
-  LogRateLimiter limit;
-  std::deque<double> lines_s;
-  for (double now_s = 1000.0; now_s < 1600.0; now_s += 0.05) {
-    const bool pause = now_s > 1200.0 && now_s < 1300.0;  // and what was saved up in it
-    if (pause || !limit.allow(localTime(now_s))) continue;
-    lines_s.push_back(now_s);
-    while (now_s - lines_s.front() >= 60.0) lines_s.pop_front();
-    ASSERT_LE(lines_s.size(), 10U) << now_s;
-  }
-  EXPECT_GE(lines_s.size(), 4U) << "a steady four a minute";
 }
 
 }  // namespace

@@ -55,7 +55,7 @@ TEST(ServiceManager, ReportsGoToTheSocketOfTheEnvironment) {
     const Manager manager(path);
     ManualClock clock;
     clock.set(localTime(1.5));
-    const ServiceManager service(clock);
+    ServiceManager service(clock);
     service.reportReady("ball: listening\non 7447");
     service.reportReload();
     service.reportReloaded();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Live streams from a sender of the test, over a real socket: what is refused, and what happens
 // when the sender ends. The videos are written with ffmpeg where it is there.
-#include "server/source/live/live_video.hpp"
+#include "server/source/live/network_stream.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -104,7 +104,7 @@ std::string refusal(const HttpSender::Script& script, int patience = 1'000'000) 
   });
 }
 
-TEST(LiveVideo, ARefusalNamesTheAddressWithoutItsSecrets) {
+TEST(NetworkStream, ARefusalNamesTheAddressWithoutItsSecrets) {
   std::string url;
   {
     url = HttpSender([](HttpSender&, int) {}).url("/cam.ts?token=secret");
@@ -113,7 +113,7 @@ TEST(LiveVideo, ARefusalNamesTheAddressWithoutItsSecrets) {
                                     Not(HasSubstr("secret"))));
 }
 
-TEST(LiveVideo, RefusesDataThatIsNoVideo) {
+TEST(NetworkStream, RefusesDataThatIsNoVideo) {
   const std::string page = "<html>" + std::string(100'000, 'x');
   EXPECT_THAT(refusal([&](HttpSender& sender, int) {
                 sender.send("HTTP/1.0 200 OK\r\nContent-Length: " + std::to_string(page.size()) +
@@ -126,7 +126,7 @@ TEST(LiveVideo, RefusesDataThatIsNoVideo) {
               HasSubstr("cannot be opened (Server returned 404 Not Found)"));
 }
 
-TEST(LiveVideo, PlaylistsAndOtherPlacesAreRefused) {
+TEST(NetworkStream, PlaylistsAndOtherPlacesAreRefused) {
   const SourceFolder folder;
   const std::string file = folder.write("x.ts", "secret");
   for (const std::string& text :
@@ -144,7 +144,7 @@ TEST(LiveVideo, PlaylistsAndOtherPlacesAreRefused) {
               HasSubstr("is no single stream"));
 }
 
-TEST(LiveVideo, SilenceAndEndlessHeadersAreGivenUp) {
+TEST(NetworkStream, SilenceAndEndlessHeadersAreGivenUp) {
   EXPECT_THAT(refusal([](HttpSender& sender, int) { sender.hold(); }, 10),
               HasSubstr("cannot be opened (no answer in time)"));
   EXPECT_THAT(refusal(
@@ -157,7 +157,7 @@ TEST(LiveVideo, SilenceAndEndlessHeadersAreGivenUp) {
               HasSubstr("cannot be opened (no answer in time)"));
 }
 
-class LiveVideoStreams : public testing::Test {
+class NetworkStreams : public testing::Test {
  protected:
   void SetUp() override {
     if (std::system("ffmpeg -version >/dev/null 2>&1") != 0) GTEST_SKIP() << "needs ffmpeg";
@@ -187,7 +187,7 @@ class LiveVideoStreams : public testing::Test {
   SourceFolder folder;
 };
 
-TEST_F(LiveVideoStreams, ARecordedFileIsRefused) {
+TEST_F(NetworkStreams, ARecordedFileIsRefused) {
   const std::string bytes = video("256x96", 1);
   EXPECT_THAT(refusal([&](HttpSender& sender, int) {
                 sender.send("HTTP/1.0 200 OK\r\nContent-Length: " + std::to_string(bytes.size()) +
@@ -196,7 +196,7 @@ TEST_F(LiveVideoStreams, ARecordedFileIsRefused) {
               HasSubstr("is a recorded file"));
 }
 
-TEST_F(LiveVideoStreams, OneTrackNeedsALayout) {
+TEST_F(NetworkStreams, OneTrackNeedsALayout) {
   const std::string bytes = video("256x96", 1);
   HttpSender sender([&](HttpSender& to, int) { to.send(kHttpStart + bytes); });
   EXPECT_THAT(openError(sender.url("/cam")),
@@ -204,7 +204,7 @@ TEST_F(LiveVideoStreams, OneTrackNeedsALayout) {
                     Not(HasSubstr("secret"))));
 }
 
-TEST_F(LiveVideoStreams, FramesComeBackAfterTheEndOfTheStream) {
+TEST_F(NetworkStreams, FramesComeBackAfterTheEndOfTheStream) {
   const std::string bytes = video("256x96", 4);
   const std::string one_frame = video("256x96", 1, "-frames:v 1");
   HttpSender sender([&](HttpSender& to, int number) {
@@ -217,18 +217,18 @@ TEST_F(LiveVideoStreams, FramesComeBackAfterTheEndOfTheStream) {
       to.sendSlowly(bytes.substr(bytes.size() / 2), std::chrono::milliseconds(2000));
   });
   const LogLines log;
-  LiveVideo source(sender.url("/cam.ts?token=secret"), kBeside, 0.0);
-  const SourceInfo& info = source.info();
+  const auto source = openNetworkStream(sender.url("/cam.ts?token=secret"), kBeside, 0.0);
+  const SourceInfo& info = source->info();
   EXPECT_TRUE(info.live);
   EXPECT_EQ(info.name, "cam.ts");
   EXPECT_EQ(info.width_px, 128);
   EXPECT_EQ(info.height_px, 96);
   EXPECT_EQ(info.fps, 25.0);
   EXPECT_FALSE(info.frame_count);
-  EXPECT_THAT(errorOf([&] { source.rewind(); }), HasSubstr("is live"));
+  EXPECT_THAT(errorOf([&] { source->rewind(); }), HasSubstr("is live"));
   std::optional<RgbdFrame> last;
   while (!last || last->epoch < 2) {
-    std::optional<RgbdFrame> frame = next(source);
+    std::optional<RgbdFrame> frame = next(*source);
     ASSERT_TRUE(frame);
     EXPECT_EQ(frame->color.size(), cv::Size(128, 96));
     EXPECT_EQ(frame->depth.size(), cv::Size(128, 96));
@@ -242,11 +242,12 @@ TEST_F(LiveVideoStreams, FramesComeBackAfterTheEndOfTheStream) {
     }
     last = std::move(frame);
   }
-  EXPECT_THAT(log.text(), AllOf(HasSubstr("no frames from http://127.0.0.1"),
-                                HasSubstr("/cam.ts are back after "), Not(HasSubstr("secret"))));
+  EXPECT_THAT(log.text(),
+              AllOf(HasSubstr("no frames from http://127.0.0.1"),
+                    HasSubstr("cam.ts: frames are back after "), Not(HasSubstr("secret"))));
 }
 
-TEST_F(LiveVideoStreams, AnotherSizeEndsTheSource) {
+TEST_F(NetworkStreams, AnotherSizeEndsTheSource) {
   const std::string first = video("256x96", 2);
   const std::string other = video("192x96", 2);
   HttpSender sender([&](HttpSender& to, int number) {
@@ -254,23 +255,23 @@ TEST_F(LiveVideoStreams, AnotherSizeEndsTheSource) {
       to.sendSlowly(number == 0 ? first : other, std::chrono::milliseconds(2000));
   });
   const LogLines log;
-  LiveVideo source(sender.url("/cam"), kBeside, 0.0);
+  const auto source = openNetworkStream(sender.url("/cam"), kBeside, 0.0);
   EXPECT_THAT(errorOf([&] {
-                while (next(source)) {
+                while (next(*source)) {
                 }
               }),
-              AllOf(HasSubstr("/cam: came back with other pictures or depth (96x96), but began "
+              AllOf(HasSubstr("cam: came back with other pictures or depth (96x96), but began "
                               "with 128x96"),
                     Not(HasSubstr("secret"))));
 }
 
-TEST_F(LiveVideoStreams, ASourceEndsWhileItsSenderIsSilent) {
+TEST_F(NetworkStreams, ASourceEndsWhileItsSenderIsSilent) {
   const std::string bytes = video("256x96", 2);
   HttpSender sender([&](HttpSender& to, int) {
     if (to.send(kHttpStart) && to.sendSlowly(bytes, std::chrono::milliseconds(2000))) to.hold();
   });
-  LiveVideo source(sender.url("/cam"), kBeside, 0.0);
-  EXPECT_TRUE(next(source));
+  const auto source = openNetworkStream(sender.url("/cam"), kBeside, 0.0);
+  EXPECT_TRUE(next(*source));
 }
 
 }  // namespace

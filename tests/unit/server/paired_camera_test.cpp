@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// How pictures of colour and depth find each other. LiveCamera itself runs in
-// tests/openni/camera_test.cpp.
-#include "server/source/live/live_camera.hpp"
+// How pictures of colour and depth find each other. The cameras run in tests/openni/camera_test.cpp
+// and tests/v4l2/camera_test.cpp.
+#include "server/source/live/paired_camera.hpp"
 
 #include <gtest/gtest.h>
 

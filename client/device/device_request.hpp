@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+// What a device is opened with, and the type of the functions that open one.
+// Thread: main, before the loop.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include "client/device/device_profile.hpp"
+#include "client/haptics/haptic_device.hpp"
+#include "client/haptics/user_controls.hpp"
+#include "common/sync/latest_value.hpp"
+
+namespace hapticast::client {
+
+/// Arguments for opening a device. All references must outlive the device.
+struct DeviceRequest {
+  std::string kind = {};  ///< name of the kind; openDevice() and its like set it
+  /// --profile: a built-in name or a file; empty: the default of the kind.
+  std::string profile = {};
+  std::string hand = "press";  ///< --hand: name of a script, or a CSV file
+  const Clock& clock;
+  /// Target of the window's pointer, or null if there is no window. Only the device may read it.
+  LatestValue<PointerTarget>* pointer = nullptr;
+  /// --device-option: settings of the driver. A key DRIVER.KEY is for the driver of this name only.
+  std::map<std::string, std::string> options = {};
+  std::string helper_program = {};  ///< path of hapticast-device; empty: findHelperProgram()
+  /// Receives lines about the progress while the device opens.
+  std::function<void(const std::string& line)> log = [](const std::string& /*line*/) {};
+};
+
+/// Returns those of request.options that are for the driver request.kind, with the keys that the
+/// driver knows. An option for this driver only replaces one for all.
+std::map<std::string, std::string> selectDriverOptions(const DeviceRequest& request);
+
+/// Returns the profile `name_or_file` (loadDeviceProfile()). For an empty name it returns the
+/// profile `own`. Throws like OpenDevice.
+PlantProfile loadProfile(const std::string& name_or_file, const std::string& own = "omni");
+
+/// The requested device is missing or cannot be opened. The user's input is not the cause.
+class DeviceAbsent : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Type of the functions that open a device of one kind. Such a function opens the device and
+/// returns it. If the device is missing, it throws DeviceAbsent. If a setting in `request` is
+/// invalid, it throws std::runtime_error with one line: the flag, its value and the allowed values.
+/// Call it before the loop.
+using OpenDevice = std::unique_ptr<HapticDevice>(const DeviceRequest& request);
+
+}  // namespace hapticast::client
