@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "server/http/http_response.hpp"
 
+#include <boost/beast/http/empty_body.hpp>
 #include <boost/beast/http/error.hpp>
+#include <boost/beast/http/parser.hpp>
 #include <limits>
 #include <string>
 #include <string_view>
@@ -15,10 +17,19 @@ using http::status;
 
 constexpr unsigned kHttp11 = 11;
 
+using RequestParser = http::request_parser<http::empty_body>;
+
 /// Returns whether the head names its host as RFC 9112, section 3.2 asks: once in version 1.1.
-bool hasValidHost(const HttpRequestParser& parser) {
+bool hasValidHost(const RequestParser& parser) {
   const std::size_t hosts = parser.get().count(http::field::host);
   return hosts == 1 || (hosts == 0 && parser.get().version() < kHttp11);
+}
+
+HttpRequest describeRequest(const RequestParser& parser) {
+  const auto& head = parser.get();
+  const std::string_view target(head.target().data(), head.target().size());
+  return {head.method(), std::string(target.substr(0, target.find('?'))),
+          parser.chunked() || parser.content_length().value_or(0) > 0, head.keep_alive()};
 }
 
 void setContent(HttpResponse& response, status code, std::string body,
@@ -34,66 +45,59 @@ void showHealth(HttpResponse& response, const Metrics& metrics) {
              problem.value_or("ok") + "\n");
 }
 
-void show(HttpResponse& response, const HttpRequestParser& parser,
+void show(HttpResponse& response, const HttpRequest& request,
           const std::function<Metrics()>& metrics) {
-  const auto& head = parser.get();
-  if (head.method() != http::verb::get && head.method() != http::verb::head) {
+  if (request.method != http::verb::get && request.method != http::verb::head) {
     response.set(http::field::allow, "GET, HEAD");
     return setContent(response, status::method_not_allowed, "only GET and HEAD\n");
   }
-  if (parser.hasBody())
+  if (request.has_body)
     return setContent(response, status::payload_too_large, "a request has no body here\n");
-  const std::string_view target(head.target().data(), head.target().size());
-  const std::string_view path = target.substr(0, target.find('?'));
-  if (path == "/metrics")
+  if (request.path == "/metrics")
     return setContent(response, status::ok, writePrometheus(metrics()),
                       "text/plain; version=0.0.4; charset=utf-8");
-  if (path == "/health") return showHealth(response, metrics());
-  if (path == "/status.json")
+  if (request.path == "/health") return showHealth(response, metrics());
+  if (request.path == "/status.json")
     return setContent(response, status::ok, writeStatus(metrics()), "application/json");
   setContent(response, status::not_found, "there are /metrics, /health and /status.json\n");
 }
 
 }  // namespace
 
-HttpRequestParser::HttpRequestParser() {
-  header_limit(kMaxHead_bytes);
-  body_limit(std::numeric_limits<std::uint64_t>::max());  // bodies are not read
-}
-
-bool HttpRequestParser::hasBody() const { return chunked() || content_length().value_or(0) > 0; }
-
-std::optional<HttpRequestParser> readRequest(boost::beast::flat_buffer& bytes,
-                                             boost::system::error_code& error) {
+std::optional<HttpRequest> readRequest(boost::beast::flat_buffer& bytes,
+                                       boost::system::error_code& error) {
   if (bytes.size() == 0) return std::nullopt;
-  HttpRequestParser parser;
+  RequestParser parser;
+  parser.body_limit(std::numeric_limits<std::uint64_t>::max());  // bodies are not read
   const std::size_t used = parser.put(bytes.data(), error);
   if (parser.is_header_done()) {
     bytes.consume(used);
-  } else if (error == http::error::need_more) {
-    if (bytes.size() < bytes.max_size()) return std::nullopt;
-    error = http::error::buffer_overflow;
+    if (!hasValidHost(parser)) error = http::error::bad_field;
+    return describeRequest(parser);
   }
-  return parser;
+  if (error == http::error::need_more) {
+    if (bytes.size() < bytes.max_size()) return std::nullopt;
+    error = http::error::header_limit;
+  }
+  return HttpRequest();
 }
 
-HttpResponse respond(const HttpRequestParser& parser, const boost::system::error_code& error,
+HttpResponse respond(const HttpRequest& request, const boost::system::error_code& error,
                      bool may_stay_open, const std::function<Metrics()>& metrics) {
   HttpResponse response(status::ok, kHttp11);
   response.set(http::field::cache_control, "no-store");
   response.set("X-Content-Type-Options", "nosniff");
-  const bool is_read = !error && hasValidHost(parser);
-  if (error == http::error::header_limit || error == http::error::buffer_overflow) {
+  if (error == http::error::header_limit) {
     setContent(response, status::request_header_fields_too_large, "the request is too large\n");
-  } else if (!is_read) {
+  } else if (error) {
     setContent(response, status::bad_request, "this is no request of HTTP/1.1\n");
   } else {
-    show(response, parser, metrics);
+    show(response, request, metrics);
   }
-  const bool stays = is_read && may_stay_open && parser.get().keep_alive() && !parser.hasBody();
+  const bool stays = !error && may_stay_open && request.keep_alive && !request.has_body;
   response.set(http::field::connection, stays ? "keep-alive" : "close");
   response.content_length(response.body().size());
-  if (is_read && parser.get().method() == http::verb::head) response.body().clear();
+  if (!error && request.method == http::verb::head) response.body().clear();
   return response;
 }
 

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <boost/beast/core/flat_buffer.hpp>
-#include <boost/beast/http/read.hpp>
 #include <boost/beast/http/write.hpp>
 #include <utility>
 
@@ -107,24 +106,32 @@ asio::awaitable<void> HttpServer::serve(std::shared_ptr<Connection> connection) 
 }
 
 asio::awaitable<void> HttpServer::answerAll(Connection& connection) {
-  namespace http = boost::beast::http;
   for (std::size_t number = 1; number <= kMostRequests; ++number) {
     connection.deadline = clock_.now() + kTimeout;
-    HttpRequestParser parser;
     boost::system::error_code ec;
-    co_await http::async_read_header(connection.socket, connection.buffer, parser,
-                                     asio::redirect_error(asio::use_awaitable, ec));
-    const bool is_ours = ec && ec.category() == make_error_code(http::error::bad_method).category();
-    if ((ec && !is_ours) || ec == http::error::end_of_stream || ec == http::error::partial_message)
-      co_return;
-    co_await awaitTurn();
+    const auto request = co_await awaitRequest(connection, ec);
+    if (!request) co_return;
     HttpResponse response =
-        respond(parser, ec, number < kMostRequests, [this] { return collectFreshMetrics(); });
+        respond(*request, ec, number < kMostRequests, [this] { return collectFreshMetrics(); });
     connection.deadline = clock_.now() + kTimeout;
-    co_await http::async_write(connection.socket, response,
-                               asio::redirect_error(asio::use_awaitable, ec));
+    co_await boost::beast::http::async_write(connection.socket, response,
+                                             asio::redirect_error(asio::use_awaitable, ec));
     if (ec) co_return;
     if (!response.keep_alive()) co_return co_await finish(connection);
+  }
+}
+
+asio::awaitable<std::optional<HttpRequest>> HttpServer::awaitRequest(
+    Connection& connection, boost::system::error_code& error) {
+  for (;;) {
+    if (connection.buffer.size() > 0) co_await awaitTurn();
+    if (auto request = readRequest(connection.buffer, error)) co_return request;
+    const std::size_t room = connection.buffer.max_size() - connection.buffer.size();
+    boost::system::error_code ec;
+    const std::size_t size = co_await connection.socket.async_read_some(
+        connection.buffer.prepare(room), asio::redirect_error(asio::use_awaitable, ec));
+    if (ec) co_return std::nullopt;
+    connection.buffer.commit(size);
   }
 }
 

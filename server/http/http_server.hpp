@@ -13,6 +13,7 @@
 #include "common/endpoint.hpp"
 #include "common/time.hpp"
 #include "common/transport/asio.hpp"
+#include "server/http/http_response.hpp"
 #include "server/http/metrics.hpp"
 
 namespace hapticast::server {
@@ -26,8 +27,8 @@ class HttpServer {
   static constexpr std::size_t kMostRequests = 100;
   /// Longest time for a whole request to arrive, and for its response to leave.
   static constexpr Duration kTimeout = std::chrono::seconds(5);
-  /// Least time between two turns. A turn is an accepted connection, or a request with its
-  /// response. It bounds what a flood of requests costs the viewers.
+  /// Least time between two turns. A turn is an accepted connection, or the parsing of bytes
+  /// with the response. It bounds what a flood of requests costs the viewers.
   static constexpr Duration kTurnEvery = std::chrono::milliseconds(5);
   /// Age up to which figures are shown again. To collect them costs time for each viewer.
   static constexpr Duration kFreshFor = std::chrono::milliseconds(100);
@@ -53,6 +54,9 @@ class HttpServer {
   asio::awaitable<void> serve(std::shared_ptr<Connection> connection);
   /// Answers requests until the connection has to end.
   asio::awaitable<void> answerAll(Connection& connection);
+  /// Returns the next request, or any request with `error`; nullopt at the end of the connection.
+  asio::awaitable<std::optional<HttpRequest>> awaitRequest(Connection& connection,
+                                                           boost::system::error_code& error);
   /// Ends the own side, then reads what the client still sends. A close with unread bytes would
   /// reset the connection, and the client could lose the response.
   asio::awaitable<void> finish(Connection& connection);

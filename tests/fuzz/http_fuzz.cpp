@@ -3,7 +3,6 @@
 // same error at the end, and each request gets one whole response.
 #include <algorithm>
 #include <boost/beast/core/flat_buffer.hpp>
-#include <boost/beast/http/error.hpp>
 #include <boost/beast/http/write.hpp>
 #include <cstdint>
 #include <cstdlib>
@@ -57,36 +56,22 @@ void feed(boost::beast::flat_buffer& buffer, std::span<const std::uint8_t>& stre
   stream = stream.subspan(part.size());
 }
 
-/// Reads one request as the server does. Returns false if the bytes end before it does.
-bool readHead(HttpRequestParser& parser, boost::system::error_code& error,
-              boost::beast::flat_buffer& buffer, std::span<const std::uint8_t>& stream,
-              std::size_t chunk) {
-  for (;;) {
-    error = http::error::need_more;
-    if (buffer.size() > 0) buffer.consume(parser.put(buffer.data(), error));
-    if (parser.is_header_done() || error != http::error::need_more) return true;
-    if (buffer.size() == buffer.max_size()) {
-      error = http::error::buffer_overflow;
-      return true;
-    }
-    if (stream.empty()) return false;
-    feed(buffer, stream, chunk);
-  }
-}
-
 Outcome read(std::span<const std::uint8_t> stream, std::size_t chunk) {
   boost::beast::flat_buffer buffer{kMaxHead_bytes};
   Outcome outcome;
   for (;;) {
-    HttpRequestParser parser;
     boost::system::error_code error;
-    if (!readHead(parser, error, buffer, stream, chunk)) return outcome;
-    if (parser.is_header_done()) error = {};
-    const HttpResponse response = respond(parser, error, true, metrics);
+    const auto request = readRequest(buffer, error);
+    if (!request && stream.empty()) return outcome;
+    if (!request) {
+      feed(buffer, stream, chunk);
+      continue;
+    }
+    const HttpResponse response = respond(*request, error, true, metrics);
     std::ostringstream text;
     text << response;
     outcome.push_back(text.str());
-    check(outcome.back(), error || parser.get().method() != http::verb::head);
+    check(outcome.back(), error || request->method != http::verb::head);
     if (!response.keep_alive()) return outcome;
   }
 }

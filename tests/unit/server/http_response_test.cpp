@@ -3,22 +3,24 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <boost/asio/buffer.hpp>
-#include <boost/beast/http/error.hpp>
 #include <boost/beast/http/write.hpp>
 #include <sstream>
+#include <stdexcept>
 
 namespace hapticast::server {
 namespace {
 
 /// Returns the response to the bytes `text`, of which the server's buffer has the first 8 KB.
 HttpResponse respondTo(const std::string& text, bool may_stay_open = true) {
-  HttpRequestParser parser;
+  boost::beast::flat_buffer bytes{kMaxHead_bytes};
+  const std::size_t size = std::min(text.size(), kMaxHead_bytes);
+  bytes.commit(boost::asio::buffer_copy(bytes.prepare(size), boost::asio::buffer(text, size)));
   boost::system::error_code error;
-  (void)parser.put(boost::asio::buffer(text, kMaxHead_bytes), error);
-  if (error == boost::beast::http::error::need_more && text.size() > kMaxHead_bytes)
-    error = boost::beast::http::error::buffer_overflow;
-  return respond(parser, error, may_stay_open, [] {
+  const auto request = readRequest(bytes, error);
+  if (!request) throw std::runtime_error("not a whole request: " + text);
+  return respond(*request, error, may_stay_open, [] {
     Metrics metrics;
     metrics.uptime = std::chrono::seconds(1);
     return metrics;
