@@ -5,6 +5,7 @@
 #include <opencv2/core/utility.hpp>
 
 #include "tests/evaluate/report_check.hpp"
+#include "tests/evaluate/report_page.hpp"
 #include "tests/evaluate/topics.hpp"
 
 namespace hapticast::evaluate {
@@ -13,11 +14,14 @@ namespace {
 std::string listTopics() {
   std::string text = "Topics:\n";
   for (const auto& [name, topic] : topics()) text += "  " + name + ": " + topic.about + "\n";
-  return text;
+  return text +
+         "  all: these topics, one after the other\n  report: no measurement, only report.md "
+         "from the CSV files in --out\n";
 }
 
 void addOptions(CLI::App& app, Options& options) {
-  app.add_option("--out", options.out, "Folder for TOPIC.csv, TOPIC.png and TOPIC.md")
+  app.add_option("--out", options.out,
+                 "Folder for TOPIC.csv, TOPIC_NAME.csv, TOPIC.png and report.md")
       ->capture_default_str();
   app.add_option("--only", options.only,
                  "Of the scenes of motion or the parts of network (force, safety, clocks), vision "
@@ -57,7 +61,7 @@ int run(int argc, char** argv) {
   app.footer(listTopics());
   std::string topic;
   Options options;
-  std::vector<std::string> names{"all"};
+  std::vector<std::string> names{"all", "report"};
   for (const auto& [name, topic] : topics()) names.push_back(name);
   app.add_option("topic", topic, "What to measure")->required()->check(CLI::IsMember(names));
   addOptions(app, options);
@@ -72,7 +76,7 @@ int run(int argc, char** argv) {
     options.baseline = options.quick ? "tests/evaluate/baseline" : "tests/evaluate/report";
   cv::setNumThreads(1);  // run times are of one thread
   const bool good = runTopics(topic, options);
-  writeReport(options.out, names);
+  writeReport(options.out);
   return good ? 0 : 1;
 }
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-// The output of every topic of hapticast-evaluate: TOPIC.csv, a plot TOPIC.png, a section of
-// report.md.
+// The output of every topic of hapticast-evaluate: TOPIC.csv, tables TOPIC_NAME.csv, a plot
+// TOPIC.png.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
-#include <iosfwd>
+#include <map>
 #include <set>
 #include <string>
 #include <vector>
@@ -15,8 +15,8 @@ namespace hapticast::evaluate {
 /// printf to a string.
 [[gnu::format(printf, 1, 2)]] std::string text(const char* pattern, ...);
 
-/// A table in Markdown: the first line is the heading.
-std::string markdown(const std::vector<std::vector<std::string>>& lines);
+/// Lines of cells; the first line is the heading.
+using Table = std::vector<std::vector<std::string>>;
 
 /// One measurement; a line of the CSV (README.md).
 struct Row {
@@ -59,21 +59,19 @@ class Report {
   Report(std::string topic, Options options);
   /// Also says it on stderr, so that long work shows progress.
   void add(Row row);
-  /// Lines of report.md; rows are put into tables by stage after it.
-  void say(const std::string& text);
-  /// A line of the table of requirements, and of what is checked.
+  /// Adds a goal to what is checked.
   void add(const Goal& goal);
-  /// Adds a requirement that is no figure, for the check alone: a goal of 0, of which 1 is got
-  /// where it is not `held`.
-  void require(const std::string& what, bool held);
+  /// Adds a requirement in words to TOPIC_claims.csv, and for the check a goal of 0, of which 1 is
+  /// got where it is not `held`.
+  void require(const std::string& claim, const std::string& required, const std::string& got,
+               bool held);
+  /// Adds the lines of a table to TOPIC_NAME.csv. A later table of the same name has the same
+  /// heading, and its lines follow.
+  void addTable(const std::string& name, const Table& lines);
   /// Says that the clip of this scene is not on this machine: its baseline is not asked for.
-  void leaveOut(const std::string& scene) { absent_.insert(scene); }
+  void leaveOut(const std::string& scene);
   /// Run times are of a tick of the client, not of a frame, in us.
   void timesAreOfTicks() { of_ticks_ = true; }
-  void sayFirst(const std::string& text);
-  /// A picture that the topic made itself in the report's folder, instead of the one of errors
-  /// against run time.
-  void show(const std::string& file, const std::string& caption);
   /// Writes the files; plots with gnuplot where there is one, else says that there is none. Throws
   /// std::runtime_error naming the file that cannot be written. If figures are to be checked, then
   /// throws CheckFailed with the requirements that were missed and the figures that got worse
@@ -82,8 +80,6 @@ class Report {
   [[nodiscard]] const std::vector<Row>& rows() const { return rows_; }
 
  private:
-  void writeMarkdown() const;
-  void writeGoals(std::ostream& file) const;
   [[nodiscard]] std::vector<Row> rowsAndGoals() const;
   [[nodiscard]] std::vector<Goal> allGoals() const;
   [[nodiscard]] std::string missedGoals() const;
@@ -92,16 +88,12 @@ class Report {
   std::string topic_;
   Options options_;
   std::vector<Row> rows_;
-  std::vector<std::string> words_;
   std::vector<Goal> goals_;
   std::vector<Goal> claims_;
+  std::map<std::string, Table> tables_;
   std::vector<Row> baseline_;
   std::set<std::string> absent_;
   bool of_ticks_ = false;
-  bool own_pictures_ = false;
 };
-
-/// report.md: the sections of all topics that have one in `out`.
-void writeReport(const std::filesystem::path& out, const std::vector<std::string>& topics);
 
 }  // namespace hapticast::evaluate

@@ -105,6 +105,19 @@ Row makeRow(const Goal& goal) {
   return {goal.what, "goal", "got", goal.got, goal.unit, 0.0, true, false};
 }
 
+std::vector<Row> makeRows(const Goal& goal) {
+  std::vector<Row> rows{makeRow(goal)};
+  const auto add = [&](const char* variant, double value) {
+    rows.push_back({goal.what, "goal", variant, value, goal.unit});
+  };
+  add("required", goal.required);
+  add("aim", goal.aim);
+  if (goal.thesis < 0) return rows;
+  add("thesis", goal.thesis);
+  rows.back().is_thesis = true;
+  return rows;
+}
+
 bool wasMissed(const Goal& goal, const std::vector<Row>& baseline) {
   const Key key = makeKey(makeRow(goal));
   return std::any_of(baseline.begin(), baseline.end(), [&](const Row& row) {

@@ -34,6 +34,10 @@ class CheckFailed : public std::runtime_error {
 /// Returns the row that stands for what a goal got, in TOPIC.csv.
 [[nodiscard]] Row makeRow(const Goal& goal);
 
+/// Returns all rows of a goal: the one above, then what is required, the aim and, where there is
+/// one, the thesis's result. The others are never compared.
+[[nodiscard]] std::vector<Row> makeRows(const Goal& goal);
+
 /// Returns whether `goal` was missed when the baseline was made: then missing it is no news.
 [[nodiscard]] bool wasMissed(const Goal& goal, const std::vector<Row>& baseline);
 

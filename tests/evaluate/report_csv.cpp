@@ -16,17 +16,22 @@ namespace {
 constexpr const char* kColumns = "scene,stage,variant,error,unit,time_us,is_default,is_thesis";
 constexpr std::size_t kColumnCount = 8;
 
-// A field of a CSV line; none of ours has quotes in it.
 std::string quoteField(const std::string& text) {
-  return text.find(',') == std::string::npos ? text : '"' + text + '"';
+  if (text.find_first_of(",\"") == std::string::npos) return text;
+  std::string out = "\"";
+  for (const char c : text) out += c == '"' ? "\"\"" : std::string(1, c);
+  return out + '"';
 }
 
-// A quotation mark that is never closed leaves too few fields.
+// A quotation mark that is never closed leaves too few fields; two in quotes are one.
 std::vector<std::string> splitFields(const std::string& line) {
   std::vector<std::string> fields(1);
   bool in_quotes = false;
-  for (const char c : line) {
-    if (c == '"') {
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const char c = line[i];
+    if (c == '"' && in_quotes && i + 1 < line.size() && line[i + 1] == '"') {
+      fields.back() += line[++i];
+    } else if (c == '"') {
       in_quotes = !in_quotes;
     } else if (c == ',' && !in_quotes) {
       fields.emplace_back();
@@ -68,15 +73,29 @@ Row parseRow(const std::string& line) {
 
 }  // namespace
 
-void writeRows(const std::filesystem::path& path, const std::vector<Row>& rows) {
+void writeTable(const std::filesystem::path& path, const Table& lines) {
   std::ofstream file(path);
-  if (!file) throw std::runtime_error("--out: cannot write " + path.string());
-  file << kColumns << '\n';
-  for (const Row& row : rows) {
-    file << quoteField(row.scene) << ',' << quoteField(row.stage) << ',' << quoteField(row.variant)
-         << ',' << number(row.error) << ',' << quoteField(row.unit) << ',' << number(row.time_us)
-         << ',' << row.is_default << ',' << row.is_thesis << '\n';
+  for (const std::vector<std::string>& line : lines) {
+    for (std::size_t i = 0; i < line.size(); ++i) file << (i > 0 ? "," : "") << quoteField(line[i]);
+    file << '\n';
   }
+  if (!file.flush()) throw std::runtime_error("--out: cannot write " + path.string());
+}
+
+Table readTable(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  Table lines;
+  for (std::string line; std::getline(file, line);) lines.push_back(splitFields(line));
+  return lines;
+}
+
+void writeRows(const std::filesystem::path& path, const std::vector<Row>& rows) {
+  Table lines{splitFields(kColumns)};
+  for (const Row& row : rows) {
+    lines.push_back({row.scene, row.stage, row.variant, number(row.error), row.unit,
+                     number(row.time_us), row.is_default ? "1" : "0", row.is_thesis ? "1" : "0"});
+  }
+  writeTable(path, lines);
 }
 
 std::vector<Row> readRows(const std::filesystem::path& path) {

@@ -5,15 +5,25 @@
 
 #include <map>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "tests/evaluate/report.hpp"
 
 namespace hapticast::evaluate {
 
+/// A picture that a topic draws itself, in the folder of the report.
+struct Picture {
+  std::string file;
+  std::string caption;
+};
+
 /// One topic.
 struct Topic {
-  std::string about;  ///< what it measures, for --help
-  void (*evaluate)(const Options& options);
+  std::string about;   ///< what it measures, for --help; one line
+  std::string method;  ///< what is measured against which truth; the paragraph of report.md
+  void (*evaluate)(const Options& options) = nullptr;
+  std::vector<Picture> pictures = {};  ///< empty: error against run time, TOPIC.png
 };
 
 /// Returns the topics of this program by name. Thread: one, before and in main().
@@ -24,9 +34,7 @@ inline std::map<std::string, Topic>& topics() {
 
 /// Adds a topic to topics() before main() begins.
 struct RegisteredTopic {
-  RegisteredTopic(const char* name, const char* about, void (*evaluate)(const Options&)) {
-    topics().emplace(name, Topic{about, evaluate});
-  }
+  RegisteredTopic(const char* name, Topic topic) { topics().emplace(name, std::move(topic)); }
 };
 
 }  // namespace hapticast::evaluate

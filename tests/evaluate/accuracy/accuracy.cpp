@@ -68,13 +68,6 @@ Row rowOf(const std::string& scene, const std::string& stage, const Variant& var
 static void evaluateAccuracy(const Options& options) {
   Report report("accuracy", options);
   report.timesAreOfTicks();
-  report.say(
-      "Displacement of the surface model (x stiffness: the force) along scripted paths, against "
-      "the "
-      "exact one: relative RMS over the ticks in which the truth is in contact. 8-bit depth (255 "
-      "levels over 30 mm), 25 fps, through the server's enhancement and motion and through the "
-      "wire, with the source's exact mask; `own mask`: segmented by the server, its error beside "
-      "it. Times: look-up and surface of a tick. Where a force stands, it is at 0.5 N/mm.");
   std::vector<Case> cases;
   for (const auto& part :
        {smoothCases(options.quick), wallCases(options.quick), motionCases(options.quick),
@@ -86,8 +79,13 @@ static void evaluateAccuracy(const Options& options) {
 
 const RegisteredTopic kAccuracyTopic(
     "accuracy",
-    "the force (surface models, samplers, interpolation in time, friction, inertia, impacts) "
-    "against the exact one, through vision and wire; about 3 minutes on two cores",
-    evaluateAccuracy);
+    {.about = "the force, through vision and wire; about 3 minutes on two cores",
+     .method = "The force of every surface model, sampler and interpolation in time, of side "
+               "walls, rims, held contacts, friction, inertia and impacts. The truth is the exact "
+               "displacement along scripted paths of a hand. The error is the rms of the "
+               "difference over the rms of the truth, over the ticks in which the truth is in "
+               "contact. Depth has 8 bits (255 levels over 30 mm) at 25 frames/s and goes through "
+               "server and wire, with the source's exact mask.",
+     .evaluate = evaluateAccuracy});
 
 }  // namespace hapticast::evaluate

@@ -95,11 +95,13 @@ struct Ratio {
   }
 };
 
-void reportRatio(Report& report, const std::string& what, const Ratio& ratio) {
-  if (ratio.count == 0) return;
-  report.say(text("%s (%d shapes): %.3f of the bytes of JPEG-LS, %.2f of its decoding time.",
-                  what.c_str(), ratio.count, std::exp(ratio.bytes / ratio.count),
-                  std::exp(ratio.decode / ratio.count)));
+void addRatio(Report& report, const std::string& what, const std::string& at, const Ratio& ratio) {
+  const auto add = [&](const char* stage, double sum) {
+    report.add({what + text(" (%d shapes)", ratio.count), stage + at, "slices",
+                std::exp(sum / ratio.count), "ratio"});
+  };
+  add("bytes over those of JPEG-LS", ratio.bytes);
+  add("run time of decoding over that of JPEG-LS", ratio.decode);
 }
 
 void measureShapes(const Options& options, Report& report) {
@@ -129,8 +131,7 @@ void measureShapes(const Options& options, Report& report) {
       if (shape.name == "ball, Gaussian 3 px" && error_mm != kDefaultHeightError_mm)
         report.add(Goal{"ball of 45,000 px at 0.055 mm", "bytes", 1300, 1000, bytes});
     }
-    for (const auto& [what, ratio] : ratios)
-      reportRatio(report, what + " at " + mm(error_mm), ratio);
+    for (const auto& [what, ratio] : ratios) addRatio(report, what, " at " + mm(error_mm), ratio);
   }
 }
 
@@ -200,20 +201,19 @@ void measureForce(const Options& options, Report& report) {
 
 static void evaluateCodec(const Options& options) {
   Report report("codec", options);
-  report.say(
-      "Reliefs as slices beside JPEG-LS (CharLS), PNG, zstd and plain 16 bit at the same bound on "
-      "the error of any pixel; the others carry the object's rectangle, slices carry the mask, "
-      "too. "
-      "Bytes with the time of encoding, decoding with its own; the least of several runs, one "
-      "thread, means over the frames of a shape. `added_force`: what slices add to the error of "
-      "the force under a sliding hand, in points of its relative RMS.");
   measureForce(options, report);
   measureShapes(options, report);
   report.write();
 }
 
-const RegisteredTopic kCodecTopic("codec",
-                                  "heights on the wire: bytes, time and error beside other codecs",
-                                  evaluateCodec);
+const RegisteredTopic kCodecTopic(
+    "codec",
+    {.about = "heights on the wire: bytes, time and error beside other codecs",
+     .method =
+         "Bytes, run times and errors of heights on the wire as slices, beside JPEG-LS (CharLS), "
+         "PNG, zstd and plain 16 bit at the same bound on the error of every pixel. The truth is "
+         "the relief before it was coded, and for the force the exact one under a sliding hand. "
+         "The others carry the object's rectangle. Slices carry the mask, too.",
+     .evaluate = evaluateCodec});
 
 }  // namespace hapticast::evaluate

@@ -18,7 +18,7 @@ struct CodecShape {
   bool tuned = false;  ///< the codec's constants were chosen on shapes of this kind
 };
 
-/// All of them; a real clip that is absent is left out with a line in the report.
+/// All of them; a real clip that is absent is left out of `report`.
 std::vector<CodecShape> codecShapes(bool quick, Report& report);
 
 }  // namespace hapticast::evaluate

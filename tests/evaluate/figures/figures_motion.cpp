@@ -101,18 +101,12 @@ Hand visitingHand(const MotionAt& ball, const Vec3& acceleration_mm_s2) {
 
 struct MotionFigure {
   const char* file;
-  const char* words;
   const char* scene;
   Vec3 ball_mm;
   Vec3 hand_mm_s2;  ///< when it accelerates
 };
-const MotionFigure kMotionFigures[] = {
-    {"figure_6.png", "Figure 6: the ball moves across", "across, ", {0, 5, 0}, {0, 600, 0}},
-    {"figure_7.png",
-     "Figure 7: the ball moves towards the viewer",
-     "towards, ",
-     {0, 0, 2},
-     {0, 0, 300}}};
+const MotionFigure kMotionFigures[] = {{"figure_6.png", "across, ", {0, 5, 0}, {0, 600, 0}},
+                                       {"figure_7.png", "towards, ", {0, 0, 2}, {0, 0, 300}}};
 
 /// Returns the moments at the middle of each visit.
 std::vector<Moment> visited(const std::vector<Moment>& moments) {
@@ -169,10 +163,6 @@ void drawMotion(const MotionFigure& figure, const Options& options, Report& repo
     }
   }
   plotCurves(options.out / figure.file, panels, 2);
-  report.say(std::string(figure.words) +
-             ". The force profile over a slice of the ball at its largest acceleration; left with "
-             "the cursor still, right with a constant acceleration.");
-  report.show(figure.file, figure.file);
 }
 
 }  // namespace

@@ -90,7 +90,7 @@ void putRow(cv::Mat& sheet, int row, const Seen& seen, const std::string& words)
 
 }  // namespace
 
-void drawPictures(const Options& options, Report& report) {
+void drawPictures(const Options& options) {
   const std::filesystem::path clip = test::clipsFolder() / "visp_rbt_desk";
   const bool real = std::filesystem::exists(clip);
   const int rows = real ? 4 : 2;
@@ -118,9 +118,6 @@ void drawPictures(const Options& options, Report& report) {
   }
   const std::filesystem::path file = options.out / "figure_2.png";
   if (!cv::imwrite(file.string(), sheet)) throw std::runtime_error("cannot write " + file.string());
-  report.say(std::string("Figure 2: frame, depth, mask and enhanced depth") +
-             (real ? "." : "; without the real clip, which is not there."));
-  report.show("figure_2.png", "figure 2");
 }
 
 }  // namespace hapticast::evaluate

@@ -76,10 +76,6 @@ void drawSlice(const Options& options, Report& report) {
                 variant.is_default, variant.is_thesis});
   }
   plotCurves(options.out / "figure_5.png", panels, 2);
-  report.say(
-      "Figure 5: a slice of the ball (R 20 mm, 8-bit depth) with the static force of a tip 1 mm "
-      "below the surface.");
-  report.show("figure_5.png", "figure 5");
 }
 
 }  // namespace hapticast::evaluate

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <iterator>
 #include <stdexcept>
 #include <string_view>
@@ -21,9 +22,8 @@ using held::Starts;
 std::string shown(double share) { return text("%.3f", share); }
 
 void reportScenes(const std::vector<Result>& results, Report& report) {
-  std::vector<std::vector<std::string>> lines{{"scene", "depth", "IoU mean", "worst", "foreign",
-                                               "worst", "lost", "relief share", "velocity error",
-                                               "grid", "force noise", "ms/frame", "95 %"}};
+  Table lines{{"scene", "depth", "IoU mean", "IoU worst", "foreign", "foreign worst", "lost",
+               "relief share", "velocity error", "grid", "force noise", "ms/frame", "95 %"}};
   for (const Result& r : results) {
     const Scores& s = r.one_click;
     lines.push_back({r.name + (r.held_at_start ? " (held)" : ""), r.sensor, shown(s.mean_iou),
@@ -47,24 +47,15 @@ void reportScenes(const std::vector<Result>& results, Report& report) {
     row("held: run time", s.median_ms, "ms");
     row("held: run time, 95 %", s.slow_ms, "ms");
   }
-  report.say(
-      "Held things, one click on the innermost point of the first frame. Foreign: pixels of the "
-      "mask more "
-      "than 2 px outside the object, share of its area. Lost: frames with IoU < .1 of those in "
-      "which a quarter "
-      "of the object is seen. Velocity: in the picture, rms over the rms of the true one. Grid: of "
-      "the "
-      "mean square motion that bending leaves to it, the share that it tells. Force noise: of a "
-      "scene at rest from the 25th frame on, N rms.\n\n" +
-      markdown(lines));
+  report.addTable("held", lines);
   for (const Result& r : results) {
-    if (!r.refused.empty()) report.say("Refused, " + r.name + ": " + r.refused);
+    if (!r.refused.empty())
+      std::fprintf(stderr, "note: %s is refused: %s\n", r.name.c_str(), r.refused.c_str());
   }
 }
 
 void reportStarts(const std::vector<Result>& results, const std::string& apart, Report& report) {
-  std::vector<std::vector<std::string>> lines{
-      {"first frame", "clicks", "IoU > .8", "IoU < .5", "refused"}};
+  Table lines{{"first frame", "clicks", "IoU > .8", "IoU < .5", "refused"}};
   Starts sums[2];
   const auto line = [&](const std::string& name, const Starts& s) {
     lines.push_back({name, std::to_string(s.clicks), text("%.2f", s.share(s.good)),
@@ -76,10 +67,9 @@ void reportStarts(const std::vector<Result>& results, const std::string& apart, 
     report.add({r.name + "/" + r.sensor, "held: starts", "band",
                 1.0 - r.starts.share(r.starts.good), "share of clicks not > .8", 0.0, true, false});
   }
-  line("all bare", sums[0]);
-  line("all held", sums[1]);
-  report.say("Clicks anywhere inside the object, 3 px from its edge and more:\n\n" +
-             markdown(lines));
+  line("all bare" + apart, sums[0]);
+  line("all held" + apart, sums[1]);
+  report.addTable("clicks", lines);
   const char* names[] = {"clicks on bare objects that start badly",
                          "clicks on held objects that start badly"};
   const double required[] = {0.05, 0.15};
@@ -93,9 +83,9 @@ void reportStarts(const std::vector<Result>& results, const std::string& apart, 
 
 void reportCorrections(const std::vector<Result>& results, const std::string& apart,
                        Report& report) {
-  std::vector<std::vector<std::string>> lines{{"scene", "one click", "worst", "one point", "worst",
-                                               "two points", "worst", "one mask", "worst",
-                                               "two masks", "worst"}};
+  Table lines{{"scene", "one click", "one click worst", "one point", "one point worst",
+               "two points", "two points worst", "one mask", "one mask worst", "two masks",
+               "two masks worst"}};
   Scores points;
   Scores masks;
   const auto sum = [&](Scores& all, const Scores& one) {
@@ -116,11 +106,7 @@ void reportCorrections(const std::vector<Result>& results, const std::string& ap
     sum(points, r.by_points[1]);
     sum(masks, r.by_masks[1]);
   }
-  report.say(
-      "Corrections by the author, IoU, mean over the clip and worst frame. A point is put into the "
-      "middle of the largest wrong place of the whole clip (--not or --object U,V@SECONDS); a mask "
-      "is the true one of the worst frame (key masks in mask/):\n\n" +
-      markdown(lines));
+  report.addTable("corrections", lines);
   report.add(
       Goal{"held, two points: 1 - IoU, mean" + apart, "", 0.05, 0.02, 1.0 - points.mean_iou});
   report.add(
@@ -135,19 +121,15 @@ void reportTimes(const std::vector<held::Scene>& scenes, Report& report) {
   constexpr std::size_t kFrames = 12;
   constexpr std::string_view kLarge[] = {"mug_turned", "ball_handed_over", "bear_carried",
                                          "toy_muzzle", "tenth_beside_still"};
-  std::vector<std::vector<std::string>> lines{{"scene", "picture", "ms/frame", "95 %"}};
   for (const held::Scene& scene : scenes) {
     if (std::find(std::begin(kLarge), std::end(kLarge), scene.name) == std::end(kLarge)) continue;
     for (const cv::Size& size : {cv::Size(1280, 720), cv::Size(1920, 1080)}) {
       const Scores scores = held::timesOf(scene, size, kFrames);
-      lines.push_back({scene.name, text("%dx%d", size.width, size.height),
-                       text("%.1f", scores.median_ms), text("%.1f", scores.slow_ms)});
-      report.add({scene.name, "held: run time", text("%dp", size.height), scores.median_ms, "ms"});
+      const std::string variant = text("%dp", size.height);
+      report.add({scene.name, "held: run time", variant, scores.median_ms, "ms"});
+      report.add({scene.name, "held: run time, 95 %", variant, scores.slow_ms, "ms"});
     }
   }
-  if (lines.size() > 1)
-    report.say("Run time of the whole of vision on larger pictures, one thread:\n\n" +
-               markdown(lines));
 }
 
 void setGoals(const std::vector<Result>& results, const std::string& apart, Report& report) {

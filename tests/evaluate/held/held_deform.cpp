@@ -43,9 +43,8 @@ struct Measured {
 std::string orNothing(double value) { return value == -1.0 ? "" : text("%.3f", value); }
 
 void reportDeforming(const std::vector<Measured>& all, Report& report) {
-  std::vector<std::vector<std::string>> lines{
-      {"scene", "deformation", "told", "in the picture", "in depth", "frames looked at", "grid",
-       "surface's velocity", "middle's velocity", "ms/frame"}};
+  Table lines{{"scene", "deformation", "told", "in the picture", "in depth", "frames looked at",
+               "grid", "surface's velocity", "middle's velocity", "ms/frame"}};
   double unexplained = 0.0;
   double unseen = 0.0;
   double invented_mm_s = 0.0;
@@ -74,18 +73,7 @@ void reportDeforming(const std::vector<Measured>& all, Report& report) {
     invented_mm_s = std::max(invented_mm_s, s.grid_mm_s);
     if (name.rfind("mug", 0) == 0) mug = std::max(mug, s.middle);
   }
-  report.say(
-      "Things that deform, and rigid ones beside them, with true masks from the source; every "
-      "third "
-      "pixel is "
-      "compared with its exact motion, nominal mm/s, in the picture and in depth. Deformation: rms "
-      "of what the "
-      "best rigid motion of each frame leaves. Told: 1 - rms of what that and the grid leave "
-      "together, over it; median of the frames with more than 3 mm/s of it. Grid: rms of it over "
-      "the "
-      "clip. Velocities: of the whole surface as a viewer adds it up, and of the place that is "
-      "followed; median error over the rms of the truth.\n\n" +
-      markdown(lines));
+  report.addTable("deform", lines);
   report.add(
       Goal{"deforming: untold by the grid, worst scene", "of the rms", 0.50, 0.20, unexplained});
   report.add(Goal{"deforming: frames not looked at, worst scene", "share", 0.20, 0.05, unseen});

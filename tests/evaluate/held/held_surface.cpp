@@ -14,9 +14,8 @@ constexpr const char* kPart = "surface";
 
 void reportScores(const std::vector<held::Recording>& recordings,
                   const std::vector<held::Scores>& all, Report& report) {
-  std::vector<std::vector<std::string>> lines{{"scene", "IoU mean", "relief share", "cut",
-                                               "layer changes", "velocity error", "force noise",
-                                               "ms/frame", "95 %"}};
+  Table lines{{"scene", "IoU mean", "relief share", "cut", "layer changes", "velocity error",
+               "force noise", "ms/frame", "95 %"}};
   double unused = 0.0;
   double renamed = 0.0;
   double noise_N = 0.0;
@@ -39,11 +38,7 @@ void reportScores(const std::vector<held::Recording>& recordings,
     renamed = std::max(renamed, s.renamed);
     noise_N = std::max(noise_N, s.noise_N);
   }
-  report.say(
-      "The same scenes with true masks from the source: what surface, range, layers and hold make "
-      "of the sensors' depth. Layer changes: share of the object's pixels that carry another "
-      "layer's name than in the frame before.\n\n" +
-      markdown(lines));
+  report.addTable("surface", lines);
   report.add(Goal{"true masks: announced depth unused, worst scene", "share", 0.40, 0.15, unused});
   report.add(Goal{"true masks: pixels that change their layer, worst scene", "share per frame",
                   0.01, 0.0, renamed});

@@ -9,7 +9,6 @@ namespace hapticast::evaluate {
 namespace {
 
 using held::Result;
-using Lines = std::vector<std::vector<std::string>>;
 
 std::string shownOr(double value) { return value < -1e3 ? "" : text("%.3f", value); }
 std::string where(const Result& r) { return r.name + "/" + r.sensor; }
@@ -27,7 +26,7 @@ struct TrialReport {
 };
 
 void reportLaterStarts(const std::vector<Result>& results, const TrialReport& trial_report) {
-  Lines lines{{"scene", "first frame", "a third", "two thirds", "clicks", "refused"}};
+  Table lines{{"scene", "first frame", "a third", "two thirds", "clicks", "refused"}};
   held::Starts sum;
   for (const Result& r : results) {
     held::Starts own;
@@ -44,10 +43,7 @@ void reportLaterStarts(const std::vector<Result>& results, const TrialReport& tr
       trial_report.row(r, "held: starts, three frames", 1.0 - own.share(own.good),
                        "share of clicks not > .8");
   }
-  trial_report.report.say(
-      "Clicks anywhere inside a held thing, on recordings that begin at the first frame, after a "
-      "third and after two thirds of the clip; share that starts above .8:\n\n" +
-      markdown(lines));
+  trial_report.report.addTable("later_clicks", lines);
   if (sum.clicks == 0) return;
   trial_report.goal("held, clicks at three frames: bad starts", "share", 0.15, 0.05,
                     1.0 - sum.share(sum.good));
@@ -55,8 +51,7 @@ void reportLaterStarts(const std::vector<Result>& results, const TrialReport& tr
 }
 
 void reportAutomatic(const std::vector<Result>& results, const TrialReport& trial_report) {
-  Lines lines{{"scene", "first frame", "a third", "two thirds"}};
-  std::vector<double> all;
+  Table lines{{"scene", "first frame", "a third", "two thirds"}};
   for (const Result& r : results) {
     std::vector<std::string> line{r.name};
     double own = 0.0;
@@ -64,23 +59,17 @@ void reportAutomatic(const std::vector<Result>& results, const TrialReport& tria
     for (const double iou : r.trials->chosen_iou) {
       line.push_back(iou >= 0 ? text("%.2f", iou) : "");
       if (iou < 0) continue;
-      all.push_back(iou);
       own += iou;
       tried += 1.0;
     }
     lines.push_back(line);
     if (tried > 0) trial_report.row(r, "held: start without a click", 1.0 - own / tried, "1 - IoU");
   }
-  if (all.empty()) return;
-  const auto right = std::count_if(all.begin(), all.end(), [](double iou) { return iou > 0.7; });
-  trial_report.report.say(
-      "Without a click, at the same frames: IoU of the mask that vision chooses. " +
-      text("%.0f", 100.0 * double(right) / double(all.size())) + " % are above .7.\n\n" +
-      markdown(lines));
+  trial_report.report.addTable("automatic", lines);
 }
 
 void reportRandomCorrections(const std::vector<Result>& results, const TrialReport& trial_report) {
-  Lines lines{{"scene", "IoU mean", "worst", "of one click", "worst", "new", "emptied"}};
+  Table lines{{"scene", "IoU mean", "IoU worst", "one click", "one click worst", "new", "emptied"}};
   double mean = 0.0;
   double worst = 1.0;
   int emptied = 0;
@@ -98,54 +87,36 @@ void reportRandomCorrections(const std::vector<Result>& results, const TrialRepo
     worst = std::min(worst, c.scores.worst_iou);
     emptied += c.emptied;
   }
-  trial_report.report.say(
-      "Two corrections at random times: in the middle of the frame's largest wrong piece, or where "
-      "none is worth it a --not on a hand beside the object, which says nothing new. Emptied: less "
-      "than a tenth of the object is left within 5 frames.\n\n" +
-      markdown(lines));
+  trial_report.report.addTable("random_corrections", lines);
   trial_report.goal("held, corrected at random times: 1 - IoU, mean", "", 0.05, 0.02, 1.0 - mean);
   trial_report.goal("held, corrected at random times: 1 - IoU, worst", "", 0.12, 0.06, 1.0 - worst);
   trial_report.goal("held, corrected at random times: runs emptied", "", 0.0, 0.0, double(emptied));
 }
 
 void reportGrabCut(const std::vector<Result>& results, const TrialReport& trial_report) {
-  Lines lines{{"scene", "GrabCut anew", "carried", "difference"}};
   double worst = -1.0;
   for (const Result& r : results) {
     const held::CutScores& cut = r.trials->cut;
     if (cut.carried < 0) continue;
-    lines.push_back({r.name, text("%.3f", cut.grab_cut), text("%.3f", cut.carried),
-                     text("%+.3f", cut.grab_cut - cut.carried)});
     trial_report.report.add(
         {where(r), "held: mask, every fifth frame", "GrabCut", 1.0 - cut.grab_cut, "1 - IoU"});
     trial_report.row(r, "held: mask, every fifth frame", 1.0 - cut.carried, "1 - IoU");
     worst = std::max(worst, cut.grab_cut - cut.carried);
   }
-  trial_report.report.say(
-      "GrabCut anew in every fifth frame, from a click on the middle of the true mask, beside the "
-      "mask that is carried from one click in the first frame; mean IoU:\n\n" +
-      markdown(lines));
   trial_report.goal("held: IoU of GrabCut less that of the carried mask, worst scene", "", 0.0,
                     -0.1, worst);
 }
 
 void reportTurned(const std::vector<Result>& results, const TrialReport& trial_report) {
-  Lines lines{{"scene", "click on the object", "click on a hand"}};
   double least = 1.0;
   for (const Result& r : results) {
     const held::TurnedScores& turned = r.trials->turned;
-    lines.push_back({r.name, text("%.3f", turned.on_object),
-                     turned.on_hand < 0 ? "" : text("%.3f", turned.on_hand)});
     trial_report.row(r, "held: start, turned picture", 1.0 - turned.on_object, "1 - IoU");
     least = std::min(least, turned.on_object);
     if (turned.on_hand < 0) continue;
     trial_report.row(r, "held: start on a hand, turned picture", 1.0 - turned.on_hand, "1 - IoU");
     least = std::min(least, turned.on_hand);
   }
-  trial_report.report.say(
-      "The first frame turned by 90, 180 and 270 degrees: the least overlap of its start mask, "
-      "turned back, with the upright one.\n\n" +
-      markdown(lines));
   trial_report.goal("held, turned picture: 1 - overlap of the starts, worst", "", 0.10, 0.03,
                     1.0 - least);
 }
@@ -164,7 +135,7 @@ void reportTrials(const std::vector<Result>& results, const std::string& apart, 
 
 void reportGains(const std::vector<Result>& results, const std::string& apart, Report& report) {
   const TrialReport trial_report{apart, report};
-  Lines lines{{"scene", "gain in x", "in y", "wrong sign", "without the object"}};
+  Table lines{{"scene", "gain in x", "in y", "wrong sign", "without the object"}};
   double off = 0.0;
   double wrong_sign = 0.0;
   std::size_t blank = 0;
@@ -183,11 +154,7 @@ void reportGains(const std::vector<Result>& results, const std::string& apart, R
       if (gain > -1e3) off = std::max(off, std::abs(gain - 1.0));
     }
   }
-  report.say(
-      "Velocity gain: regression of the estimated on the true velocity in the picture. Wrong sign: "
-      "share of the frames with more than 15 nominal mm/s. Without the object: frames with IoU < "
-      ".1 where more than a third of it has been seen for 5 frames.\n\n" +
-      markdown(lines));
+  report.addTable("gains", lines);
   trial_report.goal("held: frames without the object", "", 0.0, 0.0, double(blank));
   trial_report.goal("held: velocity gain off 1, worst rigid held scene", "share", 0.20, 0.05, off);
   trial_report.goal("held: velocity of the wrong sign, worst rigid held scene", "share", 0.0, 0.0,

@@ -164,10 +164,6 @@ const RealObject kRealObjects[] = {
 
 static void evaluateMotion(const Options& options) {
   Report report("motion", options);
-  report.say(
-      "Velocity and acceleration as they are delivered, against the body's centre; run time is the "
-      "stage's alone, one thread. `acceleration_filter`: the same poses through other windows; "
-      "`Eq. 5 literal` is velocity over 1 ms, as printed.");
   const Variant variants[] = {
       {"rgbd", MotionMode::kRgbd},
       {"lk", MotionMode::kLk},
@@ -221,8 +217,13 @@ static void evaluateMotion(const Options& options) {
   report.write();
 }
 
-const RegisteredTopic kMotionTopic("motion",
-                                   "velocity, acceleration and impacts of every estimator",
-                                   evaluateMotion);
+const RegisteredTopic kMotionTopic(
+    "motion",
+    {.about = "velocity, acceleration and impacts of every estimator",
+     .method = "Velocity and acceleration as viewers get them, of every estimator, and of the same "
+               "poses through other windows (`acceleration_filter`). The truth is the exact path "
+               "of the body's centre, and in real clips the camera's measured poses. Run times are "
+               "of the stage alone, on one thread.",
+     .evaluate = evaluateMotion});
 
 }  // namespace hapticast::evaluate

@@ -145,7 +145,7 @@ CurvePanel panel(const std::string& title, const std::string& label,
 }
 
 void draw(const std::vector<Condition>& conditions, const std::vector<Sum>& sums,
-          const Options& options, Report& report) {
+          const Options& options) {
   const auto added = [](const Sum& sum) { return sum.meanAdded(); };
   const auto delay_ms = [](const Sum& sum) { return sum.delay_ms / sum.count; };
   std::vector<CurvePanel> errors{
@@ -158,14 +158,13 @@ void draw(const std::vector<Condition>& conditions, const std::vector<Sum>& sums
   shareScale(delays);
   errors.insert(errors.end(), delays.begin(), delays.end());
   plotCurves(options.out / "network.png", errors, 2);
-  report.show("network.png", "what loss adds to the force's error, and what it costs in delay");
 }
 
 void reportRuns(const std::vector<Condition>& conditions, const std::vector<Run>& runs,
                 const Options& options, Report& report) {
   std::vector<Sum> sums;
   sums.reserve(conditions.size());
-  std::vector<std::vector<std::string>> lines{
+  Table lines{
       {"network", "transport", "error, %", "added, %", "worst run, %", "delay, ms", "copies"}};
   for (const Condition& condition : conditions) {
     std::map<std::string, Sum> scenes;
@@ -190,14 +189,8 @@ void reportRuns(const std::vector<Condition>& conditions, const std::vector<Run>
       report.add(Goal{"force error added, UDP, " + condition.name, "%", condition.required,
                       condition.aim, all.meanAdded()});
   }
-  draw(conditions, sums, options, report);
-  report.say(
-      "### The force\n\nRelative RMS of the force's error against the exact one (`error`), and of "
-      "its difference from the same run without loss and jitter at the same play time (`added`), "
-      "root mean squares over scenes and seeds; the worst single run; the playout delay and the "
-      "copies of each datagram, means. Everything counts from the first second on, also how the "
-      "viewer learns what the network is like.\n\n" +
-      markdown(lines));
+  draw(conditions, sums, options);
+  report.addTable("force", lines);
 }
 
 }  // namespace

@@ -97,9 +97,8 @@ void networkSafety(const std::vector<NetworkScene>& scenes, const Options& optio
     }
   }
   onAllCores(runs.size(), [&](std::size_t i) { play(runs[i]); });
-  std::vector<std::vector<std::string>> lines{{"network", "step beyond its limit, N",
-                                               "force from stale data, N", "stale, s",
-                                               "step not explained by the tip, N", "in contact"}};
+  Table lines{{"network", "step beyond its limit, N", "force from stale data, N", "stale, s",
+               "step not explained by the tip, N", "in contact"}};
   SafetyRun all{};
   for (const BadNetwork& bad : networks) {
     SafetyRun worst{};
@@ -121,11 +120,7 @@ void networkSafety(const std::vector<NetworkScene>& scenes, const Options& optio
                      text("%.3f", worst.unexplained_N),
                      text("%.0f %%", 100 * worst.contact / count)});
   }
-  report.say(
-      "### The hand\n\nThe whole room with device, hand and safety chain, hands that press, slide "
-      "and follow; the worst of the scenes and hands. Stale: play time is 500 ms and more past the "
-      "newest frame of which anything has come.\n\n" +
-      markdown(lines));
+  report.addTable("hand", lines);
   const std::string count = text(" (%zu runs)", runs.size());
   report.add(
       Goal{"any loss, jitter or cut: step_excess_max_N" + count, "N", 0.0, 0.0, all.excess_N});

@@ -62,7 +62,6 @@ void draw(const StabilityReport& to, const std::vector<ExtremeCase>& all) {
     }
   }
   gnuplot(to.options.out, "stability_cases", out.str() + "unset multiplot\n");
-  to.report.show("stability_cases.png", "six of the extreme cases: naive loop and chain");
 }
 
 }  // namespace
@@ -70,9 +69,8 @@ void draw(const StabilityReport& to, const std::vector<ExtremeCase>& all) {
 void stabilityCases(const StabilityReport& to) {
   std::vector<ExtremeCase> all = planeCases();
   for (const ExtremeCase& more : rendererCases()) all.push_back(more);
-  std::vector<std::vector<std::string>> lines{{"case", "naive: step N, hand mm/s, mJ", "chain",
-                                               "unexplained step N", "peak, end N",
-                                               "what the chain did"}};
+  Table lines{{"case", "naive: step N, hand mm/s, mJ", "chain: the same", "unexplained step N",
+               "peak, end N", "what the chain did"}};
   double excess_N = 0.0;
   std::size_t broken = 0;
   for (const ExtremeCase& c : all) {
@@ -86,16 +84,11 @@ void stabilityCases(const StabilityReport& to) {
     excess_N = std::max(excess_N, o.excess_N);
     broken += !o.finite || o.peak_N > c.allowed_N + 1e-9;
   }
-  to.claims.add(text("%zu extreme cases: step beyond what the hand explains", all.size()), "0 N",
-                text("%g N", excess_N), excess_N == 0.0);
-  to.claims.add("the same: cases with a force that is not finite or above the peak", "0",
-                text("%zu", broken), broken == 0);
-  to.report.say(
-      "### Extreme cases\n\nd 1, friction 0.05 N, light hand; K 1 at the wall, the "
-      "device's own 0.5 N/mm in the room (frames in, force out). Each cell: largest step "
-      "of the force in a tick, speed of the hand away from the surface, most energy into "
-      "the hand. A step that remains with the chain is the hand's own motion.\n\n" +
-      markdown(lines));
+  to.report.require(text("%zu extreme cases: step beyond what the hand explains", all.size()),
+                    "0 N", text("%g N", excess_N), excess_N == 0.0);
+  to.report.require("extreme cases with a force that is not finite or above the peak", "0",
+                    text("%zu", broken), broken == 0);
+  to.report.addTable("cases", lines);
   draw(to, all);
 }
 

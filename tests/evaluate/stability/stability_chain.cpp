@@ -78,7 +78,7 @@ void residuals(const StabilityReport& to) {
                        most ? std::string("K_max") : text("K %g", k), counts, "counts", 0.0, true});
       }
     }
-    to.claims.add(
+    to.report.require(
         text("chain on, every K <= K_max = %.2f N/mm, d %d, every hand and none, fc 0 and "
              "0.05 N, counts 0.038 and 0.055 mm: residual",
              stiffnesses(d).back(), d),
@@ -92,13 +92,13 @@ void residuals(const StabilityReport& to) {
     alarmed += c.alarms > 0;
     insured += c.insured > 0;
   }
-  to.claims.add("the same: step beyond what the hand explains", "0 N", text("%g N", excess_N),
-                excess_N == 0.0);
+  to.report.require("chain on: step beyond what the hand explains", "0 N", text("%g N", excess_N),
+                    excess_N == 0.0);
   const double percent = 100.0 * double(alarmed) / double(cells.size());
-  to.claims.add("the same: runs with a false alarm of the latency watch", "<= 1.3 %",
-                text("%zu of %zu", alarmed, cells.size()), percent <= 1.3);
-  to.report.say(
-      text("The passivity controller acted in %zu of these %zu runs.", insured, cells.size()));
+  to.report.require("chain on: runs with a false alarm of the latency watch", "<= 1.3 %",
+                    text("%zu of %zu", alarmed, cells.size()), percent <= 1.3);
+  to.report.add(
+      {text("%zu runs", cells.size()), "passivity_controller", "acts", double(insured), "runs"});
 }
 
 void softWalls(const StabilityReport& to) {
@@ -119,14 +119,12 @@ void softWalls(const StabilityReport& to) {
     double& worst_mJ = c.assumed <= 1 ? work_mJ : late_mJ;
     worst_mJ = std::max(worst_mJ, c.result.work_mJ);
   }
-  to.claims.add("walls of 0.5 and 1 N/mm, d 0-3: rendered stiffness", "100 %",
-                text("%.1f-%.1f %%", 100.0 * least, 100.0 * most), least >= 0.99 && most <= 1.01);
-  to.claims.add("the same, d 0-1: work into the hand over the whole contact", "<= 0 mJ",
-                text("%.2f mJ at most", work_mJ), work_mJ <= 0.0);
-  to.report.say(
-      text("At d 2-3 the same walls give %.2f mJ at most over nine seconds: chatter of one "
-           "count in a grip, not a growing swing.",
-           late_mJ));
+  to.report.require("walls of 0.5 and 1 N/mm, d 0-3: rendered stiffness", "100 %",
+                    text("%.1f-%.1f %%", 100.0 * least, 100.0 * most),
+                    least >= 0.99 && most <= 1.01);
+  to.report.require("walls of 0.5 and 1 N/mm, d 0-1: work into the hand over the whole contact",
+                    "<= 0 mJ", text("%.2f mJ at most", work_mJ), work_mJ <= 0.0);
+  to.report.add({"walls of 0.5 and 1 N/mm, d 2-3, 9 s", "work_into_hand", "chain", late_mJ, "mJ"});
 }
 
 /// Assumed one delay, really another; and an author's damping at its bound.
@@ -158,16 +156,13 @@ void wrongDelays(const StabilityReport& to) {
   for (const ChainCell& c : damped) {
     worst = std::max(worst, c.result.counts(c.count_mm));
   }
-  to.claims.add("an author's damping of any size (bounded by the chain), all K and d: residual",
-                "<= 2 counts", text("%.2f counts", worst), worst <= 2.0);
+  to.report.require("an author's damping of any size (bounded by the chain), all K and d: residual",
+                    "<= 2 counts", text("%.2f counts", worst), worst <= 2.0);
 }
 
 }  // namespace
 
 void stabilityChain(const StabilityReport& to) {
-  to.report.say(
-      "### The chain, whole\n\n`residual`: worst peak-to-peak of the tip in the battery's "
-      "two holds after the impact; worst over friction and counts.");
   residuals(to);
   softWalls(to);
   wrongDelays(to);

@@ -59,14 +59,12 @@ double counts(const SafetyLinks& links, double stiffness_N_mm, int assumed, int 
 }
 
 void withAndWithout(const StabilityReport& to) {
-  std::vector<std::vector<std::string>> lines{{"link", "case", "measure", "with", "without"}};
   const auto line = [&](const char* link, const char* what, const char* unit, double with,
                         double without, bool better) {
-    lines.push_back({link, what, unit, text("%.3g", with), text("%.3g", without)});
     to.report.add({link, "link", "with", with, unit, 0.0, true});
     to.report.add({link, "link", "without", without, unit});
-    to.claims.add(text("%s: %s", link, what), "better with it",
-                  text("%.3g with, %.3g without (%s)", with, without, unit), better);
+    to.report.require(text("%s: %s", link, what), "better with it",
+                      text("%.3g with, %.3g without (%s)", with, without, unit), better);
   };
   double with = counts({}, 20.0, 1, 2, Hand::none());
   double without = counts({.stiffness_limit = false}, 20.0, 1, 2, Hand::none());
@@ -120,9 +118,6 @@ void withAndWithout(const StabilityReport& to) {
   without = runLinks({.arming = false}, 5.0, 1000, appear).speed_mm_s;
   line("arming", "a surface appears 30 mm above the tip: hand thrown at", "mm/s", with, without,
        with < 1.0 && without > 20.0);
-  to.report.say(
-      "### Why each link is there\n\nThe case a link is for, with it and without it.\n\n" +
-      markdown(lines));
 }
 
 /// The chain's force put through something that looks like a remedy.
@@ -196,10 +191,7 @@ void remedies(const StabilityReport& to) {
     c.remedy->put(rig);
     c.result = sweepPlant(rig, c.hand->hand, to.options.quick);
   });
-  std::vector<std::vector<std::string>> lines{
-      {"law", "K 1: hand / none", "K 2", "K 5", "K 5: most work into the hand, mJ"}};
   for (const Remedy& remedy : all) {
-    std::vector<std::string> line{remedy.name};
     double work_mJ = -1e9;
     for (const double k : {1.0, 2.0, 5.0}) {
       double held = 0.0;
@@ -210,19 +202,13 @@ void remedies(const StabilityReport& to) {
         worst = std::max(worst, c.result.counts(0.055));
         if (k == 5.0) work_mJ = std::max(work_mJ, c.result.work_mJ);
       }
-      line.push_back(text("%.1f / %.3g", held, none));
       to.report.add({text("K %g hand", k), "remedy_residual", remedy.name, held, "counts", 0.0,
                      &remedy == &all.front()});
       to.report.add({text("K %g none", k), "remedy_residual", remedy.name, none, "counts", 0.0,
                      &remedy == &all.front()});
     }
-    line.push_back(text("%.3g", work_mJ));
-    lines.push_back(line);
+    to.report.add({"K 5", "remedy_work", remedy.name, work_mJ, "mJ"});
   }
-  to.report.say(
-      "### What looks like a remedy\n\nThe battery at d 1 without friction, clamp 8 N; "
-      "residual in counts, worst of four hands / without a hand.\n\n" +
-      markdown(lines));
 }
 
 }  // namespace

@@ -197,14 +197,6 @@ void stabilityMaps(const StabilityReport& to) {
        true, hands);
   draw(to, axes, cells, "stability_counts",
        "The same without a hand, for counts of 0, 0.038 and 0.055 mm", false, counts);
-  to.report.say(
-      "### Maps\n\nBare wall, damper on the fast Kalman velocity, b = 0.1, no friction, clamp 8 N, "
-      "approach at 0.2 m/s. All cells: `stability_map.csv`. The line of theory is for a small "
-      "damper on a bilateral spring without a hand: it is met at the lower left and does not apply "
-      "where the damper's own delay ends the green from above.");
-  to.report.show("stability.png", "what is left of an impact over stiffness, damping, delay, hand");
-  to.report.show("stability_counts.png", "the same without a hand for three counts");
-  to.report.show("stability_energy.png", "work into the hand");
 }
 
 }  // namespace hapticast::evaluate

@@ -92,8 +92,8 @@ void inMotion(const StabilityReport& to) {
     to.report.add({"in motion", "moving_error", name, error_N, "N rms", 0.0, true});
     to.report.add({"in motion", "moving_above_50Hz", name, fast_N, "N rms", 0.0, true});
   }
-  to.claims.add(text("false alarms of the latency watch in %zu moving runs", runs), "0",
-                text("%zu", alarmed), alarmed == 0);
+  to.report.require(text("false alarms of the latency watch in %zu moving runs", runs), "0",
+                    text("%zu", alarmed), alarmed == 0);
 }
 
 /// How far the tip goes to and fro in the last three seconds of a push into the wall, and when the
@@ -161,7 +161,7 @@ void slowDevices(const StabilityReport& to) {
     latest_ms = std::max(latest_ms, c.detects.alarm_tick);
     left_mm = std::max(left_mm, c.detects.way_mm);
   }
-  to.claims.add(
+  to.report.require(
       "two ticks more than told, 300 pushes at random: those that swing by more than ten "
       "counts and are found by the latency watch",
       "all, within 1 s",
@@ -198,8 +198,8 @@ void firstTouch(const StabilityReport& to) {
   }
   to.report.add(
       {"330 mm/s into K_max", "first_touch", "step beyond K x way", worst_N, "N", 0.0, true});
-  to.claims.add("first touch at 330 mm/s, K_max, any damping, d 0-5: step beyond K x the way",
-                "<= 0.3 N", text("%.2f N", worst_N), worst_N <= 0.3);
+  to.report.require("first touch at 330 mm/s, K_max, any damping, d 0-5: step beyond K x the way",
+                    "<= 0.3 N", text("%.2f N", worst_N), worst_N <= 0.3);
 }
 
 }  // namespace

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The parts of the stability topic, and what they share: claims with what is required and what came
-// out, tables, laws other than the chain's.
+// The parts of the stability topic, and what they share: laws other than the chain's.
 #pragma once
 
 #include <functional>
@@ -14,26 +13,8 @@
 
 namespace hapticast::evaluate {
 
-/// First table of the report: required and measured values, line by line.
-class Claims {
- public:
-  void add(const std::string& claim, const std::string& required, const std::string& got,
-           bool held);
-  [[nodiscard]] std::string table() const;
-  /// Adds each claim to what the report's check requires.
-  void requireIn(Report& report) const;
-
- private:
-  struct Claim {
-    std::string claim, required, got;
-    bool held;
-  };
-  std::vector<Claim> claims_;
-};
-
 struct StabilityReport {
   Report& report;
-  Claims& claims;
   const Options& options;
 };
 

@@ -69,9 +69,8 @@ void stabilityLife(const StabilityReport& to) {
   const int seconds = to.options.quick ? 60 : 600;
   std::vector<Run> all = runs();
   onAllCores(all.size(), [&](std::size_t i) { live(all[i], seconds); });
-  std::vector<std::vector<std::string>> lines{
-      {"device, hand, K, seed", "law", "peak N", "step max / p99.9 N", "W_user mJ", "W_rel",
-       "W_surf", "W_obj", "burst mJ", "jumps, NaN", "tank %", "PC ticks", "alarms"}};
+  Table lines{{"device, hand, K, seed", "law", "peak N", "step max / p99.9 N", "W_user mJ", "W_rel",
+               "W_surf", "W_obj", "burst mJ", "jumps, NaN", "tank %", "PC ticks", "alarms"}};
   double omni_mJ = -1e9;
   double falcon_mJ = -1e9;
   double excess_N = 0.0;
@@ -112,23 +111,21 @@ void stabilityLife(const StabilityReport& to) {
   }
   const std::string what =
       text("%d s of random life, %zu runs of the chain", seconds, all.size() / 2);
-  to.claims.add(what + ": force finite and <= peak", "always",
-                finite && over_N <= 1e-9 ? "always" : "not always", finite && over_N <= 1e-9);
-  to.claims.add("the same: step_excess_max_N", "0", text("%g", excess_N), excess_N == 0.0);
-  to.claims.add("the same: largest step beyond K |dx| + B |dv| + S of the true HIP", "<= 0.05 N",
-                text("%.2f N", true_excess_N), true_excess_N <= 0.05);
-  to.claims.add("the same: work at the relative port, Omni, K <= 2", "<= 0 mJ",
-                text("%.0f mJ at most", omni_mJ), omni_mJ <= 0.0);
-  to.claims.add("the same: Falcon, K <= 2", "<= 30 mJ", text("%.0f mJ at most", falcon_mJ),
-                falcon_mJ <= 30.0);
-  to.claims.add("the same: most energy into the hand above 0.2 W (Omni)", "<= 23 mJ",
-                text("%.1f mJ; naive loop at least %.1f", burst_mJ, naive_burst_mJ),
-                burst_mJ <= 23.0);
-  to.claims.add("the same: alarms of the latency watch", "0", text("%d", alarms), alarms == 0);
-  to.report.say(
-      "### Random life\n\nW: work into the hand; W_user by the truth, the others by the "
-      "chain's meters; burst: most energy above an allowance of 0.2 W.\n\n" +
-      markdown(lines));
+  to.report.require(what + ": force finite and <= peak", "always",
+                    finite && over_N <= 1e-9 ? "always" : "not always", finite && over_N <= 1e-9);
+  to.report.require("random life: step_excess_max_N", "0", text("%g", excess_N), excess_N == 0.0);
+  to.report.require("random life: largest step beyond K |dx| + B |dv| + S of the true HIP",
+                    "<= 0.05 N", text("%.2f N", true_excess_N), true_excess_N <= 0.05);
+  to.report.require("random life: work at the relative port, Omni, K <= 2", "<= 0 mJ",
+                    text("%.0f mJ at most", omni_mJ), omni_mJ <= 0.0);
+  to.report.require("random life: work at the relative port, Falcon, K <= 2", "<= 30 mJ",
+                    text("%.0f mJ at most", falcon_mJ), falcon_mJ <= 30.0);
+  to.report.require("random life: most energy into the hand above 0.2 W (Omni)", "<= 23 mJ",
+                    text("%.1f mJ; naive loop at least %.1f", burst_mJ, naive_burst_mJ),
+                    burst_mJ <= 23.0);
+  to.report.require("random life: alarms of the latency watch", "0", text("%d", alarms),
+                    alarms == 0);
+  to.report.addTable("life", lines);
 }
 
 }  // namespace hapticast::evaluate

@@ -76,12 +76,12 @@ void planes(const StabilityReport& to) {
     to.report.add({name, "above_50Hz", "friction 0.05", worst.rubbed_N, "N rms", 0.0, true});
     to.report.add({name, "above_50Hz", "no friction", worst.smooth_N, "N rms", 0.0, true});
     to.report.add({name, "above_50Hz_residual", "worst", worst.counts, "counts", 0.0, true});
-    to.claims.add(text("steady 1 N on a plane, %s (%zu runs): force above 50 Hz; residual",
-                       name.c_str(), worst.runs),
-                  "<= 0.03 N with friction, 0.05 without; 2 counts",
-                  text("%.3f, %.3f N; %.2f (more than 2 in %zu)", worst.rubbed_N, worst.smooth_N,
-                       worst.counts, worst.moving),
-                  worst.rubbed_N <= 0.03 && worst.smooth_N <= 0.05 && worst.counts <= 2.0);
+    to.report.require(text("steady 1 N on a plane, %s (%zu runs): force above 50 Hz; residual",
+                           name.c_str(), worst.runs),
+                      "<= 0.03 N with friction, 0.05 without; 2 counts",
+                      text("%.3f, %.3f N; %.2f (more than 2 in %zu)", worst.rubbed_N,
+                           worst.smooth_N, worst.counts, worst.moving),
+                      worst.rubbed_N <= 0.03 && worst.smooth_N <= 0.05 && worst.counts <= 2.0);
   };
   claim("seven hands", quietHands(), 0, kOmniMass_kg);
   claim("seven hands, a tick later than told", quietHands(), 1, kOmniMass_kg);
@@ -250,9 +250,8 @@ void onShapes(const StabilityReport& to) {
     }
   }
   onAllCores(cells.size(), [&](std::size_t i) { pressShape(cells[i]); });
-  std::vector<std::vector<std::string>> lines{{"shape", "runs", "friction 0.05: worst N",
-                                               "none: worst N", "runs above 0.05 N",
-                                               "least force at the end, N"}};
+  Table lines{{"shape", "runs", "friction 0.05: worst N", "none: worst N", "runs above 0.05 N",
+               "least force at the end, N"}};
   double rubbed_N = 0.0;
   double smooth_N = 0.0;
   for (std::size_t s = 0; s < all.size() / (to.options.quick ? 1 : 4); ++s) {
@@ -276,20 +275,16 @@ void onShapes(const StabilityReport& to) {
     rubbed_N = std::max(rubbed_N, worst_N[1]);
     smooth_N = std::max(smooth_N, worst_N[0]);
   }
-  to.claims.add(text("steady 1 N through the room on %zu shapes (%zu runs): force above 50 Hz",
-                     all.size(), cells.size()),
-                "<= 0.03 N with friction, 0.05 without", text("%.3f, %.3f N", rubbed_N, smooth_N),
-                rubbed_N <= 0.03 && smooth_N <= 0.05);
-  to.report.say("Through the room, shapes drawn at random:\n\n" + markdown(lines));
+  to.report.require(text("steady 1 N through the room on %zu shapes (%zu runs): force above 50 Hz",
+                         all.size(), cells.size()),
+                    "<= 0.03 N with friction, 0.05 without",
+                    text("%.3f, %.3f N", rubbed_N, smooth_N), rubbed_N <= 0.03 && smooth_N <= 0.05);
+  to.report.addTable("shapes", lines);
 }
 
 }  // namespace
 
 void stabilitySilence(const StabilityReport& to) {
-  to.report.say(
-      "### Silence\n\nForce above 50 Hz (N rms, four poles) in the last second of a steady press "
-      "of 1 N, after an impact at 0.2 m/s on a plane, after coming down within half a second on "
-      "shapes.");
   planes(to);
   stabilityMoving(to);
   onShapes(to);

@@ -126,9 +126,8 @@ void stabilityHonest(const StabilityReport& to) {
     }
   }
   onAllCores(runs.size(), [&](std::size_t i) { play(runs[i]); });
-  std::vector<std::vector<std::string>> lines{{"stream", "frames lost", "doubted", "tank", "slew",
-                                               text("score, of %.0f", Trust::kMost_ticks),
-                                               "mJ in 10 s"}};
+  Table lines{{"stream", "frames lost", "doubted", "tank", "slew",
+               text("score, of %.0f", Trust::kMost_ticks), "mJ in 10 s"}};
   Worst all;
   for (std::size_t i = 0; i < runs.size();) {
     const HonestRun& first = runs[i];
@@ -143,18 +142,13 @@ void stabilityHonest(const StabilityReport& to) {
                      percent(worst.doubted), percent(worst.tank), percent(worst.slew),
                      text("%.0f", worst.score_ticks), text("%.0f", worst.work_mJ)});
   }
-  to.claims.add(text("honest streams (%zu runs) that lose trust", runs.size()), "none",
-                text("%d", all.lost_trust), all.lost_trust == 0);
-  to.claims.add("honest streams: ticks doubted, worst run", "<= 0.1 %", percent(all.doubted),
-                all.doubted <= 1e-3);
-  to.claims.add("honest streams: ticks shortened by the tank, worst run", "<= 0.1 %",
-                percent(all.tank), all.tank <= 1e-3);
-  to.report.say(
-      "### Honest streams\n\nScenes of the server, bodies in fast motion and the clips, "
-      "through vision and wire; hands that press, slide, follow and stand still, light "
-      "and firm; the worst run of each. A blow of 2 N is slowed by the slew limit in 13 "
-      "ticks: that is what `slew` counts.\n\n" +
-      markdown(lines));
+  to.report.require(text("honest streams (%zu runs) that lose trust", runs.size()), "none",
+                    text("%d", all.lost_trust), all.lost_trust == 0);
+  to.report.require("honest streams: ticks doubted, worst run", "<= 0.1 %", percent(all.doubted),
+                    all.doubted <= 1e-3);
+  to.report.require("honest streams: ticks shortened by the tank, worst run", "<= 0.1 %",
+                    percent(all.tank), all.tank <= 1e-3);
+  to.report.addTable("honest", lines);
 }
 
 }  // namespace hapticast::evaluate

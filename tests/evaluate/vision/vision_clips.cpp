@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Real captures: no truth, but an object must not be lost, and its outline changes little from
 // frame to frame. Masks are to be looked at on the contact sheets.
+#include <cstdio>
 #include <filesystem>
 #include <opencv2/imgproc.hpp>
 
@@ -95,9 +96,6 @@ Result follow(const RealObject& object, const Options& options) {
 void measureRealClips(const Options& options, Report& report) {
   for (const RealObject& object : kObjects) {
     if (!std::filesystem::exists(test::clipsFolder() / object.clip)) {
-      report.say("Real object " + std::string(object.name) + ": skipped, there is no " +
-                 (test::clipsFolder() / object.clip).string() +
-                 " (HAPTICAST_CLIPS names the folder).");
       report.leaveOut(object.name);
       continue;
     }
@@ -105,9 +103,8 @@ void measureRealClips(const Options& options, Report& report) {
     report.add({object.name, "lost", "band", double(result.lost), "frames", 0.0, true});
     report.add(
         {object.name, "change of the mask", "band", result.change, "share per frame", 0.0, true});
-    report.say("Real object " + std::string(object.name) + ": " + std::to_string(result.lost) +
-               " of " + std::to_string(result.frames) + " frames without it, " +
-               std::to_string(result.ids) + " ids; look at vision_real_" + object.name + ".png.");
+    std::fprintf(stderr, "%s: %zu of %zu frames without it, %zu ids; look at vision_real_%s.png\n",
+                 object.name, result.lost, result.frames, result.ids, object.name);
   }
 }
 

@@ -176,6 +176,14 @@ TEST(ReportCsv, ReadsAWrittenReport) {
   EXPECT_TRUE(!rows[1].is_default && rows[1].is_thesis);
 }
 
+TEST(ReportCsv, ATableKeepsCommasAndQuotes) {
+  const TempFolder folder;
+  const Table lines{{"lie", "verdict, N"}, {"a \"false\" one", ""}, {"\"", ",\",\""}};
+  writeTable(folder / "probe_lies.csv", lines);
+  EXPECT_EQ(readTable(folder / "probe_lies.csv"), lines);
+  EXPECT_EQ(readTable(folder / "absent.csv"), Table());
+}
+
 TEST(ReportCsv, RefusesALineThatIsNoRow) {
   EXPECT_TRUE(contains(readBadLine("a,b,c,1,%,0,1\n"), "accuracy.csv:2: 7 fields instead of 8"));
   EXPECT_TRUE(contains(readBadLine("a,b,c,1,%,0,1,0,0\n"), "9 fields"));
@@ -215,8 +223,8 @@ TEST(ReportCheckOfAReport, KeepsItsRequirements) {
   folder.write("baseline/probe.csv", kColumns + "worst of it,goal,got,1.9,%,0,1,0\n");
   Report report("probe", makeOptions(folder, "baseline"));
   report.add(Goal{"worst of it", "%", 1.95, 1.0, 2.0});
-  report.require("all are finite", false);
-  report.require("all are small", true);
+  report.require("all are finite", "always", "not always", false);
+  report.require("all are small", "always", "always", true);
   EXPECT_EQ(catchRefusal([&] { report.write(); }),
             "probe: --check failed\n  probe; worst of it: got 2 %, required 1.95\n  probe; all "
             "are finite: got 1 missed, required 0");
@@ -250,7 +258,7 @@ TEST(ReportCheckOfAReport, AWrittenReportIsItsOwnBaseline) {
     report.add(makeFigure(0.7148));
     report.add(Goal{"worst, of all", "", 5.0, 1.0, 2.0});
     EXPECT_EQ(catchRefusal([&] { report.write(); }), "");
-    EXPECT_EQ(readRows(options.out / "probe.csv").size(), 2U);
+    EXPECT_EQ(readRows(options.out / "probe.csv").size(), 4U);  // got, required and aim
   }
 }
 
