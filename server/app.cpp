@@ -128,7 +128,7 @@ void App::Impl::run() {
                    if (auto vision = reloader_.reload()) requests_.pushReload(std::move(*vision));
                  });
   browse();
-  const SliceSettings slices{.error_mm = heightError_mm(settings_.vision)};
+  const SliceSettings slices{.error_mm = computeHeightError_mm(settings_.vision)};
   if (settings_.vision.explain)
     spdlog::info("heights on the wire are exact to {:.3g} mm", slices.error_mm);
   std::vector<StreamSink*> sinks{&service_.broadcaster()};

@@ -11,9 +11,8 @@
 #include "common/build_options.hpp"
 #include "common/cli/options.hpp"
 #include "common/cli/parse.hpp"
-#include "common/codec/height_codec.hpp"
 #include "server/author/author_options.hpp"
-#include "server/author/scene_option.hpp"
+#include "server/scene_option.hpp"
 #include "server/settings.hpp"
 
 namespace hapticast::server {
@@ -298,13 +297,5 @@ std::optional<Settings> rereadCommandLine(int argc, const char* const* argv) {
 }
 
 bool isEdge(const Settings& settings) { return settings.source.starts_with(kNatsScheme); }
-
-double heightError_mm(const VisionSettings& vision) {
-  // Chosen: larger steps between slices are perceptible as edges.
-  constexpr double kMost_mm = 0.25;
-  const double usual_N = kUsualStiffness_N_mm * kDefaultHeightError_mm;
-  const double share = vision.plan.error_budget_N / PlanSettings{}.error_budget_N;
-  return std::min(share * usual_N / vision.stiffness_N_mm(), kMost_mm);
-}
 
 }  // namespace hapticast::server

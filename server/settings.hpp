@@ -53,9 +53,5 @@ struct Settings {
 
 /// Returns whether the source is the channel of an origin, so that this server is an edge.
 [[nodiscard]] bool isEdge(const Settings& settings);
-/// Returns the largest error of heights on the wire, mm, that changes the force by at most the
-/// error budget of `vision`. With the default budget and the usual stiffness it is
-/// kDefaultHeightError_mm.
-[[nodiscard]] double heightError_mm(const VisionSettings& vision);
 
 }  // namespace hapticast::server

@@ -30,7 +30,7 @@ set(rules
   "server/relay/.*"    "^(common/|server/(nats_address\\.hpp$|stream/|relay/))"
   "server/pipeline/pipeline_counts\\.hpp" "^(common/|server/(stream/|vision/vision_settings\\.hpp$))"
   "server/http/.*"     "^(common/|server/(stream/|relay/relay_counts\\.hpp$|pipeline/pipeline_counts\\.hpp$|vision/vision_settings\\.hpp$|http/))"
-  "server/author/.*"   "^(common/|server/(settings\\.hpp$|source/[a-z_]+\\.hpp$|vision/vision_settings\\.hpp$|author/))"
+  "server/author/.*"   "^(common/|server/(source/[a-z_]+\\.hpp$|vision/vision_settings\\.hpp$|author/))"
   "server/(pipeline|preview)/.*" "^(common/|server/(settings\\.hpp$|author/scene_file\\.hpp$|source/|vision/|stream/|pipeline/|preview/))"
   "server/[^/]*"       "^(common|server)/"
   "client/haptics/.*"  "^(common|client/haptics)/"

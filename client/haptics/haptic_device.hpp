@@ -15,6 +15,8 @@
 
 namespace hapticast::client {
 
+inline constexpr int kMostDelay_ticks = 5;  ///< longest delay for which the wall law was measured
+
 /// Constants of a device class. The defaults are those of an Omni class. Its mass, count, peak and
 /// continuous force are from the data sheet. The other values are choices or were measured
 /// (client/haptics/safety/README.md, "Constants of the chain").

@@ -115,4 +115,12 @@ void EncoderThread::encodeVideoOf(Job job) {
   for (StreamSink* sink : sinks_) sink->publish(video);
 }
 
+double computeHeightError_mm(const VisionSettings& vision) {
+  // Chosen: larger steps between slices are perceptible as edges.
+  constexpr double kMost_mm = 0.25;
+  const double usual_N = kUsualStiffness_N_mm * kDefaultHeightError_mm;
+  const double share = vision.plan.error_budget_N / PlanSettings{}.error_budget_N;
+  return std::min(share * usual_N / vision.stiffness_N_mm(), kMost_mm);
+}
+
 }  // namespace hapticast::server

@@ -71,4 +71,9 @@ class EncoderThread {
   std::thread thread_;          // last member: it uses all others
 };
 
+/// Returns the largest error of heights on the wire, mm, that changes the force by at most the
+/// error budget of `vision`. With the default budget and the usual stiffness it is
+/// kDefaultHeightError_mm.
+[[nodiscard]] double computeHeightError_mm(const VisionSettings& vision);
+
 }  // namespace hapticast::server

@@ -7,8 +7,6 @@
 #include <cmath>
 #include <utility>
 
-#include "server/settings.hpp"
-
 namespace hapticast::server {
 
 namespace {
@@ -105,7 +103,7 @@ void FramePump::seek(double time_s) {
 
 void FramePump::setMaterials(const VisionSettings& settings) {
   parts_.vision.setMaterials(settings);
-  parts_.encoder.setSlices({.error_mm = heightError_mm(settings)});
+  parts_.encoder.setSlices({.error_mm = computeHeightError_mm(settings)});
 }
 
 void FramePump::logSkippedFrames() {

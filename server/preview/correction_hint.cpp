@@ -5,9 +5,9 @@
 #include <opencv2/imgproc.hpp>
 
 #include "server/vision/base/masks.hpp"
-#include "server/vision/segment/annotate/refine_clicks.hpp"
 #include "server/vision/segment/initialise/candidates.hpp"
 #include "server/vision/segment/initialise/initial_mask.hpp"
+#include "server/vision/segment/initialise/refine_clicks.hpp"
 
 namespace hapticast::server {
 

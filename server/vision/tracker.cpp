@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "server/vision/tracker.hpp"
+#include "server/vision/segment/make_segmenter.hpp"
 
 #include <algorithm>
 

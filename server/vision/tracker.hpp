@@ -12,6 +12,7 @@
 
 #include "server/vision/base/frame_pair.hpp"
 #include "server/vision/motion/background.hpp"
+#include "server/vision/segment/annotate/clip_annotations.hpp"
 #include "server/vision/segment/segmenter.hpp"
 #include "server/vision/track.hpp"
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "client/haptics/safety/wall_law.hpp"
+#include "client/haptics/haptic_device.hpp"
 #include "common/time.hpp"
 
 namespace hapticast::client {

@@ -10,8 +10,6 @@
 
 namespace hapticast::client {
 
-inline constexpr int kMostDelay_ticks = 5;  ///< longest delay for which the law was measured
-
 /// Returns the time constant tau (s) of the wall law for a delay in ticks, clamped to 0..5. K_max
 /// depends on tau.
 double wallLead_s(int delay_ticks) noexcept;

@@ -10,7 +10,7 @@
 #include "server/vision/base/masks.hpp"
 #include "server/vision/segment/initialise/initial_mask.hpp"
 #include "server/vision/segment/initialise/object_proposals.hpp"
-#include "server/vision/segment/segmenter.hpp"
+#include "server/vision/segment/make_segmenter.hpp"
 
 namespace hapticast::server {
 

@@ -1,20 +1,17 @@
 // SPDX-License-Identifier: MIT
 // Video object segmentation: decides in each frame which pixels belong to which object. There is
 // one interface, with one implementation for each method. The methods are the source's own masks
-// (segmenter.cpp), the thesis's edge fusion (edges.cpp), and narrow-band tracking after an initial
-// mask (follow/narrow_band_tracker.hpp). Thread: the one that runs Vision.
+// (make_segmenter.cpp), the thesis's edge fusion (edges.cpp), and narrow-band tracking after an
+// initial mask (follow/narrow_band_tracker.hpp). Thread: the one that runs Vision.
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <opencv2/core.hpp>
 #include <string>
 #include <vector>
 
 #include "server/vision/base/flow.hpp"
 #include "server/vision/base/frame_pair.hpp"
-#include "server/vision/segment/annotate/clip_annotations.hpp"
-#include "server/vision/vision_settings.hpp"
 
 namespace hapticast::server {
 
@@ -46,16 +43,6 @@ class Segmenter {
 /// Area below which an object counts as lost, px. The value is a choice: in a usual picture, a
 /// square of this area is 1.6 nominal mm wide.
 inline constexpr int kSmallestObject_px = 40;
-
-/// Returns the segmenter for the method of `settings`. `has_mask`: whether the source has masks.
-/// The segmenter increments `next_id` for each new object. `annotations` are those of a recorded
-/// clip; null for a live source. `next_id` and `annotations` must outlive the segmenter.
-std::unique_ptr<Segmenter> makeSegmenter(const VisionSettings& settings, bool has_mask,
-                                         std::uint32_t& next_id,
-                                         ClipAnnotations* annotations = nullptr);
-/// Returns the segmenter of the thesis's method (edge fusion). `next_id` must outlive it.
-std::unique_ptr<Segmenter> makeEdgeSegmenter(const VisionSettings& settings,
-                                             std::uint32_t& next_id);
 
 /// Throws a SourceError whose message says that no object is at the author's point `point_px`.
 /// `why`: the cause, as text for the message.

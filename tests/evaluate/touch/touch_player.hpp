@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "client/haptics/playback/thesis_interpolation.hpp"
+#include "client/haptics/contact/thesis_interpolation.hpp"
 #include "tests/evaluate/touch/touch_stream.hpp"
 
 namespace hapticast::evaluate {

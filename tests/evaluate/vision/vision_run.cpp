@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "server/vision/motion/pose_tracker.hpp"
-#include "server/vision/segment/segmenter.hpp"
+#include "server/vision/segment/make_segmenter.hpp"
 #include "server/vision/surface/enhance.hpp"
 #include "tests/evaluate/thread_time.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "client/haptics/playback/thesis_interpolation.hpp"
+#include "client/haptics/contact/thesis_interpolation.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,9 +6,10 @@
 #include <opencv2/imgproc.hpp>
 
 #include "server/vision/segment/annotate/annotation_track.hpp"
-#include "server/vision/segment/annotate/refine_clicks.hpp"
 #include "server/vision/segment/appearance/contour.hpp"
 #include "server/vision/segment/follow/tracked_mask.hpp"
+#include "server/vision/segment/initialise/refine_clicks.hpp"
+#include "server/vision/segment/make_segmenter.hpp"
 #include "server/vision/vision.hpp"
 #include "tests/unit/vision/segment_runner.hpp"
 #include "tests/unit/vision/vision_scenes.hpp"

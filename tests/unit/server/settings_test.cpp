@@ -8,6 +8,7 @@
 #include "common/cli/parse.hpp"
 #include "common/cli/program_flags.hpp"
 #include "common/codec/height_codec.hpp"
+#include "server/pipeline/encoder_thread.hpp"
 #include "tests/unit/command_line_probe.hpp"
 
 namespace hapticast::server {
@@ -243,13 +244,13 @@ TEST(ServerSettings, APrintedConfigFileHasEachFlagAndItsDefault) {
 
 TEST(ServerSettings, TheForceBudgetSetsTheErrorOfHeights) {
   VisionSettings vision;
-  EXPECT_DOUBLE_EQ(heightError_mm(vision), kDefaultHeightError_mm);
+  EXPECT_DOUBLE_EQ(computeHeightError_mm(vision), kDefaultHeightError_mm);
   vision.material.stiffness_N_mm = 2.0;
-  EXPECT_DOUBLE_EQ(heightError_mm(vision), 0.25 * kDefaultHeightError_mm);
+  EXPECT_DOUBLE_EQ(computeHeightError_mm(vision), 0.25 * kDefaultHeightError_mm);
   vision.plan.error_budget_N *= 2.0;
-  EXPECT_DOUBLE_EQ(heightError_mm(vision), 0.5 * kDefaultHeightError_mm);
+  EXPECT_DOUBLE_EQ(computeHeightError_mm(vision), 0.5 * kDefaultHeightError_mm);
   vision.plan.error_budget_N = 1.0;
-  EXPECT_DOUBLE_EQ(heightError_mm(vision), 0.25);
+  EXPECT_DOUBLE_EQ(computeHeightError_mm(vision), 0.25);
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 
 #include "server/vision/base/flow.hpp"
 #include "server/vision/base/frame_pair.hpp"
-#include "server/vision/segment/segmenter.hpp"
+#include "server/vision/segment/make_segmenter.hpp"
 
 namespace hapticast::server::test {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/vision/segment/segmenter.hpp"
+#include "server/vision/segment/make_segmenter.hpp"
 
 #include <gtest/gtest.h>
 

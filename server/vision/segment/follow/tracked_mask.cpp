@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "server/vision/base/masks.hpp"
-#include "server/vision/segment/annotate/refine_clicks.hpp"
 #include "server/vision/segment/follow/redetect.hpp"
 #include "server/vision/segment/initialise/initial_mask.hpp"
+#include "server/vision/segment/initialise/refine_clicks.hpp"
 #include "server/vision/segment/segmenter.hpp"
 
 namespace hapticast::server {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/vision/segment/annotate/refine_clicks.hpp"
+#include "server/vision/segment/initialise/refine_clicks.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/author/scene_option.hpp"
+#include "server/scene_option.hpp"
 
 #include <algorithm>
 #include <filesystem>
