@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "client/haptics/safety/wall_law.hpp"
-#include "tests/support/attack.hpp"
+#include "tests/scenes/false_streams/renderer_attack.hpp"
 
 namespace hapticast::client {
 namespace {

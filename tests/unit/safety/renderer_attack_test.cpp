@@ -6,7 +6,7 @@
 #include <limits>
 #include <string>
 
-#include "tests/support/attack.hpp"
+#include "tests/scenes/false_streams/renderer_attack.hpp"
 
 namespace hapticast::client {
 namespace {

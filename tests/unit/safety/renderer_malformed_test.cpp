@@ -8,7 +8,7 @@
 #include <random>
 #include <string>
 
-#include "tests/support/attack.hpp"
+#include "tests/scenes/false_streams/renderer_attack.hpp"
 
 namespace hapticast::client {
 namespace {

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "tests/support/attack.hpp"
+#include "tests/scenes/false_streams/renderer_attack.hpp"
 
 namespace hapticast::client {
 namespace {

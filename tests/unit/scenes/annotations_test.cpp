@@ -10,8 +10,8 @@
 #include "server/vision/segment/appearance/contour.hpp"
 #include "server/vision/segment/follow/tracked_mask.hpp"
 #include "server/vision/vision.hpp"
+#include "tests/scenes/ball_scene.hpp"
 #include "tests/unit/vision/segment_runner.hpp"
-#include "tests/unit/vision/vision_scenes.hpp"
 
 namespace hapticast::server {
 namespace {
