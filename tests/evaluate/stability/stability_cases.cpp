@@ -90,6 +90,11 @@ void stabilityCases(const StabilityReport& to) {
                 text("%g N", excess_N), excess_N == 0.0);
   to.claims.add("the same: cases with a force that is not finite or above the peak", "0",
                 text("%zu", broken), broken == 0);
+  const std::vector<std::string> unexpected = findUnexpectedForces();
+  to.claims.add(
+      "cases at walls of 0.5, 1 and 5 N/mm whose force leaves the limits of the case", "0",
+      text("%zu (%s)", unexpected.size(), unexpected.empty() ? "-" : unexpected.front().c_str()),
+      unexpected.empty());
   to.report.say(
       "### Extreme cases\n\nd 1, friction 0.05 N, light hand; K 1 at the wall, the "
       "device's own 0.5 N/mm in the room (frames in, force out). Each cell: largest step "

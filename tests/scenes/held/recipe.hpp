@@ -36,10 +36,12 @@ inline HandScript personsHand(Play& play, std::uint8_t id, bool on_right) {
   if (!play.scene.hands.empty()) hand.look.has_sleeve = play.scene.hands.front().look.has_sleeve;
   return hand;
 }
-/// Adds a hand that holds the thing from the first frame to the last.
-inline void holdThroughout(Play& play, HandScript hand, const Pose& grip) {
+/// Adds a hand that holds the thing from the first frame to the last: closed by this share of its
+/// grip, at a place of the unbent thing that it moves with.
+inline void holdThroughout(Play& play, HandScript hand, const Pose& grip, double closed = 1.0,
+                           const Vec3& anchor_mm = Vec3::Zero()) {
   play.close(hand, grip);
-  hand.stations = {Play::on(0, grip, 1), Play::on(9, grip, 1)};
+  hand.stations = {Play::on(0, grip, closed, anchor_mm), Play::on(9, grip, closed, anchor_mm)};
   play.scene.hands.push_back(hand);
   play.scene.held_at_start = true;
 }

@@ -19,12 +19,8 @@ void mugTurned(Play& p) {
   p.swing({0.4, 1.3}, {0, 1, 0.2}, 0.6);
   p.swing({1.2, 2.1}, {0.3, -0.6, 1}, 0.5);
   p.finishObject();
-  HandScript hand = p.hand(kHand, true, viewersElbow(p));
-  const Pose grip = p.gripFrom(p.at(1, 0, 0.1), 40, p.at(0, kSlant, -1));
-  p.close(hand, grip);
-  hand.stations = {Play::on(0, grip, 1), Play::on(9, grip, 1)};
-  p.scene.hands = {hand};
-  p.scene.held_at_start = true;
+  holdThroughout(p, p.hand(kHand, true, viewersElbow(p)),
+                 p.gripFrom(p.at(1, 0, 0.1), 40, p.at(0, kSlant, -1)));
 }
 
 void mugSkin(Play& p) {
@@ -75,12 +71,8 @@ void bearTouched(Play& p) {
 void bearRested(Play& p) {
   p.object(Kind::kBear, p.at(0, 52, 0), -0.2);
   p.finishObject();
-  HandScript hand = p.hand(kHand, false, p.at(-240, 60, -330));
-  const Pose grip = p.gripFrom(p.at(-0.55, 0.85, -0.1), 96, p.at(0.7, 0.5, 0.6));
-  p.close(hand, grip);
-  hand.stations = {Play::on(0, grip, 0.9), Play::on(9, grip, 0.9)};
-  p.scene.hands = {hand};
-  p.scene.held_at_start = true;
+  holdThroughout(p, p.hand(kHand, false, p.at(-240, 60, -330)),
+                 p.gripFrom(p.at(-0.55, 0.85, -0.1), 96, p.at(0.7, 0.5, 0.6)), 0.9);
 }
 
 void bearCarried(Play& p) {
@@ -89,12 +81,8 @@ void bearCarried(Play& p) {
   p.swing({0.4, 1.2}, {0, 1, 0}, 0.6);
   p.swing({1.1, 2.0}, {0, 0.2, 1}, -0.45);
   p.finishObject();
-  HandScript hand = p.hand(kHand, false, p.at(240, 60, -330));
-  const Pose grip = p.gripFrom(p.at(1, 0.05, -0.35), 44, p.at(0.1, 0.1, 1));
-  p.close(hand, grip);
-  hand.stations = {Play::on(0, grip, 1), Play::on(9, grip, 1)};
-  p.scene.hands = {hand};
-  p.scene.held_at_start = true;
+  holdThroughout(p, p.hand(kHand, false, p.at(240, 60, -330)),
+                 p.gripFrom(p.at(1, 0.05, -0.35), 44, p.at(0.1, 0.1, 1)));
 }
 
 void ballSqueezed(Play& p) {
@@ -103,13 +91,8 @@ void ballSqueezed(Play& p) {
   p.scene.object.bent.step({1.35, 1.7}, 0.3).step({1.8, 2.15}, -0.24);
   p.way().move({0.8, 1.6}, p.at(30, 15, 20));
   p.finishObject();
-  HandScript hand = p.hand(kHand, true, viewersElbow(p));
-  const Pose grip = p.gripFrom(p.at(1, 0, 0), 48, p.at(0, 0.3, -1));
-  p.close(hand, grip);
-  const Vec3 anchor = p.mirror * Vec3(48, 0, 0);
-  hand.stations = {Play::on(0, grip, 1, anchor), Play::on(9, grip, 1, anchor)};
-  p.scene.hands = {hand};
-  p.scene.held_at_start = true;
+  holdThroughout(p, p.hand(kHand, true, viewersElbow(p)),
+                 p.gripFrom(p.at(1, 0, 0), 48, p.at(0, 0.3, -1)), 1, p.mirror * Vec3(48, 0, 0));
 }
 
 void handedOver(Play& p, double right_mm, double left_mm) {
@@ -151,11 +134,8 @@ void tubeBent(Play& p) {
     const Vec3 anchor(p.mirror * x * 128, 0, 0);
     Pose grip = p.gripFrom(p.at(x * 0.3, -0.5, 0.75), 24, p.at(-0.1 * x, 0.75, 0.4));
     grip.at_mm += anchor;
-    p.close(hand, grip);
-    hand.stations = {Play::on(0, grip, 1, anchor), Play::on(9, grip, 1, anchor)};
-    p.scene.hands.push_back(hand);
+    holdThroughout(p, hand, grip, 1, anchor);
   }
-  p.scene.held_at_start = true;
 }
 
 void passedBy(Play& p) {
@@ -209,12 +189,8 @@ void boxGloved(Play& p) {
 void ballStill(Play& p) {
   p.object(Kind::kBall, p.at(0, 85, 0), 0.5);
   p.finishObject();
-  HandScript hand = p.hand(kHand, true, viewersElbow(p));
-  const Pose grip = p.gripFrom(p.at(0.8, -0.6, 0.2), 48, p.at(-0.3, 0.1, -1));
-  p.close(hand, grip);
-  hand.stations = {Play::on(0, grip, 1), Play::on(9, grip, 1)};
-  p.scene.hands = {hand};
-  p.scene.held_at_start = true;
+  holdThroughout(p, p.hand(kHand, true, viewersElbow(p)),
+                 p.gripFrom(p.at(0.8, -0.6, 0.2), 48, p.at(-0.3, 0.1, -1)));
 }
 
 void bottleTurned(Play& p) {
@@ -223,12 +199,8 @@ void bottleTurned(Play& p) {
   p.swing({0.4, 1.2}, {0, 0.3, 1}, 0.5);
   p.swing({1.2, 2.1}, {0.5, 0.5, -1}, 0.5);
   p.finishObject();
-  HandScript hand = p.hand(kHand, false, personsElbow(p));
-  const Pose grip = p.gripFrom(p.at(1, 0.1, -0.2), 32, p.at(0, 0.1, 1));
-  p.close(hand, grip);
-  hand.stations = {Play::on(0, grip, 1), Play::on(9, grip, 1)};
-  p.scene.hands = {hand};
-  p.scene.held_at_start = true;
+  holdThroughout(p, p.hand(kHand, false, personsElbow(p)),
+                 p.gripFrom(p.at(1, 0.1, -0.2), 32, p.at(0, 0.1, 1)));
 }
 
 }  // namespace

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 
 #include "client/haptics/safety/wall_law.hpp"
@@ -80,9 +79,6 @@ TEST(ForceLead, IsThatOfTheSceneAndOfTheDamper) {
     EXPECT_LT(observer_ms, 0.0);
     EXPECT_GT(observer_ms, -1.3);
     EXPECT_NEAR(leads.sent.lead_ms(), leads.contact.lead_ms(), 0.3);
-    std::printf("d %d: surface %.2f, damper %.2f, observer %.2f, static force %.2f, sent %.2f ms\n",
-                delay_ticks, leads.surface.lead_ms(), damper_ms, observer_ms,
-                leads.contact.lead_ms(), leads.sent.lead_ms());
   }
 }
 
