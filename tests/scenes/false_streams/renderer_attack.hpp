@@ -91,6 +91,10 @@ class Attack {
     scene(frame, media_s);
     (void)send(pool, frame);
   }
+  /// From now on the stream shows a plate whose middle is this high.
+  void showPlate(double height_mm) {
+    scene = [this, height_mm](PlayFrame& frame, double) { add(frame, plateAt(height_mm)); };
+  }
   void add(PlayFrame& frame, const PlayObject& object) {
     frame.objects[frame.object_count++] = object;
   }

@@ -105,21 +105,11 @@ const std::vector<std::pair<std::string, std::string>> kAll = {
     {"signing-key", "origin.pem"},
 };
 
-TEST(ServerSettings, EveryFlag) {
-  std::vector<std::string> arguments;
-  for (const auto& [key, value] : kAll) {
-    arguments.push_back("--" + key);
-    if (value != "true") arguments.push_back(value);
+TEST(ServerSettings, EveryFlagAndEveryKeyOfAConfigFile) {
+  for (const Probe& run : {Probe::withFlags(kAll), Probe::withConfig(kAll)}) {
+    ASSERT_EQ(run.exit_code, std::nullopt) << run.error;
+    expectAll(run.settings);
   }
-  const Probe run(arguments);
-  ASSERT_EQ(run.exit_code, std::nullopt) << run.error;
-  expectAll(run.settings);
-}
-
-TEST(ServerSettings, EveryKeyOfAConfigFile) {
-  const Probe run = Probe::withConfig(kAll);
-  ASSERT_EQ(run.exit_code, std::nullopt) << run.error;
-  expectAll(run.settings);
 }
 
 TEST(ServerSettings, ANameForTheLan) {
