@@ -2,6 +2,9 @@
 // Bodies whose exact surface measures the error of a force, each as a relief scene. Nominal mm.
 #pragma once
 
+#include <functional>
+#include <vector>
+
 #include "server/source/synthetic/synthetic_scene.hpp"
 #include "tests/scenes/relief_scene.hpp"
 
