@@ -40,6 +40,11 @@ set(rules
   "client/report/.*"   "^(common/|client/(settings\\.hpp$|haptics/|net/|report/))"
   "client/view/.*"     "^(common|client/haptics|client/view)/"
   "client/[^/]*"       "^(common|client)/"
+  "tests/support/.*"   "^(common|server|client|tests/support)/"
+  "tests/scenes/.*"    "^(common|server|client|tests/(support|scenes))/"
+  "tests/unit/(evaluate|report)/.*" "^(common|server|client|tests)/"
+  "tests/unit/.*"      "^(common|server|client|tests/(support|scenes|unit))/"
+  "tests/integration/.*" "^(common|server|client|tests/(support|scenes|integration))/"
 )
 # One door per library: who may include it.
 set(doors

@@ -156,17 +156,26 @@ TEST_F(DatagramClientTest, ReportsAServerWithoutDatagramsOnce) {
   EXPECT_NE(client.news[0].find("TCP"), std::string::npos);
 }
 
-TEST_F(DatagramClientTest, AGroupOnTheLoopbackIsJoined) {
-  const auto server = serverOf(loopbackGroup("239.255.74.47"));
-  if (!server) GTEST_SKIP() << why_no_group;
-  TestClient client(io, clock, server->port(),
-                    with({.best = Transport::kGroup, .interface_name = "lo"}));
-  ASSERT_TRUE(streamToGroup(*server, client));
-  if (!client.news.empty()) GTEST_SKIP() << client.news[0];
-  ASSERT_TRUE(streamOn(*server, client, 20));
-  expectRisingIds(client);
+/// A client that gets the frames of a group on the loopback.
+class DatagramGroupTest : public DatagramClientTest {
+ protected:
+  void SetUp() override {
+    server = serverOf(loopbackGroup("239.255.74.48"));
+    if (!server) GTEST_SKIP() << why_no_group;
+    client = std::make_unique<TestClient>(
+        io, clock, server->port(), with({.best = Transport::kGroup, .interface_name = "lo"}));
+    ASSERT_TRUE(streamToGroup(*server, *client));
+    if (!client->news.empty()) GTEST_SKIP() << client->news[0];
+  }
+  std::unique_ptr<DatagramServer> server;
+  std::unique_ptr<TestClient> client;
+};
+
+TEST_F(DatagramGroupTest, AGroupOnTheLoopbackIsJoined) {
+  ASSERT_TRUE(streamOn(*server, *client, 20));
+  expectRisingIds(*client);
   EXPECT_EQ(server->sender->counts().viewers.sent, 0U) << "none of its own";
-  EXPECT_EQ(client.receiver.counts().lost, 0U);
+  EXPECT_EQ(client->receiver.counts().lost, 0U);
 }
 
 /// Somebody on the group's network who signs with a key of his own.
@@ -193,52 +202,41 @@ class Forger {
   Welcome welcome_;
 };
 
-TEST_F(DatagramClientTest, AForgedFloodToTheGroupSendsFramesAnotherWay) {
-  const auto server = serverOf(loopbackGroup("239.255.74.48"));
-  if (!server) GTEST_SKIP() << why_no_group;
-  TestClient client(io, clock, server->port(),
-                    with({.best = Transport::kGroup, .interface_name = "lo"}));
-  ASSERT_TRUE(streamToGroup(*server, client));
-  if (!client.news.empty()) GTEST_SKIP() << client.news[0];
+TEST_F(DatagramGroupTest, AForgedFloodToTheGroupSendsFramesAnotherWay) {
   Forger forger(io, viewer(*server)->all<Welcome>().at(0));
-  const std::size_t frames_before = client.frames.size();
-  ASSERT_TRUE(streamUntil(*server, client, [&] {
-    forger.send(50, client.frames.back().second);
-    return !client.news.empty();
+  const std::size_t frames_before = client->frames.size();
+  ASSERT_TRUE(streamUntil(*server, *client, [&] {
+    forger.send(50, client->frames.back().second);
+    return !client->news.empty();
   }));
-  EXPECT_NE(client.news[0].find("somebody forges datagrams"), std::string::npos) << client.news[0];
-  const std::uint64_t forged = client.connection.datagrams().forged;
-  const std::size_t enough = client.frames.size() + 20;
-  ASSERT_TRUE(streamUntil(*server, client, [&] {
-    forger.send(50, client.frames.back().second);  // it goes on
-    return client.frames.size() >= enough;
+  EXPECT_NE(client->news[0].find("somebody forges datagrams"), std::string::npos)
+      << client->news[0];
+  const std::uint64_t forged = client->connection.datagrams().forged;
+  const std::size_t enough = client->frames.size() + 20;
+  ASSERT_TRUE(streamUntil(*server, *client, [&] {
+    forger.send(50, client->frames.back().second);  // it goes on
+    return client->frames.size() >= enough;
   }));
-  EXPECT_GT(client.frames.size(), frames_before + 20);
-  expectRisingIds(client);
-  EXPECT_EQ(client.connection.datagrams().forged, forged) << "nothing more is verified";
+  EXPECT_GT(client->frames.size(), frames_before + 20);
+  expectRisingIds(*client);
+  EXPECT_EQ(client->connection.datagrams().forged, forged) << "nothing more is verified";
 }
 
-TEST_F(DatagramClientTest, ForgeriesToTheGroupDoNotCountAgainstTheNextTransport) {
-  const auto server = serverOf(loopbackGroup("239.255.74.48"));
-  if (!server) GTEST_SKIP() << why_no_group;
-  TestClient client(io, clock, server->port(),
-                    with({.best = Transport::kGroup, .interface_name = "lo"}));
-  ASSERT_TRUE(streamToGroup(*server, client));
-  if (!client.news.empty()) GTEST_SKIP() << client.news[0];
+TEST_F(DatagramGroupTest, ForgeriesToTheGroupDoNotCountAgainstTheNextTransport) {
   Forger forger(io, viewer(*server)->all<Welcome>().at(0));
-  forger.send(60, client.frames.back().second);
+  forger.send(60, client->frames.back().second);
   const auto later = clock.now() + std::chrono::milliseconds(1500);
-  ASSERT_TRUE(streamUntil(*server, client, [&] { return clock.now() > later; }));
-  ASSERT_EQ(client.connection.datagrams().forged, 60U);
-  ASSERT_TRUE(client.news.empty()) << client.news[0];
-  ASSERT_TRUE(streamUntil(*server, client, [&] {
-    forger.send(150, client.frames.back().second);
-    return !client.news.empty();
+  ASSERT_TRUE(streamUntil(*server, *client, [&] { return clock.now() > later; }));
+  ASSERT_EQ(client->connection.datagrams().forged, 60U);
+  ASSERT_TRUE(client->news.empty()) << client->news[0];
+  ASSERT_TRUE(streamUntil(*server, *client, [&] {
+    forger.send(150, client->frames.back().second);
+    return !client->news.empty();
   }));
-  ASSERT_TRUE(streamUntil(*server, client, [&] { return byUdp(client); }));
-  ASSERT_TRUE(streamOn(*server, client, 20));
-  EXPECT_TRUE(byUdp(client));
-  EXPECT_EQ(client.news.size(), 1U) << client.news.back();
+  ASSERT_TRUE(streamUntil(*server, *client, [&] { return byUdp(*client); }));
+  ASSERT_TRUE(streamOn(*server, *client, 20));
+  EXPECT_TRUE(byUdp(*client));
+  EXPECT_EQ(client->news.size(), 1U) << client->news.back();
 }
 
 /// Real time that a test bends.

@@ -257,10 +257,7 @@ TEST_F(DatagramsTest, WithoutASenderThereIsNoOffer) {
   EXPECT_EQ(tcp->all<Welcome>().at(0).datagram_token, 0U);
   tcp->send(Delivery{true, true, 4});
   tcp->send(Ping{});
-  EXPECT_TRUE(runUntil([&] {
-    tcp->poll();
-    return !tcp->all<Pong>().empty();
-  })) << "it may say so all the same";
+  EXPECT_TRUE(receives<Pong>(*tcp)) << "it may say so all the same";
 }
 
 /// Which addresses a server listens on, and one that viewers come to.
@@ -279,10 +276,7 @@ TEST_P(DatagramAddressesTest, DatagramsLeaveFromWhereTheConnectionCameTo) {
   RawPeer tcp(io, {asio::ip::make_address(way.to), server.port()},
               asio::ip::make_address(way.viewer));
   tcp.send(Hello{kProtocolVersion, "raw", false, false});
-  ASSERT_TRUE(runUntil([&] {
-    tcp.poll();
-    return !tcp.all<Welcome>().empty();
-  }));
+  ASSERT_TRUE(receives<Welcome>(tcp));
   DatagramViewer udp(io, tcp.all<Welcome>()[0], at(way.viewer), at(way.to, server.port()));
   udp.echo();
   ASSERT_TRUE(runUntil([&] {
@@ -322,10 +316,7 @@ TEST_F(DatagramsTest, TheGroupGetsEachDatagramOnce) {
   for (RawPeer* each : {first.get(), second.get()}) {
     each->send(Delivery{false, false, 2});
     each->send(Ping{});
-    ASSERT_TRUE(runUntil([&] {
-      each->poll();
-      return !each->all<Pong>().empty();
-    }));
+    ASSERT_TRUE(receives<Pong>(*each));
   }
   for (std::uint64_t id = 1; id <= 4; ++id) {
     server.publish(id, id == 2 ? 220 : 8);

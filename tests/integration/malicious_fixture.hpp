@@ -10,7 +10,7 @@
 #include <span>
 
 #include "tests/integration/programs_fixture.hpp"
-#include "tests/support/malicious_server.hpp"
+#include "tests/scenes/false_streams/malicious_server.hpp"
 
 namespace hapticast::testing {
 

@@ -56,7 +56,8 @@ TEST_F(OriginTest, ViewersByTcpAndUdpChangeWithoutAReconnection) {
     EXPECT_TRUE(each->lost.empty()) << each->lost[0];
     EXPECT_EQ(each->welcomes, 1) << "the description is the same";
     ASSERT_EQ(each->news.size(), 1U);
-    EXPECT_NE(each->news[0].find("another server makes the stream"), std::string::npos);
+    EXPECT_NE(each->news[0].find("another server makes the stream"), std::string::npos)
+        << each->news[0];
     EXPECT_GT(each->frames.back().first, each->frames.front().first) << "a new epoch";
     EXPECT_EQ(each->receiver.counts().lost, 0U);
     EXPECT_TRUE(each->last_has_field);
@@ -141,10 +142,7 @@ TEST_F(OriginTest, TheTokenBeforeIsVoid) {
     return old_viewer.probes == 1;
   }));
   server.changeOrigin();
-  ASSERT_TRUE(runUntil([&] {
-    tcp->poll();
-    return tcp->all<Welcome>().size() == 2;
-  }));
+  ASSERT_TRUE(receives<Welcome>(*tcp, 2));
   const Welcome after = tcp->all<Welcome>()[1];
   EXPECT_FALSE(server.broadcaster.datagramsWanted());
   DatagramViewer viewer(io, after, local(0), local(server.port()));

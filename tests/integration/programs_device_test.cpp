@@ -3,18 +3,12 @@
 // in every way that a driver can, and the example of client/device/drivers.md works as printed.
 #include <sys/stat.h>
 
-#include <cstdlib>
-#include <thread>
-
-#include "tests/integration/programs_fixture.hpp"
-#include "tests/support/device/trace.hpp"
+#include "tests/integration/driver_fixture.hpp"
 
 namespace hapticast::testing {
 namespace {
 
-constexpr std::chrono::seconds kFaultPatience{60};
-
-class ProgramsDeviceTest : public ProgramsTest {
+class ProgramsDeviceTest : public ProgramsWithDriverTest {
  protected:
   void SetUp() override {
     devices_ = path("data/hapticast/devices");
@@ -45,12 +39,7 @@ class ProgramsDeviceTest : public ProgramsTest {
   std::string devices_;
 };
 
-/// A fault while a force acts, and the line that the user gets.
-struct RunFault {
-  const char* name;
-  const char* line;
-};
-constexpr RunFault kRunFaults[] = {
+constexpr ContactFault kRunFaults[] = {
     {"nan", "its driver reported a position that is not a number"},
     {"jump", "its driver reported a jump of its position"},
     {"back", "its driver reported a position older than the one before"},
@@ -71,29 +60,14 @@ constexpr RunFault kRunFaults[] = {
 };
 
 TEST_F(ProgramsDeviceTest, ADriverThatMisbehavesInContactEndsAtZeroWithOneLine) {
-  const auto server = startServer({"--source", "synthetic:still", "--loop"});
-  const std::string address = addressOf(*server);
-  for (const RunFault& fault : kRunFaults) {
-    SCOPED_TRACE(fault.name);
-    const Trace trace(path(std::string(fault.name) + ".trace"));
-    const auto client = touchWith(address, trace, fault.name);
-    ASSERT_TRUE(waitUntil(kSoon, [&] { return trace->force_N > 0.3; })) << client->output();
-    trace->go = 1;
-    EXPECT_TRUE(client->says(fault.line, kFaultPatience)) << client->output();
-    std::this_thread::sleep_for(std::chrono::milliseconds(100));
-    interrupt(*client);
-    EXPECT_EQ(trace->force_N, 0.0) << client->output();
-    EXPECT_LE(trace->most_N, 3.3 + 1e-9) << "no watchdog of its own";
-    EXPECT_EQ(client->output().find('\x1b'), std::string::npos);
-    if (*fault.line != '\0') {
-      EXPECT_LE(countOccurrences(fault.line, client->output()), 5U) << client->output();
-    }
-  }
-  interrupt(*server);
+  misbehaveInContact(kRunFaults, 5,
+                     [this](const auto& address, const Trace& trace, const auto& fault) {
+                       return touchWith(address, trace, fault);
+                     });
 }
 
 TEST_F(ProgramsDeviceTest, AZeroThatTheDeviceDoesNotConfirmIsReported) {
-  const auto server = startServer({"--source", "synthetic:still", "--loop"});
+  const auto server = startStillServer();
   const Trace trace(path("trace"));
   const auto client = touchWith(addressOf(*server), trace, "zero_fails");
   ASSERT_TRUE(waitUntil(kSoon, [&] { return trace->force_N > 0.3; })) << client->output();
@@ -104,7 +78,7 @@ TEST_F(ProgramsDeviceTest, AZeroThatTheDeviceDoesNotConfirmIsReported) {
 }
 
 TEST_F(ProgramsDeviceTest, AMeasuredDelayOverrulesASmallerOneOfTheProfile) {
-  const auto server = startServer({"--source", "synthetic:still", "--loop"});
+  const auto server = startStillServer();
   const Trace trace(path("trace"));
   const auto client = touchWith(addressOf(*server), trace, "old");
   EXPECT_TRUE(
@@ -125,13 +99,14 @@ TEST_F(ProgramsDeviceTest, ADriverThatCannotBeUsedIsRefusedWithOneLine) {
     EXPECT_EQ(client->wait(kSoon), 2) << client->output();
     return client->output();
   };
-  EXPECT_NE(refused("STANDIN_SHAPE=abi").find("has version 7 of the interface, not 1"),
-            std::string::npos);
-  EXPECT_NE(refused("STANDIN_SHAPE=size").find("its driver structure has 16 bytes"),
-            std::string::npos);
-  EXPECT_NE(refused("STANDIN_SHAPE=null").find("lacks a function"), std::string::npos);
-  EXPECT_NE(refused("STANDIN_SHAPE=name").find("another name than its file"), std::string::npos);
-  EXPECT_NE(refused("STANDIN_SHAPE=none").find("returns no driver"), std::string::npos);
+  const std::pair<const char*, const char*> shapes[] = {
+      {"abi", "has version 7 of the interface, not 1"},
+      {"size", "its driver structure has 16 bytes"},
+      {"null", "lacks a function"},
+      {"name", "another name than its file"},
+      {"none", "returns no driver"}};
+  for (const auto& [shape, why] : shapes)
+    EXPECT_NE(refused(std::string("STANDIN_SHAPE=") + shape).find(why), std::string::npos) << shape;
   ASSERT_EQ(chmod((devices_ + "/standin.so").c_str(), 0666), 0);
   EXPECT_NE(refused("STANDIN_SHAPE=").find("others may write it; run chmod go-w"),
             std::string::npos);
@@ -142,7 +117,7 @@ TEST_F(ProgramsDeviceTest, ADriverThatCannotBeUsedIsRefusedWithOneLine) {
 
 TEST_F(ProgramsDeviceTest, OneThatDoesNotOpenEndsWithItsReason) {
   const Trace trace(path("trace"));
-  const auto server = startServer({"--source", "synthetic:still", "--loop"});
+  const auto server = startStillServer();
   const auto client = touchWith(addressOf(*server), trace, "open_fails");
   EXPECT_EQ(client->wait(kSoon), 1) << client->output();
   EXPECT_TRUE(client->says("--device standin: it is switched off: switch it on", kSoon));
@@ -156,7 +131,7 @@ TEST_F(ProgramsDeviceTest, OneThatDoesNotOpenEndsWithItsReason) {
 TEST_F(ProgramsDeviceTest, TheListAsksEachDriverForAtMostTwoSeconds) {
   const auto list = [&](const std::string& fault) {
     const auto client = startWith({"--list-devices", "--device-option", "fault=" + fault});
-    EXPECT_EQ(client->wait(kFaultPatience), 0) << client->output();
+    EXPECT_EQ(client->wait(kSoon), 0) << client->output();
     return client->output();
   };
   EXPECT_NE(list("none").find("standin: a driver of its own; serial number S1"), std::string::npos);
@@ -190,7 +165,7 @@ TEST_F(ProgramsDeviceTest, TheExampleOfThePageWorksAsPrinted) {
                        std::string(HAPTICAST_TESTS) + "/../client/device", source, "-o", library});
   ASSERT_EQ(compiler->wait(kSoon), 0) << compiler->output();
   install(library, "example");
-  const auto server = startServer({"--source", "synthetic:still", "--loop"});
+  const auto server = startStillServer();
   const std::string summary = path("summary.json");
   const auto client = startWith({addressOf(*server), "--view", "off", "--device", "example",
                                  "--seconds", "4", "--summary", summary});
@@ -198,7 +173,7 @@ TEST_F(ProgramsDeviceTest, TheExampleOfThePageWorksAsPrinted) {
   std::ifstream in(summary);
   std::ostringstream text;
   text << in.rdbuf();
-  EXPECT_EQ(text.str().find("\"contact_ticks\": 0,"), std::string::npos) << text.str();
+  EXPECT_EQ(text.str().find("\"contact_ticks\": 0,"), std::string::npos);
   interrupt(*server);
 }
 

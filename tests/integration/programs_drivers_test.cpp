@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: MIT
 // The built-in drivers of makers' libraries beside the real client, helper and server: stand-ins of
 // the libraries simulate a device, and misbehave in the ways that a library can.
-#include <cstdlib>
 #include <nlohmann/json.hpp>
-#include <thread>
 
-#include "tests/integration/programs_fixture.hpp"
-#include "tests/support/device/trace.hpp"
+#include "tests/integration/driver_fixture.hpp"
 
 namespace hapticast::testing {
 namespace {
@@ -73,13 +70,7 @@ double relativeError(const std::vector<MotorForce>& all, const std::vector<LogRo
   return best;
 }
 
-/// A fault, and the line that the user gets.
-struct LibraryFault {
-  const char* name;
-  const char* line;
-};
-
-class ProgramsDriversTest : public ProgramsTest {
+class ProgramsDriversTest : public ProgramsWithDriverTest {
  protected:
   static std::string libraryFile(const std::string& name) {
     return std::string(HAPTICAST_STANDINS) + "/" + name + ".so";
@@ -104,7 +95,14 @@ class ProgramsDriversTest : public ProgramsTest {
   }
   void touchAndCompare(const std::string& device, const std::string& library) const;
   void misbehaveInContact(const std::string& device, const std::string& library,
-                          std::span<const LibraryFault> faults) const;
+                          std::span<const ContactFault> faults) const {
+    ProgramsWithDriverTest::misbehaveInContact(
+        faults, 4, [&](const auto& address, const Trace& trace, const std::string& fault) {
+          return startBeside(library, fault, trace,
+                             {address, "--view", "off", "--device", device, "--fault-dir",
+                              path("faults"), "--summary", path(fault + ".json")});
+        });
+  }
   nlohmann::json readSummary(const std::string& file) const {
     std::ifstream in(path(file));
     return nlohmann::json::parse(in);
@@ -113,7 +111,7 @@ class ProgramsDriversTest : public ProgramsTest {
 
 void ProgramsDriversTest::touchAndCompare(const std::string& device,
                                           const std::string& library) const {
-  const auto server = startServer({"--source", "synthetic:still", "--loop"});
+  const auto server = startStillServer();
   const Trace trace(path("trace"));
   const auto client = startBeside(library, "", trace,
                                   {addressOf(*server), "--view", "off", "--device", device, "--log",
@@ -128,9 +126,6 @@ void ProgramsDriversTest::touchAndCompare(const std::string& device,
   const double error = relativeError(motors, log);
   Vec3 most_N = Vec3::Zero();
   for (const MotorForce& each : motors) most_N = most_N.cwiseMax(each.force_N.cwiseAbs());
-  std::printf("%s: %zu forces at the motors, %.5f %% from the log; largest %.2f, %.2f, %.2f N\n",
-              device.c_str(), steadyForces(motors).size(), 100.0 * error, most_N.x(), most_N.y(),
-              most_N.z());
   EXPECT_LT(error, 0.02);
   EXPECT_GT(most_N.minCoeff(), 0.02) << "no axis remains untested";
   EXPECT_NEAR(log.back().hip_mm.x() / log.back().hip_mm.y(), kWidthToHeight, 0.01) << "axes";
@@ -141,47 +136,19 @@ void ProgramsDriversTest::touchAndCompare(const std::string& device,
   interrupt(*server);
 }
 
-void ProgramsDriversTest::misbehaveInContact(const std::string& device, const std::string& library,
-                                             std::span<const LibraryFault> faults) const {
-  const auto server = startServer({"--source", "synthetic:still", "--loop"});
-  const std::string address = addressOf(*server);
-  for (const LibraryFault& fault : faults) {
-    SCOPED_TRACE(fault.name);
-    const Trace trace(path(std::string(fault.name) + ".trace"));
-    const auto client =
-        startBeside(library, fault.name, trace,
-                    {address, "--view", "off", "--device", device, "--fault-dir", path("faults"),
-                     "--summary", path(std::string(fault.name) + ".json")});
-    ASSERT_TRUE(waitUntil(kSoon, [&] { return trace->force_N > 0.3; })) << client->output();
-    trace->go = 1;
-    EXPECT_TRUE(client->says(fault.line, kSoon)) << client->output();
-    std::this_thread::sleep_for(std::chrono::milliseconds(100));
-    interrupt(*client);
-    EXPECT_EQ(trace->force_N, 0.0) << client->output();
-    EXPECT_LE(trace->most_N, 3.3 + 1e-9);
-    EXPECT_EQ(client->output().find('\x1b'), std::string::npos);
-    if (*fault.line != '\0') {
-      EXPECT_LE(countOccurrences(fault.line, client->output()), 4U) << client->output();
-    }
-  }
-  interrupt(*server);
-}
-
 TEST_F(ProgramsDriversTest, ADhdDeviceRendersTheForcesOfTheLog) {
   touchAndCompare("dhd", "fake_dhd");
 }
 
-constexpr LibraryFault kDhdFaults[] = {
+// Faults that the helper finds at any driver are those of programs_device_test.cpp.
+constexpr ContactFault kDhdFaults[] = {
     {"nan", "its driver reported a position that is not a number"},
-    {"jump", "its driver reported a jump of its position"},
     {"frozen", ""},
     {"timeguard", ""},
     {"saturated", ""},
     {"position_fails", "dhd: the device reports an error: communication"},
     {"loose", "dhd: the device answers again"},
-    {"slow", "an exchange of its driver lasted more than 0.5 ms"},
     {"hang", "its driver does not return from a call; the helper ends it"},
-    {"segv", "its driver ended (signal 11 (Segmentation fault)); no force"},
 };
 
 TEST_F(ProgramsDriversTest, ADhdLibraryThatMisbehavesInContactEndsAtZeroWithOneLine) {
@@ -189,47 +156,10 @@ TEST_F(ProgramsDriversTest, ADhdLibraryThatMisbehavesInContactEndsAtZeroWithOneL
   EXPECT_GT(readSummary("saturated.json").at("device").at("saturated"), 0);
 }
 
-TEST_F(ProgramsDriversTest, ADhdDeviceThatDoesNotOpenEndsWithItsReason) {
-  const Trace trace(path("trace"));
-  const std::vector<std::string> dhd{"--view", "off", "--device", "dhd", "--seconds", "1"};
-  EXPECT_NE(runBeside("fake_dhd", "open_fails", trace, dhd, kFailed)
-                .find("--device dhd: no device opens: communication ?[31merror; is it plugged in"),
-            std::string::npos);
-  EXPECT_NE(runBeside("fake_dhd", "enable_fails", trace, dhd, kFailed)
-                .find("--device dhd: the device refuses forces: communication"),
-            std::string::npos);
-  EXPECT_NE(runBeside("fake_dhd_other", "", trace, dhd, kFailed)
-                .find("fake_dhd_other.so lacks dhdGetPosition(): is it the one of Force"),
-            std::string::npos);
-  EXPECT_NE(runBeside("absent", "", trace, dhd, kWrongUsage).find("absent.so: cannot be loaded"),
-            std::string::npos);
-  EXPECT_EQ(trace->force_N, 0.0);
-  EXPECT_EQ(trace->opened, trace->closed);
-}
-
-TEST_F(ProgramsDriversTest, TheListOfDhdDevicesHasTheirSerialNumbersAndOneIsSelected) {
-  const Trace trace(path("trace"));
-  const std::string list = runBeside("fake_dhd", "", trace, {"--list-devices"}, 0);
-  EXPECT_NE(list.find("; serial number 4711; serial number 4712\n"), std::string::npos) << list;
-  const auto select = [&](const std::string& library, const std::string& serial) {
-    return runBeside(library, "", trace,
-                     {"--view", "off", "--device", "dhd", "--device-option", "serial=" + serial,
-                      "--seconds", "1"},
-                     kFailed);
-  };
-  EXPECT_NE(select("fake_dhd", "4712").find("(dhd, serial number 4712)"), std::string::npos);
-  EXPECT_NE(select("fake_dhd", "99").find("no free device has the serial number 99"),
-            std::string::npos);
-  EXPECT_NE(select("fake_dhd_old", "4712").find("cannot select a device by its serial number"),
-            std::string::npos);
-  EXPECT_EQ(trace->opened, trace->closed);
-}
-
 TEST_F(ProgramsDriversTest, ATouchRendersTheForcesOfTheLog) { touchAndCompare("touch", "fake_hd"); }
 
-constexpr LibraryFault kHdFaults[] = {
+constexpr ContactFault kHdFaults[] = {
     {"nan", "its driver reported a position that is not a number"},
-    {"jump", "its driver reported a jump of its position"},
     {"frozen", ""},
     {"limited", "touch: its library reports: some error"},
     {"warm", "touch: its motors are warm"},
@@ -238,7 +168,6 @@ constexpr LibraryFault kHdFaults[] = {
     {"loose", "the device does not answer: no force from now on"},
     {"slow", ""},
     {"hang", "touch: its library does not call back; the motors are off"},
-    {"segv", "its driver ended (signal 11 (Segmentation fault)); no force"},
 };
 
 TEST_F(ProgramsDriversTest, AnHdLibraryThatMisbehavesInContactEndsAtZeroWithOneLine) {
@@ -246,33 +175,90 @@ TEST_F(ProgramsDriversTest, AnHdLibraryThatMisbehavesInContactEndsAtZeroWithOneL
   EXPECT_GT(readSummary("limited.json").at("device").at("saturated"), 0);
 }
 
-TEST_F(ProgramsDriversTest, ATouchThatDoesNotOpenEndsWithItsReason) {
-  const Trace trace(path("trace"));
-  std::vector<std::string> touch{"--view", "off", "--device", "touch", "--seconds", "1"};
-  EXPECT_NE(runBeside("fake_hd", "open_fails", trace, touch, kFailed)
-                .find("--device touch: no device opens: communication ?[31merror; is it connected"),
-            std::string::npos);
-  EXPECT_NE(runBeside("fake_hd", "no_callback", trace, touch, kFailed)
-                .find("--device touch: its library does not call back"),
-            std::string::npos);
-  EXPECT_NE(runBeside("fake_hd_other", "", trace, touch, kFailed)
-                .find("fake_hd_other.so lacks hdSetDoublev(): is it the one of OpenHaptics?"),
-            std::string::npos);
-  EXPECT_NE(runBeside("fake_hd", "", trace, {"--list-devices"}, 0).find("; serial number D1\n"),
-            std::string::npos);
-  touch.insert(touch.end(), {"--device-option", "serial=D2"});
-  EXPECT_NE(runBeside("fake_hd", "", trace, touch, kFailed)
-                .find("the device has the serial number D1, not D2; --device-option name=NAME"),
-            std::string::npos);
-  touch.insert(touch.end(), {"--device-option", "name=Left"});
-  EXPECT_NE(runBeside("fake_hd", "", trace, touch, kFailed).find("(touch, serial number D2)"),
-            std::string::npos);
-  EXPECT_EQ(trace->force_N, 0.0);
-  EXPECT_EQ(trace->opened, trace->closed);
+/// A start beside a stand-in library, its exit code, and a part of what the client says.
+struct Opening {
+  const char* library;
+  const char* fault;
+  const char* device;  ///< "": --list-devices
+  std::vector<std::string> options;
+  int exit_code;
+  const char* line;
+};
+
+TEST_F(ProgramsDriversTest, DevicesAreSelectedAndThoseThatDoNotOpenEndWithTheirReason) {
+  const std::vector<Opening> openings = {
+      {"fake_dhd",
+       "open_fails",
+       "dhd",
+       {},
+       kFailed,
+       "--device dhd: no device opens: communication ?[31merror; is it plugged in"},
+      {"fake_dhd",
+       "enable_fails",
+       "dhd",
+       {},
+       kFailed,
+       "--device dhd: the device refuses forces: communication"},
+      {"fake_dhd_other",
+       "",
+       "dhd",
+       {},
+       kFailed,
+       "fake_dhd_other.so lacks dhdGetPosition(): is it the one of Force"},
+      {"absent", "", "dhd", {}, kWrongUsage, "absent.so: cannot be loaded"},
+      {"fake_dhd", "", "", {}, 0, "; serial number 4711; serial number 4712\n"},
+      {"fake_dhd", "", "dhd", {"serial=4712"}, kFailed, "(dhd, serial number 4712)"},
+      {"fake_dhd", "", "dhd", {"serial=99"}, kFailed, "no free device has the serial number 99"},
+      {"fake_dhd_old",
+       "",
+       "dhd",
+       {"serial=4712"},
+       kFailed,
+       "cannot select a device by its serial number"},
+      {"fake_hd",
+       "open_fails",
+       "touch",
+       {},
+       kFailed,
+       "--device touch: no device opens: communication ?[31merror; is it connected"},
+      {"fake_hd",
+       "no_callback",
+       "touch",
+       {},
+       kFailed,
+       "--device touch: its library does not call back"},
+      {"fake_hd_other",
+       "",
+       "touch",
+       {},
+       kFailed,
+       "fake_hd_other.so lacks hdSetDoublev(): is it the one of OpenHaptics?"},
+      {"fake_hd", "", "", {}, 0, "; serial number D1\n"},
+      {"fake_hd",
+       "",
+       "touch",
+       {"serial=D2"},
+       kFailed,
+       "the device has the serial number D1, not D2; --device-option name=NAME"},
+      {"fake_hd", "", "touch", {"serial=D2", "name=Left"}, kFailed, "(touch, serial number D2)"},
+  };
+  for (const Opening& opening : openings) {
+    const Trace trace(path("trace"));
+    std::vector<std::string> arguments{"--list-devices"};
+    if (*opening.device != '\0')
+      arguments = {"--view", "off", "--device", opening.device, "--seconds", "1"};
+    for (const std::string& option : opening.options)
+      arguments.insert(arguments.end(), {"--device-option", option});
+    const std::string output =
+        runBeside(opening.library, opening.fault, trace, arguments, opening.exit_code);
+    EXPECT_NE(output.find(opening.line), std::string::npos) << opening.line << "\n" << output;
+    EXPECT_EQ(trace->force_N, 0.0);
+    EXPECT_EQ(trace->opened, trace->closed) << opening.line;
+  }
 }
 
 TEST_F(ProgramsDriversTest, ATouchWaitsForItsInkwell) {
-  const auto server = startServer({"--source", "synthetic:still", "--loop"});
+  const auto server = startStillServer();
   const Trace trace(path("trace"));
   const auto client = startBeside("fake_hd", "inkwell", trace,
                                   {addressOf(*server), "--view", "off", "--device", "touch"});
@@ -286,7 +272,7 @@ TEST_F(ProgramsDriversTest, ATouchWaitsForItsInkwell) {
 }
 
 TEST_F(ProgramsDriversTest, OneFoundByItselfRendersNoForce) {
-  const auto server = startServer({"--source", "synthetic:still", "--loop"});
+  const auto server = startStillServer();
   const std::string address = addressOf(*server);
   for (const auto& [device, library] : {std::pair{"dhd", "fake_dhd"}, {"touch", "fake_hd"}}) {
     const Trace trace(path(std::string(device) + ".trace"));

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: MIT
 // The client with an Inverse3 behind its service, which runs on a loopback port of this test.
-#include <numeric>
-
 #include "tests/integration/inverse3_service.hpp"
 #include "tests/integration/programs_fixture.hpp"
 
@@ -58,18 +56,6 @@ double compare(const std::vector<Inverse3Service::Force>& sent, const std::vecto
   return best;
 }
 
-/// Prints how often the client sends.
-void printRate(const std::vector<Inverse3Service::Force>& forces) {
-  std::vector<double> gaps_ms;
-  for (std::size_t i = 1; i < forces.size(); ++i)
-    gaps_ms.push_back(1e-6 * static_cast<double>(forces[i].time_ns - forces[i - 1].time_ns));
-  std::sort(gaps_ms.begin(), gaps_ms.end());
-  const double rate = 1e3 / (std::accumulate(gaps_ms.begin(), gaps_ms.end(), 0.0) /
-                             static_cast<double>(gaps_ms.size()));
-  std::printf("%.0f messages a second; from one to the next %.2f ms (median), %.2f ms (99 %%)\n",
-              rate, gaps_ms[gaps_ms.size() / 2], gaps_ms[gaps_ms.size() * 99 / 100]);
-}
-
 TEST_F(ProgramsInverse3Test, TheForcesOfTheLogReachTheService) {
   const auto server = startServer({"--source", "synthetic:still", "--loop"});
   const std::string address = addressOf(*server);
@@ -89,9 +75,7 @@ TEST_F(ProgramsInverse3Test, TheForcesOfTheLogReachTheService) {
     EXPECT_EQ(service.foreignForces(), 0) << "the key of this version";
     EXPECT_EQ(service.lastForce_N(), 0.0);
     const std::vector<Inverse3Service::Force> sent = listContacts();
-    printRate(service.forces());
     const double error = compare(sent, readLog(log), service.forces().front().time_ns);
-    std::printf("%s: %zu forces, %.2f %% from the log\n", version, sent.size(), 100.0 * error);
     EXPECT_LT(error, 0.02);
   }
   interrupt(*server);

@@ -5,8 +5,8 @@
 
 #include "tests/integration/malicious_fixture.hpp"
 #include "tests/integration/stream_fixture.hpp"
+#include "tests/scenes/false_streams/malicious_server.hpp"
 #include "tests/support/datagram_bytes.hpp"
-#include "tests/support/malicious_server.hpp"
 
 namespace hapticast::testing {
 namespace {

@@ -105,10 +105,7 @@ TEST_F(SealedDatagramsTest, AKeyHoldsBackNoFrameOfAViewerWithoutTls) {
   const auto peer = viewer(server);
   server.publish(1);
   server.broadcaster.changeKey({2, {}, 1s});  // both wait for the network's thread
-  EXPECT_TRUE(runUntil([&] {
-    peer->poll();
-    return !peer->all<CodedFrame>().empty();
-  }));
+  EXPECT_TRUE(receives<CodedFrame>(*peer));
 }
 
 TEST_F(SealedDatagramsTest, AViewerWithoutTlsReceivesNoGroup) {

@@ -152,10 +152,7 @@ TEST_F(SealedRelayTest, OverTlsAnEdgesViewersReceiveTheKeyAndTheBodiesUnopened) 
   EXPECT_GT(client->connection.datagrams().received, 20U);
   RawPeer plain(io, edge->listener.address().port);
   plain.send(Hello{kProtocolVersion, "raw", false, true});
-  ASSERT_TRUE(runUntil([&] {
-    plain.poll();
-    return !plain.all<Welcome>().empty();
-  }));
+  ASSERT_TRUE(receives<Welcome>(plain));
   EXPECT_EQ(plain.all<Welcome>()[0].datagram_token, 0U) << "without TLS";
   EXPECT_FALSE(plain.all<Welcome>()[0].datagram_key);
 }
@@ -172,7 +169,7 @@ TEST_F(SealedRelayTest, WithoutTlsToNatsFramesReachTheViewersByTcpOnly) {
   edge.reset();
   origin.reset();  // its threads log no more lines
   const std::string warning = "warning --publish: viewers of edges receive frames by TCP only";
-  EXPECT_NE(lines.text().find(warning), std::string::npos) << lines.text();
+  EXPECT_NE(lines.text().find(warning), std::string::npos);
 }
 
 }  // namespace

@@ -49,10 +49,7 @@ TEST_F(ServerTest, PongsHaveTheErrorOfTheServersClock) {
   peer.send(Hello{kProtocolVersion, "raw", false, true});
   const auto pong = [&](std::size_t number) {
     peer.send(Ping{});
-    EXPECT_TRUE(runUntil([&] {
-      peer.poll();
-      return peer.all<Pong>().size() == number;
-    }));
+    EXPECT_TRUE(receives<Pong>(peer, number));
     return peer.all<Pong>().back();
   };
   EXPECT_EQ(pong(1).error, milliseconds(3));
@@ -65,15 +62,9 @@ TEST_F(ServerTest, ANewViewerGetsTheWholeLastFrameAtOnce) {
   const auto first = viewer(server);
   server.publish(1, 8, false);
   server.publish(2, 8, false);
-  ASSERT_TRUE(runUntil([&] {
-    first->poll();
-    return first->all<CodedFrame>().size() == 2;
-  }));
+  ASSERT_TRUE(receives<CodedFrame>(*first, 2));
   const auto late = viewer(server);
-  ASSERT_TRUE(runUntil([&] {
-    late->poll();
-    return late->all<CodedFrame>().size() == 1;
-  }));
+  ASSERT_TRUE(receives<CodedFrame>(*late, 1));
   EXPECT_EQ(late->all<CodedFrame>()[0].id, 2U);
   EXPECT_TRUE(late->all<CodedFrame>()[0].objects[0].relief);
 }
@@ -101,18 +92,12 @@ TEST_F(ServerTest, AnnouncesAnotherStreamToAll) {
   other.workspace.width_px = 320;
   server.publish(1);
   server.broadcaster.describe(other);
-  ASSERT_TRUE(runUntil([&] {
-    peer->poll();
-    return !peer->all<StreamDescription>().empty();
-  }));
+  ASSERT_TRUE(receives<StreamDescription>(*peer));
   EXPECT_EQ(peer->all<StreamDescription>()[0], other);
   const auto late = viewer(server);
   EXPECT_EQ(late->all<Welcome>()[0].description, other);
   server.publish(2);
-  ASSERT_TRUE(runUntil([&] {
-    late->poll();
-    return !late->all<CodedFrame>().empty();
-  }));
+  ASSERT_TRUE(receives<CodedFrame>(*late));
   EXPECT_EQ(late->all<CodedFrame>()[0].id, 2U) << "frames of the other picture are void";
 }
 
@@ -122,7 +107,8 @@ TEST_F(ServerTest, RefusesAnotherProtocolVersion) {
   peer.send(Hello{kProtocolVersion + 1, "future", false, true});
   const WireError error = farewell(peer);
   EXPECT_EQ(error.code, ErrorCode::kVersion);
-  EXPECT_NE(error.message.find(std::to_string(kProtocolVersion)), std::string::npos);
+  EXPECT_NE(error.message.find(std::to_string(kProtocolVersion)), std::string::npos)
+      << error.message;
 }
 
 TEST_F(ServerTest, RefusesRandomBytesWhileOthersKeepReceiving) {
@@ -140,10 +126,7 @@ TEST_F(ServerTest, RefusesRandomBytesWhileOthersKeepReceiving) {
     EXPECT_EQ(farewell(framed_noise).code, ErrorCode::kMalformed);
   }
   server.publish(1);
-  EXPECT_TRUE(runUntil([&] {
-    other->poll();
-    return !other->all<CodedFrame>().empty();
-  }));
+  EXPECT_TRUE(receives<CodedFrame>(*other));
   EXPECT_EQ(server.broadcaster.counts().clients, 1U);
   EXPECT_EQ(server.broadcaster.counts().refused, 20U);
 }
@@ -217,10 +200,7 @@ TEST_F(ServerTest, OnlyASlowReaderLosesFramesAndItsPlace) {
     server.publish(++id, 700);
     quick->got.clear();
     // The quick one has every frame, whole, before the next is made.
-    EXPECT_TRUE(runUntil([&] {
-      quick->poll();
-      return !quick->all<CodedFrame>().empty();
-    }));
+    EXPECT_TRUE(receives<CodedFrame>(*quick));
     EXPECT_EQ(quick->all<CodedFrame>()[0].id, id);
     dropped = dropped || server.broadcaster.counts().sent.dropped() > 0;
     return server.broadcaster.counts().clients == 1;
@@ -294,10 +274,7 @@ TEST_F(ServerTest, CountsFramesAndBytesOfViewersThatLeftToo) {
   auto peer = viewer(server);
   server.publish(1);
   server.publish(2);
-  ASSERT_TRUE(runUntil([&] {
-    peer->poll();
-    return peer->all<CodedFrame>().size() == 2;
-  }));
+  ASSERT_TRUE(receives<CodedFrame>(*peer, 2));
   EXPECT_EQ(server.broadcaster.counts().frames, 2U);
   EXPECT_EQ(server.broadcaster.counts().bytes, peer->received_bytes);
   EXPECT_GE(server.broadcaster.counts().delay, Duration::zero());
@@ -357,8 +334,7 @@ TEST_F(ServerTest, NamesTheAddressItCannotListenOn) {
   EXPECT_NE(complaint(used).find(toString(used)), std::string::npos);
   EXPECT_NE(complaint(used).find("in use"), std::string::npos);
   for (const Endpoint& wrong : {Endpoint{"nowhere", 80}, {"1.2.3", 80}, {"192.0.2.1", 7447}}) {
-    EXPECT_NE(complaint(wrong).find("cannot listen on " + toString(wrong)), std::string::npos)
-        << complaint(wrong);
+    EXPECT_NE(complaint(wrong).find("cannot listen on " + toString(wrong)), std::string::npos);
     EXPECT_EQ(complaint(wrong).find('\n'), std::string::npos);
   }
 }

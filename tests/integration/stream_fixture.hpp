@@ -6,6 +6,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <random>
 #include <string>
 #include <utility>
@@ -209,6 +210,15 @@ class StreamTest : public ::testing::Test {
     }
     return true;
   }
+  /// Whether messages of a kind have come to the peer: `count` of them, or at least one.
+  template <class M>
+  bool receives(RawPeer& peer, std::optional<std::size_t> count = std::nullopt) {
+    return runUntil([&] {
+      peer.poll();
+      const std::size_t come = peer.all<M>().size();
+      return count ? come == *count : come > 0;
+    });
+  }
   /// Some time passes, in which all that is ready has its turn, however busy the machine is.
   void turn() {
     clock.turn();
@@ -222,10 +232,7 @@ class StreamTest : public ::testing::Test {
   std::unique_ptr<RawPeer> viewer(const TestServer& server, bool wants_video = false) {
     auto peer = std::make_unique<RawPeer>(io, server.port());
     peer->send(Hello{kProtocolVersion, "raw", wants_video, true});
-    EXPECT_TRUE(runUntil([&] {
-      peer->poll();
-      return !peer->all<Welcome>().empty();
-    }));
+    EXPECT_TRUE(receives<Welcome>(*peer));
     return peer;
   }
   /// The error a peer is sent before it is closed in an orderly way.

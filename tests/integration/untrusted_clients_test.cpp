@@ -29,10 +29,7 @@ TEST_F(UntrustedClientsTest, ASilentClientKeepsNoViewerOut) {
     silent.push_back(std::make_unique<RawPeer>(io, server.port()));
   const auto viewer_of_ours = viewer(server);
   server.publish(1);
-  EXPECT_TRUE(runUntil([&] {
-    viewer_of_ours->poll();
-    return !viewer_of_ours->all<CodedFrame>().empty();
-  }));
+  EXPECT_TRUE(receives<CodedFrame>(*viewer_of_ours));
   std::size_t turned_out = 0;
   for (const auto& each : silent) {
     each->poll();
@@ -54,10 +51,7 @@ TEST_F(UntrustedClientsTest, RemovesAClientOfTheMostFrequentAddress) {
     return silent[2 * Broadcaster::kMaxPending]->closed;
   }));
   other.send(Hello{kProtocolVersion, "patient", false, true});
-  EXPECT_TRUE(runUntil([&] {
-    other.poll();
-    return !other.all<Welcome>().empty();
-  }));
+  EXPECT_TRUE(receives<Welcome>(other));
 }
 
 TEST_F(UntrustedClientsTest, RemovesTheOldestClientIfAllAddressesDiffer) {

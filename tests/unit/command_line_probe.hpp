@@ -36,6 +36,15 @@ struct CommandLineProbe {
     error = ::testing::internal::GetCapturedStderr();
   }
 
+  /// These keys as flags; the value "true": a switch; the key "server": an argument by itself.
+  static CommandLineProbe withFlags(const std::vector<std::pair<std::string, std::string>>& keys) {
+    std::vector<std::string> arguments;
+    for (const auto& [key, value] : keys) {
+      if (key != "server") arguments.push_back("--" + key);
+      if (value != "true") arguments.push_back(value);
+    }
+    return CommandLineProbe(arguments);
+  }
   /// A config file of these keys, and flags beside it.
   static CommandLineProbe withConfig(const std::vector<std::pair<std::string, std::string>>& keys,
                                      std::vector<std::string> arguments = {}) {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "tests/evaluate/report.hpp"
-#include "tests/evaluate/touch/touch_scenes.hpp"
+#include "tests/evaluate/touch/touch_hands.hpp"
 
 namespace hapticast::evaluate {
 

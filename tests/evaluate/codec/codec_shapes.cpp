@@ -10,8 +10,8 @@
 #include "server/source/synthetic/synthetic_source.hpp"
 #include "server/vision/surface/enhance.hpp"
 #include "server/vision/vision.hpp"
-#include "tests/evaluate/scenes/test_scene.hpp"
-#include "tests/evaluate/touch/touch_scenes.hpp"
+#include "tests/scenes/body_scene.hpp"
+#include "tests/scenes/relief_scenes.hpp"
 #include "tests/support/clips.hpp"
 
 namespace hapticast::evaluate {

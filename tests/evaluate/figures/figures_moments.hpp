@@ -9,7 +9,7 @@
 
 #include "tests/evaluate/curves.hpp"
 #include "tests/evaluate/touch/touch_player.hpp"
-#include "tests/evaluate/touch/touch_scene.hpp"
+#include "tests/scenes/relief_scene.hpp"
 
 namespace hapticast::evaluate {
 

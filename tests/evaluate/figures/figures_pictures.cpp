@@ -8,7 +8,7 @@
 #include "server/source/rgbd_source.hpp"
 #include "server/vision/vision.hpp"
 #include "tests/evaluate/figures/figures_parts.hpp"
-#include "tests/evaluate/scenes/test_scene.hpp"
+#include "tests/scenes/body_scene.hpp"
 #include "tests/support/clips.hpp"
 
 namespace hapticast::evaluate {

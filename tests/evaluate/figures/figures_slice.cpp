@@ -6,7 +6,7 @@
 #include "tests/evaluate/accuracy/accuracy_parts.hpp"
 #include "tests/evaluate/figures/figures_moments.hpp"
 #include "tests/evaluate/figures/figures_parts.hpp"
-#include "tests/evaluate/touch/touch_scenes.hpp"
+#include "tests/evaluate/touch/touch_hands.hpp"
 
 namespace hapticast::evaluate {
 

@@ -8,43 +8,33 @@
 #include "server/vision/tracker.hpp"
 #include "server/vision/vision.hpp"
 #include "tests/evaluate/thread_time.hpp"
+#include "tests/scenes/drawn_source.hpp"
 
 namespace hapticast::evaluate::held {
 
 namespace {
 
 // Plays what was drawn.
-class RecordingSource final : public server::RgbdSource {
+class RecordingSource final : public server::test::DrawnSource {
  public:
   RecordingSource(const Recording& recording, bool with_masks,
                   const std::vector<std::size_t>& drawn)
-      : recording_(recording), info_(recording.info), with_masks_(with_masks), drawn_(drawn) {
+      : recording_(recording), with_masks_(with_masks), drawn_(drawn) {
+    info_ = recording.info;
     info_.key_masks = !drawn.empty();
   }
 
-  [[nodiscard]] const server::SourceInfo& info() const override { return info_; }
-  std::optional<server::RgbdFrame> read() override {
-    if (next_ >= recording_.frames.size()) return std::nullopt;
-    server::RgbdFrame frame = recording_.frames[next_];
-    const bool drawn = std::find(drawn_.begin(), drawn_.end(), next_) != drawn_.end();
-    if (with_masks_ || drawn) frame.mask = recording_.truth[next_].mask() / 255;
-    ++next_;
-    frame.epoch = epoch_;
+ private:
+  server::RgbdFrame draw(std::uint64_t index) override {
+    server::RgbdFrame frame = recording_.frames[index];
+    const bool drawn = std::find(drawn_.begin(), drawn_.end(), index) != drawn_.end();
+    if (with_masks_ || drawn) frame.mask = recording_.truth[index].mask() / 255;
     return frame;
   }
-  bool skip() override { return next_ < recording_.frames.size() && ++next_ > 0; }
-  void rewind() override {
-    next_ = 0;
-    ++epoch_;
-  }
 
- private:
   const Recording& recording_;
-  server::SourceInfo info_;
   bool with_masks_;
   const std::vector<std::size_t>& drawn_;
-  std::size_t next_ = 0;
-  std::uint32_t epoch_ = 0;
 };
 
 server::VisionSettings settingsOf(const Words& words) {

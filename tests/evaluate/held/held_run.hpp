@@ -7,7 +7,7 @@
 
 #include "common/haptic_frame.hpp"
 #include "server/vision/vision_settings.hpp"
-#include "tests/evaluate/held/scene.hpp"
+#include "tests/scenes/held/scene.hpp"
 
 namespace hapticast::evaluate::held {
 

@@ -5,7 +5,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "server/vision/base/masks.hpp"
-#include "tests/evaluate/held/draw.hpp"
+#include "tests/scenes/held/draw.hpp"
 
 namespace hapticast::evaluate::held {
 

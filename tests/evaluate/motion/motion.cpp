@@ -6,9 +6,9 @@
 #include "server/vision/vision.hpp"
 #include "tests/evaluate/motion/motion_clips.hpp"
 #include "tests/evaluate/motion/motion_filters.hpp"
-#include "tests/evaluate/scenes/test_scene.hpp"
 #include "tests/evaluate/thread_time.hpp"
 #include "tests/evaluate/topics.hpp"
+#include "tests/scenes/body_scene.hpp"
 
 namespace hapticast::evaluate {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "tests/evaluate/report.hpp"
-#include "tests/evaluate/scenes/test_scene.hpp"
+#include "tests/scenes/body_scene.hpp"
 
 namespace hapticast::evaluate {
 

@@ -4,7 +4,7 @@
 #include "tests/evaluate/all_cores.hpp"
 #include "tests/evaluate/network/network_parts.hpp"
 #include "tests/evaluate/topics.hpp"
-#include "tests/evaluate/touch/touch_scenes.hpp"
+#include "tests/evaluate/touch/touch_hands.hpp"
 
 namespace hapticast::evaluate {
 

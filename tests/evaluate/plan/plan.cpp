@@ -8,9 +8,9 @@
 #include "server/source/synthetic/synthetic_source.hpp"
 #include "server/stream/encoded.hpp"
 #include "server/vision/vision.hpp"
-#include "tests/evaluate/scenes/test_scene.hpp"
 #include "tests/evaluate/thread_time.hpp"
 #include "tests/evaluate/topics.hpp"
+#include "tests/scenes/body_scene.hpp"
 
 namespace hapticast::evaluate {
 

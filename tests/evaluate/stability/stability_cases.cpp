@@ -88,6 +88,11 @@ void stabilityCases(const StabilityReport& to) {
                     "0 N", text("%g N", excess_N), excess_N == 0.0);
   to.report.require("extreme cases with a force that is not finite or above the peak", "0",
                     text("%zu", broken), broken == 0);
+  const std::vector<std::string> unexpected = findUnexpectedForces();
+  to.report.require(
+      "extreme cases at walls of 0.5, 1 and 5 N/mm whose force leaves the limits of the case", "0",
+      text("%zu (%s)", unexpected.size(), unexpected.empty() ? "-" : unexpected.front().c_str()),
+      unexpected.empty());
   to.report.addTable("cases", lines);
   draw(to, all);
 }

@@ -28,6 +28,9 @@ struct ExtremeCase {
 
 /// A wall, a virtual device, a light hand: what happens to the wall, the tip, the clock.
 std::vector<ExtremeCase> planeCases();
+/// Those plane cases whose force at walls of 0.5, 1 and 5 N/mm is not as it has to be: not finite,
+/// above the peak, a step beyond what the hand explains, or outside the case's own limits.
+std::vector<std::string> findUnexpectedForces();
 /// Cases of a stream, through the whole renderer: frames in and force out.
 std::vector<ExtremeCase> rendererCases();
 

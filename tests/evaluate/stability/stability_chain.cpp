@@ -85,15 +85,19 @@ void residuals(const StabilityReport& to) {
         "<= 2 counts", text("%.2f counts", worst), worst <= 2.0);
   }
   double excess_N = 0.0;
+  std::size_t held = 0;
   std::size_t alarmed = 0;
   std::size_t insured = 0;
   for (const ChainCell& c : cells) {
     excess_N = std::max(excess_N, c.excess_N);
+    held += c.result.released ? 0 : 1;
     alarmed += c.alarms > 0;
     insured += c.insured > 0;
   }
   to.report.require("chain on: step beyond what the hand explains", "0 N", text("%g N", excess_N),
                     excess_N == 0.0);
+  to.report.require("chain on: runs with a force after the hand has left", "0", text("%zu", held),
+                    held == 0);
   const double percent = 100.0 * double(alarmed) / double(cells.size());
   to.report.require("chain on: runs with a false alarm of the latency watch", "<= 1.3 %",
                     text("%zu of %zu", alarmed, cells.size()), percent <= 1.3);

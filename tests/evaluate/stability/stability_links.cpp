@@ -81,7 +81,7 @@ void withAndWithout(const StabilityReport& to) {
   with = counts(loose, 5.0, 3, 3, Hand::firmGrip());
   without = counts(uninsured, 5.0, 3, 3, Hand::firmGrip());
   line("passivity controller", "damper, K_max and slew missing, 5 N/mm at d 3, firm grip: residual",
-       "counts", with, without, with < without);
+       "counts", with, without, with < 0.5 * without);
   with = counts({}, 5.0, 1, 3, Hand::lightGrip());
   without = counts({.oscillation_detector = false}, 5.0, 1, 3, Hand::lightGrip());
   line("latency watch", "5 N/mm told d 1, really 3, light grip: residual", "counts", with, without,
@@ -93,8 +93,9 @@ void withAndWithout(const StabilityReport& to) {
   };
   with = runLinks({}, -5.0, 1000, rise).speed_mm_s;
   without = runLinks({.tank = false}, -5.0, 1000, rise).speed_mm_s;
+  // Measured: 204 and 229, with a force that chatters by counts.
   line("tank", "surface rises 30 mm in 40 ms: hand thrown at", "mm/s", with, without,
-       with < without);
+       with <= 206.0 && without >= 220.0);
   const auto press = [](ChainFixture& rig, int) { rig.device.setTarget({0.0, 0.0, -30.0}); };
   with = runLinks({}, -5.0, 60'000, press).rms_N;
   without = runLinks({.thermal = false}, -5.0, 60'000, press).rms_N;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Extreme cases in front of a plane wall: the chain and the naive loop.
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -133,12 +134,64 @@ std::vector<Plane> hands() {
   };
 }
 
-}  // namespace
-
-std::vector<ExtremeCase> planeCases() {
+std::vector<Plane> allPlanes() {
   std::vector<Plane> all = surfaces();
   for (const Plane& more : forces()) all.push_back(more);
   for (const Plane& more : hands()) all.push_back(more);
+  return all;
+}
+
+/// Limits of a case's largest force and of the force at its end.
+struct ForceLimits {
+  const char* name;
+  double least_peak_N = 0.0;
+  double most_peak_N = 3.3;
+  double least_end_N = 0.0;
+  double most_end_N = 3.3;
+};
+constexpr ForceLimits kForceLimits[] = {
+    {.name = "surface appears 30 mm above the tip", .most_peak_N = 0.0},
+    {.name = "30 mm rise within one frame of 40 ms", .least_peak_N = 1.0},
+    {.name = "object arrives at 0.9 m/s", .least_peak_N = 0.5},
+    {.name = "stall of 0.5 s, then +20 mm", .most_end_N = 0.0},  // too deep: unarmed
+    {.name = "clock jump: surface +15 mm"},
+    {.name = "clock jump: surface -15 mm"},
+    {.name = "NaN heights for 5 ticks", .least_end_N = 0.5},
+    {.name = "impact 3 N, 15 ms, light press", .least_peak_N = 2.0},
+    // The tank pays for no more on the way out.
+    {.name = "tip at 2 m/s into the wall", .least_peak_N = 1.5},
+    {.name = "NaN positions for 5 ticks"},
+    {.name = "late tick of 10 ms"},
+    {.name = "late tick of 200 ms"},
+    {.name = "device lost", .most_end_N = 0.0},
+};
+
+bool keeps(const CaseOutcome& o, const ForceLimits& limits) {
+  constexpr double kRounding_N = 1e-9;
+  return o.finite && o.excess_N == 0.0 && o.peak_N >= limits.least_peak_N &&
+         o.peak_N <= limits.most_peak_N + kRounding_N && o.end_N >= limits.least_end_N &&
+         o.end_N <= limits.most_end_N + kRounding_N;
+}
+
+}  // namespace
+
+std::vector<std::string> findUnexpectedForces() {
+  std::vector<std::string> unexpected;
+  const std::vector<Plane> all = allPlanes();
+  for (const ForceLimits& limits : kForceLimits) {
+    Plane plane = *std::find_if(all.begin(), all.end(),
+                                [&](const Plane& each) { return each.name == limits.name; });
+    for (const double stiffness_N_mm : {0.5, 1.0, 5.0}) {
+      plane.stiffness_N_mm = stiffness_N_mm;
+      if (!keeps(happens(plane, false), limits))
+        unexpected.push_back(text("%s, K %g", limits.name, stiffness_N_mm));
+    }
+  }
+  return unexpected;
+}
+
+std::vector<ExtremeCase> planeCases() {
+  const std::vector<Plane> all = allPlanes();
   std::vector<ExtremeCase> cases(all.size());
   onAllCores(all.size(), [&](std::size_t i) {
     cases[i] = {all[i].name, loadDeviceProfile(all[i].device).peak_N, happens(all[i], true),

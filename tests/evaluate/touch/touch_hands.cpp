@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // The hands that touch the scenes: where they are, and the exact expected displacement.
+#include "tests/evaluate/touch/touch_hands.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-
-#include "tests/evaluate/touch/touch_scenes.hpp"
 
 namespace hapticast::evaluate {
 

@@ -8,7 +8,7 @@
 #include "common/codec/height_codec.hpp"
 #include "common/transport/framing.hpp"
 #include "server/vision/vision.hpp"
-#include "tests/evaluate/touch/touch_scene.hpp"
+#include "tests/scenes/relief_scene.hpp"
 
 namespace hapticast::evaluate {
 

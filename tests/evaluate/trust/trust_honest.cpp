@@ -9,8 +9,8 @@
 #include "client/haptics/safety/trust.hpp"
 #include "tests/evaluate/stability/stability_parts.hpp"
 #include "tests/evaluate/touch/stream_server.hpp"
-#include "tests/evaluate/touch/touch_scenes.hpp"
 #include "tests/evaluate/touch/touch_stream.hpp"
+#include "tests/scenes/relief_scenes.hpp"
 #include "tests/support/clips.hpp"
 #include "tests/support/virtual_viewer.hpp"
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "server/vision/vision.hpp"
-#include "tests/evaluate/scenes/test_scene.hpp"
+#include "tests/scenes/body_scene.hpp"
 
 namespace hapticast::evaluate {
 

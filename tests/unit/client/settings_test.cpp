@@ -150,25 +150,11 @@ std::vector<std::pair<std::string, std::string>> everyFlag() {
 }
 const auto kAll = everyFlag();
 
-TEST(ClientSettings, EveryFlag) {
-  std::vector<std::string> arguments;
-  for (const auto& [key, value] : kAll) {
-    if (key == "server") {
-      arguments.push_back(value);
-    } else {
-      arguments.push_back("--" + key);
-      if (value != "true") arguments.push_back(value);
-    }
+TEST(ClientSettings, EveryFlagAndEveryKeyOfAConfigFile) {
+  for (const Probe& run : {Probe::withFlags(kAll), Probe::withConfig(kAll)}) {
+    ASSERT_EQ(run.exit_code, std::nullopt) << run.error;
+    expectAll(run.settings);
   }
-  const Probe run(arguments);
-  ASSERT_EQ(run.exit_code, std::nullopt) << run.error;
-  expectAll(run.settings);
-}
-
-TEST(ClientSettings, EveryKeyOfAConfigFile) {
-  const Probe run = Probe::withConfig(kAll);
-  ASSERT_EQ(run.exit_code, std::nullopt) << run.error;
-  expectAll(run.settings);
 }
 
 TEST(ClientSettings, AFlagWinsOverTheConfigFile) {

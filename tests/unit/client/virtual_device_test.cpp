@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Where a spring turns unstable on the device is measured by hapticast-evaluate stability (theory).
 #include "client/device/virtual/virtual_device.hpp"
 
 #include <gtest/gtest.h>
@@ -19,44 +20,6 @@ PlantProfile ideal(double damping_Ns_m, int delay_ticks) {
   profile.delay_ticks = delay_ticks;
   profile.count_mm = 0.0;
   return profile;
-}
-
-/// Energy-like amplitude of a free device on a bilateral spring, late over early.
-double growth(double stiffness_N_m, double damping_Ns_m, int delay_ticks) {
-  ManualClock clock;
-  VirtualDevice device(ideal(damping_Ns_m, delay_ticks), Hand::none(), clock);
-  device.reset({0.0, 0.0, 1.0}, Vec3::Zero());
-  const double w_mm = std::sqrt(stiffness_N_m / 0.045);
-  Vec3 force = Vec3::Zero();
-  double early = 0.0;
-  double late = 0.0;
-  constexpr int kTicks = 8000;
-  for (int i = 0; i < kTicks; ++i) {
-    clock.advance(kMs);
-    const DeviceState state = device.exchange(force, {});
-    force = {0.0, 0.0, -stiffness_N_m * 1e-3 * state.position_mm.z()};
-    const double size = std::hypot(state.position_mm.z(), device.trueVelocity_mm_s().z() / w_mm);
-    if (i > 200 && i < 1200) early = std::max(early, size);
-    if (i >= kTicks - 1000) late = std::max(late, size);
-  }
-  return late / early;
-}
-
-TEST(VirtualDevice, RawSpringTurnsUnstableWhereTheTheoryReports) {
-  for (const double b : {0.1, 0.2, 0.5}) {
-    for (const int d : {0, 1, 2, 5}) {
-      double low = 0.5 * b / (0.5e-3 + d * 1e-3);
-      double high = 4.0 * low;
-      const double theory = 2.0 * low;
-      while (high - low > 1e-3 * theory) {
-        const double middle = 0.5 * (low + high);
-        (growth(middle, b, d) < 1.0 ? low : high) = middle;
-      }
-      std::printf("K_crit b %.1f d %d: %.1f N/m, theory %.1f, ratio %.4f\n", b, d, low, theory,
-                  low / theory);
-      EXPECT_NEAR(low / theory, 1.0, 0.02) << b << ' ' << d;
-    }
-  }
 }
 
 TEST(VirtualDevice, FreeFallAgainstDampingIsTheClosedForm) {

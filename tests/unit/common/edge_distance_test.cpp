@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdio>
 #include <functional>
 #include <random>
 #include <vector>
@@ -66,10 +65,6 @@ class EdgeErrors {
   [[nodiscard]] double mean_px() const { return sum_ / count_; }
   [[nodiscard]] double rms_px() const { return std::sqrt(square_ / count_); }
   [[nodiscard]] double turnDeg() const { return std::sqrt(turn_square_ / count_) * 180.0 / kPi; }
-  void print(const char* what, double value) const {
-    std::printf("%s %.0f: edge off by %.3f px rms, %+.3f in the mean; direction %.2f deg\n", what,
-                value, rms_px(), mean_px(), turnDeg());
-  }
 
  private:
   double sum_ = 0.0, square_ = 0.0, turn_square_ = 0.0;
@@ -104,7 +99,6 @@ EdgeErrors circleErrors(const Workspace& workspace, double radius_mm) {
 TEST(EdgeDistance, MeasuresCirclesAtTheirPlace) {
   for (const double radius_px : {20.0, 40.0, 60.0, 120.0}) {
     const EdgeErrors errors = circleErrors(Workspace{}, 0.25 * radius_px);
-    errors.print("circle, px", radius_px);
     EXPECT_LT(errors.rms_px(), radius_px < 30.0 ? 0.12 : 0.085);
     EXPECT_LT(std::abs(errors.mean_px()), radius_px < 30.0 ? 0.08 : 0.05);
     EXPECT_LT(errors.turnDeg(), radius_px < 50.0 ? 1.2 : 0.6);
@@ -113,7 +107,6 @@ TEST(EdgeDistance, MeasuresCirclesAtTheirPlace) {
 
 TEST(EdgeDistance, MeasuresACircleInOblongPixels) {
   const EdgeErrors errors = circleErrors(kOblong, 10.0);
-  errors.print("circle in oblong pixels, mm", 10.0);
   EXPECT_LT(errors.rms_px(), 0.12);
   EXPECT_LT(errors.turnDeg(), 1.2);
 }
@@ -142,7 +135,6 @@ TEST(EdgeDistance, MeasuresStraightEdgesAtAnyAngle) {
   for (double angle_deg = 0.0; angle_deg <= 45.0; angle_deg += 1.5) {
     addSides(errors, angle_deg * kPi / 180.0, -9.0, 9.0, anywhere(random));
   }
-  errors.print("straight edges, deg up to", 45.0);
   EXPECT_LT(errors.rms_px(), 0.085);
   EXPECT_LT(errors.turnDeg(), 0.9);
 }
@@ -156,7 +148,6 @@ TEST(EdgeDistance, LeavesCornersStanding) {
     for (double angle_deg = 0.5; angle_deg < 45.0; angle_deg += 2.0) {
       addSides(errors, angle_deg * kPi / 180.0, along_mm, along_mm, anywhere(random));
     }
-    errors.print("from a corner, px", from_corner_px);
     EXPECT_LT(std::abs(errors.mean_px()), 0.15);
   }
 }

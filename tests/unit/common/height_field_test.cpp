@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdio>
 #include <functional>
 #include <limits>
 #include <random>
@@ -236,10 +235,6 @@ TEST(HeightField, ContinuesASphereClosely) {
     const Vec2 at = workspace.toNominal(rim);
     slope = std::max(slope, (field.spline(rim).gradient + at / sphere(at)).norm());
   }
-  std::printf(
-      "sphere R20 cut at 10 mm: continued within %.4f mm (3 px), %.3f mm (12 px); slope error at "
-      "the rim %.4f\n",
-      near, far, slope);
   EXPECT_LT(near, 0.02);
   EXPECT_LT(far, 0.5);
   EXPECT_LT(slope, 0.02);
@@ -289,7 +284,6 @@ TEST(HeightField, EdgeDistanceOfAHalfPlaneAndADisc) {
       worst = std::max(worst, std::abs(round.edge(px).distance_mm - 0.25 * d));
     }
   }
-  std::printf("disc of 40 px: edge distance within %.3f mm\n", worst);
   EXPECT_LT(worst, 0.12);  // half a pixel: the mask itself is no better
 }
 

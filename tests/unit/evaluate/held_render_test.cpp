@@ -5,7 +5,7 @@
 #include <cmath>
 #include <opencv2/core.hpp>
 
-#include "tests/evaluate/held/render.hpp"
+#include "tests/scenes/held/render.hpp"
 
 namespace hapticast::evaluate::held::test {
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <opencv2/core.hpp>
 
-#include "tests/evaluate/held/scene.hpp"
+#include "tests/scenes/held/scene.hpp"
 
 namespace hapticast::evaluate::held::test {
 

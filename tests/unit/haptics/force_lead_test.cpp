@@ -4,11 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 
 #include "client/haptics/safety/wall_law.hpp"
-#include "tests/support/attack.hpp"
+#include "tests/scenes/false_streams/renderer_attack.hpp"
 
 namespace hapticast::client {
 namespace {
@@ -80,9 +79,6 @@ TEST(ForceLead, IsThatOfTheSceneAndOfTheDamper) {
     EXPECT_LT(observer_ms, 0.0);
     EXPECT_GT(observer_ms, -1.3);
     EXPECT_NEAR(leads.sent.lead_ms(), leads.contact.lead_ms(), 0.3);
-    std::printf("d %d: surface %.2f, damper %.2f, observer %.2f, static force %.2f, sent %.2f ms\n",
-                delay_ticks, leads.surface.lead_ms(), damper_ms, observer_ms,
-                leads.contact.lead_ms(), leads.sent.lead_ms());
   }
 }
 

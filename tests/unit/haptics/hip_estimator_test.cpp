@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+// Noise and error of the acceleration from counts are measured by hapticast-evaluate accuracy.
 #include "client/haptics/estimation/hip_estimator.hpp"
 
 #include <gtest/gtest.h>
@@ -39,24 +40,6 @@ TEST(HipEstimator, FollowsAConstantAccelerationExactly) {
   EXPECT_NEAR(estimate.velocity_mm_s.z(), 800.0, 1e-6);
   EXPECT_NEAR(estimate.acceleration_m_s2.z(), 2.0, 1e-6);
   EXPECT_DOUBLE_EQ(estimate.velocity_mm_s.x(), 0.0);
-}
-
-TEST(HipEstimator, CountsDoNotDrownTheAcceleration) {
-  // 2 Hz, 30 mm, counts of 0.055 mm: a double difference is off by 38 m/s² rms, the filter by 0.7
-  // (lag included).
-  HipEstimator motion(DeviceProfile{});
-  double square = 0.0;
-  int count = 0;
-  for (int i = 0; i < 4000; ++i) {
-    const double w = 2.0 * M_PI * 2.0;
-    const double z = 30.0 * std::sin(w * i * 1e-3);
-    const HipEstimate& e = motion.update(stateAt(i * 1e-3, std::round(z / 0.055) * 0.055));
-    if (i < 1000) continue;
-    const double error = e.acceleration_m_s2.z() + 30e-3 * w * w * std::sin(w * i * 1e-3);
-    square += error * error;
-    ++count;
-  }
-  EXPECT_LT(std::sqrt(square / count), 0.95);
 }
 
 TEST(HipEstimator, LateTickTakesTheMeanVelocityOfTheGap) {

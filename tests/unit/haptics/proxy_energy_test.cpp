@@ -45,7 +45,6 @@ TEST(Proxy, NoMoveLengthensTheSpring) {
       ASSERT_LE(table.most_samples, ProxySurface::kSamples + 5) << terrain.name;
     }
   }
-  std::printf("%d ticks in contact, the spring lengthened in %d\n", contacts, longer);
   EXPECT_GT(contacts, 20000);
   EXPECT_EQ(longer, 0);
 }
@@ -83,7 +82,6 @@ TEST(Proxy, ClosedPathsGainNothing) {
       if (moved_Nmm > 0.1) worst = std::max(worst, -work_Nmm / moved_Nmm);
     }
   }
-  std::printf("closed paths: the surface gains at most %.2e of the work moved\n", worst);
   EXPECT_LE(worst, 1e-4);
 }
 

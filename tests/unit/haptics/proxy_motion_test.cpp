@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The proxy on what moves and changes its shape: no contact is lost.
+// The proxy on what moves: no contact is lost. Contact and error on a ball in motion, a plane that
+// swings and a dome that breathes are measured by hapticast-evaluate accuracy.
 #include <gtest/gtest.h>
 
 #include "tests/unit/haptics/proxy_bench.hpp"
@@ -21,66 +22,6 @@ class Fields {
   Make make_;
   std::vector<std::shared_ptr<const HeightField>> all_;
 };
-
-// --- rigid motion
-// ---------------------------------------------------------------------------------------------------
-
-struct BallCase {
-  double px_per_frame;
-  double growth_mm_per_frame;
-};
-class MovingBall : public ::testing::TestWithParam<BallCase> {};
-
-TEST_P(MovingBall, KeepsItsContactAndItsForce) {
-  const double speed = GetParam().px_per_frame * 0.25 * 25.0;  // mm/s
-  const double growth = GetParam().growth_mm_per_frame * 25.0;
-  const double length_s = std::min(1.0, 60.0 / speed);
-  const auto centre = [=](double t) { return Vec3(speed * (t - 0.5 * length_s), 3.0, 0.0); };
-  const auto radius = [=](double t) { return 15.0 + growth * t; };
-  Fields fields([&](double t) {
-    // Whole pixels of one shape: what moves is the rectangle.
-    return makeBall(centre(t), radius(t), 13.0, kWorkspace);
-  });
-  Film film([&](double t) {
-    return std::vector{makeObject(1, fields.at(t), centre(t), {speed, 0.0, 0.0})};
-  });
-  Error error;
-  int lost = 0;
-  double step = 0.0;
-  Vec3 last = Vec3::Zero();
-  for (int i = 0; 1e-3 * i < length_s; ++i) {
-    const double t = 1e-3 * i;
-    const Vec2 beside(5.0 * std::sin(4.0 * t), 5.0 * std::cos(3.0 * t));
-    const double depth = 0.6 + 0.3 * std::sin(9.0 * t);
-    const double r = radius(t);
-    const Vec3 outward = Vec3(beside.x(), beside.y(), std::sqrt(r * r - beside.squaredNorm())) / r;
-    const bool lands = i < 30;  // from the air
-    const Vec3 hip = centre(t) + (r - (lands ? 0.05 * (i - 20) : depth)) * outward;
-    const Contact contact = film.touch(hip);
-    if (i < 60) {
-      last = contact.displacement_mm;
-      continue;
-    }
-    lost += contact.contact ? 0 : 1;
-    error.add(contact.displacement_mm, depth * outward);
-    step = std::max(step, (contact.displacement_mm - last).norm());
-    last = contact.displacement_mm;
-    ASSERT_NEAR((contact.surface_velocity_mm_s.head<2>() - Vec2(speed, 0.0)).norm(), 0.0,
-                1e-6 + 0.02 * speed);
-  }
-  std::printf("ball at %g px/frame growing %g mm/frame: %.2f %% off, %d ticks lost, step %.4f mm\n",
-              GetParam().px_per_frame, GetParam().growth_mm_per_frame, 100.0 * error.relative(),
-              lost, step);
-  EXPECT_EQ(lost, 0);
-  EXPECT_LT(error.relative(), 0.02);
-  EXPECT_LT(step, 0.02);
-  EXPECT_LE(film.most_samples, ProxySurface::kSamples + 5);
-}
-
-INSTANTIATE_TEST_SUITE_P(Proxy, MovingBall,
-                         ::testing::Values(BallCase{2.0, 0.0}, BallCase{10.0, 0.0},
-                                           BallCase{40.0, 0.0}, BallCase{2.0, 0.5},
-                                           BallCase{10.0, 0.5}, BallCase{40.0, 0.5}));
 
 class DrivenBox : public ::testing::TestWithParam<double> {};
 
@@ -119,8 +60,6 @@ TEST_P(DrivenBox, PushesAStillHandAsideWithoutLiftingIt) {
     const bool braking = std::abs(1e-3 * i - still_s) < 0.045;
     if (depth > 0.2 && !braking) error.add(contact.displacement_mm, depth * direction);
   }
-  std::printf("box at %g px/frame into a still hand: %.2f %% off, up %.4f, excess step %.4f mm\n",
-              GetParam(), 100.0 * error.relative(), up, step);
   EXPECT_EQ(up, 0.0);
   EXPECT_LT(error.relative(), 0.04);
   EXPECT_LT(step, 0.05);
@@ -128,30 +67,6 @@ TEST_P(DrivenBox, PushesAStillHandAsideWithoutLiftingIt) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Proxy, DrivenBox, ::testing::Values(2.0, 10.0, 40.0));
-
-TEST(ProxyMotion, ASwingingPlaneKeepsAStillHand) {
-  const auto height = [](double t) { return 12.0 - 5.0 * std::cos(2.0 * M_PI * t); };
-  Fields fields([&](double t) {
-    return makeField({280, 200, 80, 80}, kWorkspace, level(height(t)), anywhere);
-  });
-  Film film([&](double t) {
-    return std::vector{makeObject(1, fields.at(t), {0.0, 0.0, height(t)},
-                                  {0.0, 0.0, 10.0 * M_PI * std::sin(2.0 * M_PI * t)})};
-  });
-  int lost = 0;
-  Error error;
-  for (int i = 0; i < 3000; ++i) {
-    const double depth = height(1e-3 * i) - 10.0;
-    const Contact contact = film.touch({1.0, 2.0, 10.0});
-    if (depth <= 0.0) continue;
-    lost += contact.contact || depth < 0.01 ? 0 : 1;
-    error.add(contact.displacement_mm, depth * Vec3::UnitZ());
-  }
-  std::printf("plane swinging +-5 mm at 1 Hz: %.3f %% off, %d ticks lost\n",
-              100.0 * error.relative(), lost);
-  EXPECT_EQ(lost, 0);
-  EXPECT_LT(error.relative(), 0.002);
-}
 
 TEST(ProxyMotion, TurnsWithTheObject) {
   // A tilted, bent box turns a quarter in every 5 frames about a point beside it; the hand rides.

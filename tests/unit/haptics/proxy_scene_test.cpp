@@ -85,7 +85,6 @@ TEST(Proxy, ManyObjectsShareTheSamples) {
     ASSERT_TRUE(table.touch(hip).displacement_mm.allFinite());
     (void)one.touch(hip);
   }
-  std::printf("samples at most: 16 objects %d, one %d\n", table.most_samples, one.most_samples);
   EXPECT_LE(table.most_samples, ProxySurface::kSamples + 5);
 }
 

@@ -4,9 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdio>
 
-#include "tests/support/attack.hpp"
+#include "tests/scenes/false_streams/renderer_attack.hpp"
 
 namespace hapticast::client {
 namespace {
@@ -95,8 +94,6 @@ TEST(RendererWork, ARisingPlatePushesAtTheSurfacesPort) {
   (void)attack.run(1500);
   const PortWork before = attack.renderer->report().work;
   const PortWork after = attack.run(4000).work;
-  std::printf("surface %.1f mJ, relative %.1f mJ\n", after.surface_mJ - before.surface_mJ,
-              after.relative_mJ - before.relative_mJ);
   EXPECT_GT(std::abs(after.surface_mJ - before.surface_mJ), 0.3);
   EXPECT_LT(after.relative_mJ - before.relative_mJ, 1.0);
   EXPECT_NEAR(after.object_mJ, before.object_mJ, 0.1);  // the hand's own inertia only

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstdio>
 
 #include "tests/support/renderer_fixture.hpp"
 
@@ -61,8 +60,6 @@ TEST(HapticRenderer, SlideStaysOneMillimetreDeepAtTwoCentimetresPerSecond) {
     way_mm += (report.hip_mm - last_mm).head<2>().norm();
     last_mm = report.hip_mm;
   }
-  std::printf("slide: %d %% in contact, %.2f mm deep (at most %.2f), %.1f mm/s\n", contact / 80,
-              depth_mm, deepest_mm, way_mm / 8.0);
   EXPECT_EQ(contact, 8000);
   EXPECT_NEAR(depth_mm, 1.0, 0.15);
   EXPECT_LT(deepest_mm, 1.6);

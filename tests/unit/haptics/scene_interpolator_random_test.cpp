@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 #include <random>
 
@@ -72,10 +71,6 @@ TEST_F(LookupTest, RandomJitteredStreamIsContinuousAndFinite) {
     last_before = object.before;
     last_after = object.after;
   }
-  std::printf(
-      "jittered stream: step beyond v dt %.5f mm while interpolating, %.3f mm when corrected; "
-      "interpolated %.1f %%\n",
-      worst_kept, worst_corrected, 100.0 * static_cast<double>(interpolated) / 58800.0);
   EXPECT_LT(worst_kept, 0.001);
   // 1/2 a t² of 80 ms carried on at up to 2000 mm/s², and as much again while held.
   EXPECT_LT(worst_corrected, 12.8);

@@ -5,7 +5,6 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <random>
 
@@ -129,8 +128,6 @@ TEST(SurfaceModel, ErrorsOnTheSphereAgainstTruth) {
   }
   const double perturbed = std::sqrt(error[0] / truth);
   const double normal = std::sqrt(error[1] / truth);
-  std::printf("sphere R20, depth 0..1.5 mm: relative rms error perturbed %.1f %%, normal %.2f %%\n",
-              100 * perturbed, 100 * normal);
   EXPECT_LT(normal, 0.06);
   EXPECT_GT(perturbed, 5 * normal);  // as printed, Eq. 3 is no distance
 }
@@ -188,8 +185,6 @@ TEST(SurfaceModel, CarriesAReliefAtFortyPixelsPerFrame) {
       blended = std::max(blended, std::abs(pixelwise - truth));
     }
   }
-  std::printf("ball at 40 px/frame: carried %.4f mm off, blended pixel by pixel %.2f mm\n", carried,
-              blended);
   EXPECT_LT(carried, 0.1);
   EXPECT_GT(blended, 1.0);
 }

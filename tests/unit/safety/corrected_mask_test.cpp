@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "tests/support/adversarial_run.hpp"
+#include "tests/scenes/false_streams/run_false_stream.hpp"
 #include "tests/support/flat_relief.hpp"
 
 namespace hapticast::client {
@@ -79,7 +79,7 @@ CorrectedRun renderTrace(const Correction& correction, SurfaceKind surface,
   testing::MaliciousServer server(stream);
   RendererSettings settings;
   settings.surface = surface;
-  const HandScript hold = handOf(testing::AdversarialRun::kHold);
+  const HandScript hold = handOf(testing::ScriptedHand::kHold);
   VirtualViewer viewer(settings, PlantProfile{}, Hand::light(), nail_mm ? nullptr : &hold);
   if (nail_mm) viewer.nail({0.1, 0.1, *nail_mm});
   CorrectedRun run;

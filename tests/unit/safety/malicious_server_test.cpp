@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "tests/support/adversarial_run.hpp"
+#include "tests/scenes/false_streams/run_false_stream.hpp"
 
 namespace hapticast::client {
 namespace {
@@ -37,7 +37,7 @@ void expectSafe(const ForceTrace& trace) {
 
 TEST_P(FalseStreamTest, MeetsItsVerdict) {
   const testing::FalseStream& false_stream = testing::falseStreams()[GetParam()];
-  const AdversarialRun got = runFalseStream(false_stream, kSeconds);
+  const FalseStreamRun got = runFalseStream(false_stream, kSeconds);
   expectSafe(got.trace);
   EXPECT_TRUE(got.is(false_stream.verdict))
       << verdictName(got.verdict()) << ", not " << verdictName(false_stream.verdict);
@@ -56,7 +56,7 @@ TEST_P(FalseStreamTest, StepsNoMoreThanTheChainAllowsUnderATipThatCannotMove) {
 
 TEST_P(FalseStreamTest, HasTheSameVerdictByDatagrams) {
   const testing::FalseStream& false_stream = testing::falseStreams()[GetParam()];
-  const AdversarialRun got =
+  const FalseStreamRun got =
       runFalseStream(false_stream, kByDatagrams_s, Hand::light(), false, 0.05);
   expectSafe(got.trace);
   if (false_stream.verdict == testing::Verdict::kTrustLost) {

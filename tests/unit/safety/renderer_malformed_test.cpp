@@ -3,12 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <functional>
 #include <limits>
 #include <random>
 #include <string>
 
-#include "tests/support/attack.hpp"
+#include "tests/scenes/false_streams/renderer_attack.hpp"
 
 namespace hapticast::client {
 namespace {
@@ -72,48 +71,6 @@ TEST(MalformedInput, RecoversAfterMalformedValuesInEachField) {
         EXPECT_GT(report.force_N.norm(), 0.1) << attack.name;
         if (HasFatalFailure()) return;
       }
-    }
-  }
-}
-
-TEST(MalformedInput, AnAbsurdStreamState) {
-  static constexpr auto kMost = std::numeric_limits<std::int64_t>::max();
-  static constexpr auto kLeast = std::numeric_limits<std::int64_t>::min();
-  const std::function<void(StreamTiming&)> changes[] = {
-      [](StreamTiming& c) { c.workspace.width_mm = 0.0; },
-      [](StreamTiming& c) { c.workspace.width_mm = kNaN; },
-      [](StreamTiming& c) { c.workspace.height_mm = kInfinity; },
-      [](StreamTiming& c) { c.workspace.depth_mm = -kInfinity; },
-      [](StreamTiming& c) { c.workspace.width_mm = c.workspace.height_mm = 1e-300; },
-      [](StreamTiming& c) { c.workspace.width_px = c.workspace.height_px = 0; },
-      [](StreamTiming& c) { c.workspace.width_px = 1; },
-      [](StreamTiming& c) { c.workspace.stretch = true; },
-      [](StreamTiming& c) { c.frame_interval = Duration(0); },
-      [](StreamTiming& c) { c.frame_interval = Duration(kMost); },
-      [](StreamTiming& c) { c.frame_interval = Duration(kLeast); },
-      [](StreamTiming& c) { c.clock_offset = Duration(kMost); },
-      [](StreamTiming& c) { c.clock_offset = Duration(kLeast); },
-      [](StreamTiming& c) { c.pipeline_latency = Duration(kLeast); },
-      [](StreamTiming& c) { c.playout_delay_target = Duration(kMost); },
-      [](StreamTiming& c) { c.playout_delay_target = Duration(kLeast); },
-      [](StreamTiming& c) { c.largest_acceleration_mm_s2 = 1e-300; },
-      [](StreamTiming& c) { c.author_mass_kg = 1e300; },
-      [](StreamTiming& c) { c.first_epoch = 1000; },
-  };
-  for (const RendererSettings& renderer : listRendererSettings()) {
-    int number = 0;
-    for (const auto& change : changes) {
-      Attack attack(renderer);
-      attack.name = "change " + std::to_string(number++);
-      attack.scene = [&](PlayFrame& frame, double) { attack.add(frame, plateAt(10.0)); };
-      (void)attack.run(700);
-      const StreamTiming good = attack.control;
-      change(attack.control);
-      (void)attack.run(400);
-      attack.control = good;
-      attack.control.first_epoch = ++attack.epoch;  // a new connection: its clock starts over
-      EXPECT_GT(attack.run(1200).force_N.norm(), 0.2) << attack.name;
-      if (HasFatalFailure()) return;
     }
   }
 }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Each link of the chain, in the chain: it acts where it must and leaves a healthy press alone.
+// What each is worth, with it and without it, are claims of hapticast-evaluate stability (links).
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "client/device/device_profile.hpp"
 #include "tests/support/chain_fixture.hpp"
@@ -99,44 +99,11 @@ TEST(SafetyLinks, ARisingSurfacePushesAtItsOwnPort) {
     sent_N[0] = rig.out.force_N;
   }
   const PortWork& work = rig.chain.work();
-  std::printf("surface %.1f mJ (true %.1f), relative %.1f mJ (true %.1f)\n",
-              work.surface_mJ - start.surface_mJ, surface_mJ, work.relative_mJ - start.relative_mJ,
-              relative_mJ);
   EXPECT_GT(surface_mJ, 20.0);
   EXPECT_LT(relative_mJ, 0.0);
   EXPECT_NEAR(work.surface_mJ - start.surface_mJ, surface_mJ, 0.5);
   EXPECT_NEAR(work.relative_mJ - start.relative_mJ, relative_mJ, 1.5);
   EXPECT_EQ(rig.count(SafetyAction::kPassivity), 0U);
-}
-
-/// Largest speed of a light hand away from a wall that rises 30 mm within one frame of 40 ms.
-double thrown_mm_s(const SafetyLinks& links, std::uint64_t& tank_ticks) {
-  const PlantProfile profile = omni(1.0, 1, 0.05);
-  ChainFixture rig(profile, profile, Hand::light(), links);
-  rig.device.reset({0.0, 0.0, 5.0}, Vec3::Zero());
-  rig.device.setTarget({0.0, 0.0, -5.0});
-  rig.run(1500);
-  double fastest_mm_s = 0.0;
-  for (int i = 0; i < 540; ++i) {
-    rig.wall_velocity_mm_s = i < 40 ? 750.0 : 0.0;
-    if (i < 40) rig.wall_mm += 0.75;
-    rig.step();
-    fastest_mm_s = std::max(fastest_mm_s, rig.device.trueVelocity_mm_s().z());
-  }
-  tank_ticks = rig.count(SafetyAction::kTank);
-  return fastest_mm_s;
-}
-
-TEST(SafetyLinks, TheTankCalmsASurfaceThatRisesThirtyMillimetresInAFrame) {
-  std::uint64_t with = 0;
-  std::uint64_t without = 0;
-  const double calm_mm_s = thrown_mm_s({}, with);
-  const double wild_mm_s = thrown_mm_s({.tank = false}, without);
-  std::printf("30 mm in 40 ms: %.0f mm/s, without the tank %.0f mm/s\n", calm_mm_s, wild_mm_s);
-  EXPECT_LE(calm_mm_s, 206.0);  // measured: 198, with a force that chatters by counts
-  EXPECT_GE(wild_mm_s, 220.0);
-  EXPECT_GT(with, 0U);
-  EXPECT_EQ(without, 0U);
 }
 
 TEST(SafetyLinks, ALongHardPressIsEasedToTheContinuousForce) {
@@ -192,36 +159,6 @@ TEST(SafetyLinks, TheAuthorsDampingActsWithinBounds) {
   EXPECT_EQ(cut, 30U);
 }
 
-TEST(SafetyLinks, ThePassivityControllerActsWhereAContactGenerates) {
-  // A spring without its damper, far stiffer than its delay stands: it feeds itself.
-  const PlantProfile profile = omni(5.0, 5);
-  double swing_mm[2] = {0.0, 0.0};
-  for (const bool insured : {true, false}) {
-    ChainFixture rig(profile, profile, Hand::lightGrip(),
-                     {.stiffness_limit = false,
-                      .damping = false,
-                      .passivity = insured,
-                      .slew = false,  // its delay would feed the swing
-                      .oscillation_detector = false,
-                      .trust = false});
-    rig.device.reset({0.0, 0.0, 5.0}, Vec3::Zero());
-    rig.device.setTarget({0.0, 0.0, -6.0});
-    rig.run(4000);
-    double low = 1e9;
-    double high = -1e9;
-    for (int i = 0; i < 500; ++i) {
-      rig.step();
-      low = std::min(low, rig.device.truePosition_mm().z());
-      high = std::max(high, rig.device.truePosition_mm().z());
-    }
-    swing_mm[insured ? 0 : 1] = high - low;
-    EXPECT_EQ(rig.count(SafetyAction::kPassivity) > 0, insured);
-  }
-  std::printf("undamped: swing %.2f mm with the controller, %.2f mm without\n", swing_mm[0],
-              swing_mm[1]);
-  EXPECT_LT(swing_mm[0], 0.5 * swing_mm[1]);
-}
-
 /// Swings of a free tip in a wall: the profile has `profile_ticks` ticks of delay, the device has
 /// `real`.
 struct DelayedRig {
@@ -270,21 +207,10 @@ TEST(SafetyLinks, ANewConnectionResetsTheMeasuredDelayOutOfContact) {
   EXPECT_EQ(wrong.rig.count(SafetyAction::kLatency), 0U);
 }
 
-TEST(SafetyLinks, TheOscillationDetectorIsSilentAtTheProfilesDelay) {
-  for (int d = 0; d <= 3; ++d) {
-    for (const double k : {0.5, 1.0, 2.0, 5.0}) {
-      for (const Hand& hand : {Hand::none(), Hand::light(), Hand::firmGrip(), Hand::lightGrip()}) {
-        EXPECT_EQ(DelayedRig(k, d, d, hand).alarms, 0) << "K " << k << " d " << d;
-      }
-    }
-  }
-}
-
 TEST(SafetyLinks, ThePassivityControllerIsBlindToAWrongDelay) {
   // Reason for the detector: at 1 assumed and 3 real ticks the meters find no generated energy.
   DelayedRig blind(5.0, 1, 3, Hand::none(), {.oscillation_detector = false, .trust = false});
   const double metered_mJ = blind.rig.chain.work().relative_mJ;
-  std::printf("told 1, real 3: metered %.1f mJ\n", metered_mJ);
   EXPECT_LT(metered_mJ, 0.0);
   double high_mm = -1e9;
   for (int i = 0; i < 200; ++i) {

@@ -5,9 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
-#include "tests/support/attack.hpp"
+#include "tests/scenes/false_streams/renderer_attack.hpp"
 
 namespace hapticast::client {
 namespace {
@@ -59,8 +58,6 @@ TEST(SafetyThesis, DoesNotBeatOnASlope) {
   for (const Place& at : {Place{0, 0}, {0, -8}, {0, -14}, {5, -14}, {-9, -8}, {-9, 8}}) {
     for (const double from_s : {0.0, 3.0}) {
       const Beats beats = pressBall(at.x_mm, at.y_mm, from_s);
-      std::printf("at %.0f, %.0f from %.0f s: %d beats, %.1f mJ\n", at.x_mm, at.y_mm, from_s,
-                  beats.count, beats.relative_mJ);
       EXPECT_LE(beats.count, 3) << at.x_mm << ", " << at.y_mm << " from " << from_s << " s";
       EXPECT_LE(beats.relative_mJ, 15.0)
           << at.x_mm << ", " << at.y_mm << " from " << from_s << " s";

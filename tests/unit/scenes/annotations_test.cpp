@@ -11,8 +11,8 @@
 #include "server/vision/segment/initialise/refine_clicks.hpp"
 #include "server/vision/segment/make_segmenter.hpp"
 #include "server/vision/vision.hpp"
+#include "tests/scenes/ball_scene.hpp"
 #include "tests/unit/vision/segment_runner.hpp"
-#include "tests/unit/vision/vision_scenes.hpp"
 
 namespace hapticast::server {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "server/vision/surface/enhance.hpp"
 #include "server/vision/vision.hpp"
-#include "tests/unit/vision/vision_scenes.hpp"
+#include "tests/scenes/ball_scene.hpp"
 
 namespace hapticast::server {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "server/source/camera_model.hpp"
 #include "server/vision/vision.hpp"
-#include "tests/unit/vision/vision_scenes.hpp"
+#include "tests/scenes/ball_scene.hpp"
 
 namespace hapticast::server {
 namespace {

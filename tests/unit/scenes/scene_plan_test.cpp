@@ -9,7 +9,7 @@
 #include <random>
 
 #include "server/vision/vision.hpp"
-#include "tests/unit/vision/vision_scenes.hpp"
+#include "tests/scenes/ball_scene.hpp"
 
 namespace hapticast::server {
 namespace {

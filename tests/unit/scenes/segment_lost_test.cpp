@@ -4,8 +4,8 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "tests/scenes/ball_scene.hpp"
 #include "tests/unit/vision/segment_runner.hpp"
-#include "tests/unit/vision/vision_scenes.hpp"
 
 namespace hapticast::server {
 namespace {

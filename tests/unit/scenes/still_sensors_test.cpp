@@ -4,7 +4,7 @@
 
 #include "server/vision/base/masks.hpp"
 #include "server/vision/surface/static_region_filter.hpp"
-#include "tests/unit/vision/vision_scenes.hpp"
+#include "tests/scenes/ball_scene.hpp"
 
 namespace hapticast::server {
 namespace {

@@ -5,7 +5,7 @@
 #include <set>
 
 #include "server/vision/vision.hpp"
-#include "tests/unit/vision/vision_scenes.hpp"
+#include "tests/scenes/ball_scene.hpp"
 
 namespace hapticast::server {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "server/source/synthetic/synthetic_scene.hpp"
 #include "server/vision/base/frame_pair.hpp"
-#include "tests/unit/vision/vision_scenes.hpp"
+#include "tests/scenes/ball_scene.hpp"
 
 namespace hapticast::server {
 namespace {

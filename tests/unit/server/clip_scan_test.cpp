@@ -4,9 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/scenes/ball_scene.hpp"
 #include "tests/support/manual_clock.hpp"
 #include "tests/unit/server/source_files.hpp"
-#include "tests/unit/vision/vision_scenes.hpp"
 
 namespace hapticast::server {
 namespace {

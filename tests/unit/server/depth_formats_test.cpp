@@ -82,17 +82,12 @@ class DepthFormats : public testing::TestWithParam<Format> {
       folder.write("clip/depth/" + number + GetParam().ending, depth);
     }
     if (GetParam().ending[0] != '\0') return;
-    run(fmt::format("-r {} -i color%d.png -c:v ffv1 -pix_fmt bgr0 c.mkv", kFormatFps));
-    run(fmt::format("{}-r {} {}", GetParam().alone ? "-i c.mkv " : "", kFormatFps,
-                    GetParam().ffmpeg));
+    folder.ffmpeg(fmt::format("-r {} -i color%d.png -c:v ffv1 -pix_fmt bgr0 c.mkv", kFormatFps));
+    folder.ffmpeg(fmt::format("{}-r {} {}", GetParam().alone ? "-i c.mkv " : "", kFormatFps,
+                              GetParam().ffmpeg));
   }
   static double depthAt(int frame, int u, int v) { return 300.0 + 40.0 * frame + 10.0 * u + v; }
   static double heightAt(int frame, int u) { return 20.0 * frame + 2.0 * u; }
-  void run(const std::string& arguments) const {
-    const std::string command = "cd '" + folder.string() + "' && ffmpeg -loglevel quiet -y " +
-                                arguments + " >/dev/null 2>&1 </dev/null";
-    ASSERT_EQ(std::system(command.c_str()), 0) << command;
-  }
   [[nodiscard]] bool isFolder() const { return GetParam().ending[0] != '\0'; }
   /// The file with the depth, or with the depth of the frame in the middle.
   [[nodiscard]] std::string depthFile() const {

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "server/pipeline/operator_requests.hpp"
+#include "tests/scenes/ball_scene.hpp"
 #include "tests/support/log_lines.hpp"
 #include "tests/support/manual_clock.hpp"
-#include "tests/unit/vision/vision_scenes.hpp"
 
 namespace hapticast::server {
 namespace {

@@ -6,9 +6,9 @@
 #include <gtest/gtest.h>
 
 #include "server/source/synthetic/synthetic_source.hpp"
+#include "tests/scenes/ball_scene.hpp"
 #include "tests/support/clips.hpp"
 #include "tests/unit/server/source_files.hpp"
-#include "tests/unit/vision/vision_scenes.hpp"
 
 namespace hapticast::server {
 namespace {

@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <opencv2/imgproc.hpp>
@@ -102,16 +101,8 @@ cv::Mat castPicture(const LensCamera& camera, const cv::Matx33d& rotation, const
   return depth;
 }
 
-class KinectVideo : public testing::Test {
+class KinectVideo : public VideoFilesTest {
  protected:
-  void SetUp() override {
-    if (std::system("ffmpeg -version >/dev/null 2>&1") != 0) GTEST_SKIP() << "needs ffmpeg";
-  }
-  void ffmpeg(const std::string& arguments) const {
-    const std::string command = "cd '" + folder.string() + "' && ffmpeg -loglevel quiet -y " +
-                                arguments + " >/dev/null 2>&1 </dev/null";
-    ASSERT_EQ(std::system(command.c_str()), 0) << command;
-  }
   /// Writes k4a.mkv from color.png and depth.png, with `calibration` if it is not empty.
   void record(const std::string& calibration) const {
     folder.write("calibration.json", calibration);
@@ -140,7 +131,6 @@ class KinectVideo : public testing::Test {
     return truth;
   }
   [[nodiscard]] std::string at(const std::string& name) const { return (folder / name).string(); }
-  SourceFolder folder;
 };
 
 TEST_F(KinectVideo, DepthIsRegisteredToColour) {

@@ -7,7 +7,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <opencv2/imgproc.hpp>
 
 #include "server/pipeline/clip_scan.hpp"
@@ -77,11 +76,6 @@ class LargePictures : public testing::Test {
       EXPECT_EQ(cv::countNonZero((frame->mask == 1) != (frame->depth == 800.0F)), 0);
     }
   }
-  void ffmpeg(const std::string& arguments) const {
-    const std::string command = "cd '" + folder.string() + "' && ffmpeg -loglevel quiet -y " +
-                                arguments + " >/dev/null 2>&1 </dev/null";
-    ASSERT_EQ(std::system(command.c_str()), 0) << command;
-  }
   [[nodiscard]] std::string at(const std::string& name) const { return (folder / name).string(); }
   SourceFolder folder;
 };
@@ -130,9 +124,9 @@ TEST_F(LargePictures, MayHaveSmallerDepth) {
 
 TEST_F(LargePictures, OfVideosAreScaled) {
   fill({3840, 2160});
-  ffmpeg("-i rgb/%d.png -c:v libx264 -preset ultrafast -crf 4 -pix_fmt yuv420p c.mp4");
-  ffmpeg("-i depth/%d.png -c:v ffv1 -pix_fmt gray16le d.mkv");
-  ffmpeg("-i c.mp4 -i d.mkv -map 0 -map 1 -c copy two.mkv");
+  folder.ffmpeg("-i rgb/%d.png -c:v libx264 -preset ultrafast -crf 4 -pix_fmt yuv420p c.mp4");
+  folder.ffmpeg("-i depth/%d.png -c:v ffv1 -pix_fmt gray16le d.mkv");
+  folder.ffmpeg("-i c.mp4 -i d.mkv -map 0 -map 1 -c copy two.mkv");
   for (const char* spec : {"c.mp4,d.mkv", "two.mkv"}) {
     SCOPED_TRACE(spec);
     const std::string text = spec;
@@ -153,7 +147,7 @@ TEST_F(LargePictures, TwoOf4kSideBySideAreRead) {
   cv::Mat both;
   cv::hconcat(draw(size, CV_8UC3, 255, 0), draw(size, CV_8UC3, 200, 40), both);
   folder.write("both.png", both);
-  ffmpeg("-i both.png -c:v ffv1 -pix_fmt bgr0 both.mkv");
+  folder.ffmpeg("-i both.png -c:v ffv1 -pix_fmt bgr0 both.mkv");
   const auto source =
       openSource(at("both.mkv"), 0.0, false, {Layout::kSideBySide, DepthCode::kGrey});
   ASSERT_EQ(frameSize(source->info()), cv::Size(1920, 1080));

@@ -106,21 +106,11 @@ const std::vector<std::pair<std::string, std::string>> kAll = {
     {"signing-key", "origin.pem"},
 };
 
-TEST(ServerSettings, EveryFlag) {
-  std::vector<std::string> arguments;
-  for (const auto& [key, value] : kAll) {
-    arguments.push_back("--" + key);
-    if (value != "true") arguments.push_back(value);
+TEST(ServerSettings, EveryFlagAndEveryKeyOfAConfigFile) {
+  for (const Probe& run : {Probe::withFlags(kAll), Probe::withConfig(kAll)}) {
+    ASSERT_EQ(run.exit_code, std::nullopt) << run.error;
+    expectAll(run.settings);
   }
-  const Probe run(arguments);
-  ASSERT_EQ(run.exit_code, std::nullopt) << run.error;
-  expectAll(run.settings);
-}
-
-TEST(ServerSettings, EveryKeyOfAConfigFile) {
-  const Probe run = Probe::withConfig(kAll);
-  ASSERT_EQ(run.exit_code, std::nullopt) << run.error;
-  expectAll(run.settings);
 }
 
 TEST(ServerSettings, ANameForTheLan) {
@@ -167,6 +157,7 @@ TEST(ServerSettings, ReportsAWrongValueWithFlagValueAndAllowedRange) {
       {"--object", "1,2@3@4", "U,V[@SECONDS] in px"},
       {"--object", "1,2@-0.5", "U,V[@SECONDS] in px"},
       {"--object", "1,2@nan", "U,V[@SECONDS] in px"},
+      {"--object", "1,2@soon", "U,V[@SECONDS] in px"},
       {"--not", "1,2@1e7", "U,V[@SECONDS] in px"},
       {"--not", "1,2,3", "U,V[@SECONDS] in px"},
       {"--preview", "clip.jpg", "FILE.png or a folder"},
@@ -175,6 +166,8 @@ TEST(ServerSettings, ReportsAWrongValueWithFlagValueAndAllowedRange) {
       {"--map-range", "650,600", "NEAR,FAR in mm"},
       {"--depth-range", "-1,500", "NEAR,FAR in mm"},
       {"--depth-range", "0,1e300", "NEAR,FAR in mm"},
+      {"--fov", "171", "10 to 170"},
+      {"--fov", "wide", "10 to 170"},
       {"--motion", "rgb", "auto|depth|lk|none"},
       {"--stiffness", "inf", "0.01 to 10"},
       {"--friction", "0.3", "0 <= D <= S <= 1.5"},

@@ -4,7 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <fstream>
 #include <functional>
 #include <opencv2/core.hpp>
@@ -29,18 +28,9 @@ inline cv::Mat drawnDepth(int i, cv::Size size) {
 }
 
 /// Writes video files with colour and depth, with ffmpeg. Skips the test where it is absent.
-class SingleVideoFiles : public testing::Test {
+class SingleVideoFiles : public VideoFilesTest {
  protected:
-  void SetUp() override {
-    if (std::system("ffmpeg -version >/dev/null 2>&1") != 0) GTEST_SKIP() << "needs ffmpeg";
-  }
   [[nodiscard]] std::string at(const std::string& name) const { return (folder / name).string(); }
-  /// Runs ffmpeg in the folder.
-  void ffmpeg(const std::string& arguments) const {
-    const std::string command = "cd '" + folder.string() + "' && ffmpeg -loglevel quiet -y " +
-                                arguments + " >/dev/null 2>&1 </dev/null";
-    ASSERT_EQ(std::system(command.c_str()), 0) << arguments;
-  }
   /// Writes pictures one after the other. Returns the arguments of ffmpeg that read them.
   [[nodiscard]] std::string raw(const std::string& name, const std::string& format, cv::Size size,
                                 const std::function<cv::Mat(int)>& draw, int fps = 30) const {
@@ -64,7 +54,6 @@ class SingleVideoFiles : public testing::Test {
                                       const VideoLayout& layout = {}) const {
     return errorOf([&] { (void)openSource(at(name), 0.0, false, layout); });
   }
-  SourceFolder folder;
 };
 
 }  // namespace hapticast::server

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -25,6 +26,22 @@ class SourceFolder : public TempFolder {
     std::filesystem::create_directories((*this / name).parent_path());
     ASSERT_TRUE(cv::imwrite((*this / name).string(), image));
   }
+  /// Runs ffmpeg in the folder.
+  void ffmpeg(const std::string& arguments) const {
+    const std::string command = "cd '" + string() + "' && ffmpeg -loglevel quiet -y " + arguments +
+                                " >/dev/null 2>&1 </dev/null";
+    ASSERT_EQ(std::system(command.c_str()), 0) << command;
+  }
+};
+
+/// A test of video files, which ffmpeg makes; skipped where there is none.
+class VideoFilesTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (std::system("ffmpeg -version >/dev/null 2>&1") != 0) GTEST_SKIP() << "needs ffmpeg";
+  }
+  void ffmpeg(const std::string& arguments) const { folder.ffmpeg(arguments); }
+  SourceFolder folder;
 };
 
 /// The line a SourceError says; "" (and a failed test) if nothing is thrown or it is not one line.

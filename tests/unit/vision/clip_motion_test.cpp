@@ -8,7 +8,7 @@
 
 #include "server/vision/frame_motion.hpp"
 #include "server/vision/vision.hpp"
-#include "tests/unit/vision/vision_scenes.hpp"
+#include "tests/scenes/ball_scene.hpp"
 
 namespace hapticast::server {
 namespace {

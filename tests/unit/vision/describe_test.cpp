@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "server/vision/motion/pose_history.hpp"
-#include "tests/unit/vision/vision_scenes.hpp"
+#include "tests/scenes/ball_scene.hpp"
 
 namespace hapticast::server {
 namespace {

@@ -9,7 +9,7 @@
 #include "server/vision/base/masks.hpp"
 #include "server/vision/surface/quadratic_fit.hpp"
 #include "server/vision/surface/range.hpp"
-#include "tests/unit/vision/vision_scenes.hpp"
+#include "tests/scenes/ball_scene.hpp"
 
 namespace hapticast::server {
 namespace {

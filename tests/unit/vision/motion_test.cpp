@@ -6,7 +6,7 @@
 #include <random>
 
 #include "server/vision/motion/savitzky_golay.hpp"
-#include "tests/unit/vision/vision_scenes.hpp"
+#include "tests/scenes/ball_scene.hpp"
 
 namespace hapticast::server {
 namespace {

@@ -5,8 +5,8 @@
 
 #include "server/pipeline/plan_log.hpp"
 #include "server/vision/vision.hpp"
+#include "tests/scenes/ball_scene.hpp"
 #include "tests/support/log_lines.hpp"
-#include "tests/unit/vision/vision_scenes.hpp"
 
 namespace hapticast::server {
 namespace {

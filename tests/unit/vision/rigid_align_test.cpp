@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "server/vision/motion/reference_point.hpp"
-#include "tests/unit/vision/vision_scenes.hpp"
+#include "tests/scenes/ball_scene.hpp"
 
 namespace hapticast::server {
 namespace {

@@ -5,7 +5,7 @@
 #include "server/vision/base/frame_pair.hpp"
 #include "server/vision/base/masks.hpp"
 #include "server/vision/surface/enhance.hpp"
-#include "tests/unit/vision/vision_scenes.hpp"
+#include "tests/scenes/ball_scene.hpp"
 
 namespace hapticast::server {
 namespace {

@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/scenes/ball_scene.hpp"
 #include "tests/unit/server/source_files.hpp"
 #include "tests/unit/vision/segment_runner.hpp"
-#include "tests/unit/vision/vision_scenes.hpp"
 
 namespace hapticast::server {
 namespace {

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "server/vision/vision.hpp"
-#include "tests/unit/vision/noisy_ball.hpp"
+#include "tests/scenes/noisy_ball.hpp"
 
 namespace hapticast::server {
 namespace {
