@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "client/net/welcome_limiter.hpp"
 #include "common/protocol/signed_frame.hpp"
 
 namespace hapticast::client {

@@ -20,17 +20,9 @@
 #include "client/net/udp/datagram_key_ring.hpp"
 #include "client/net/udp/udp_receiver.hpp"
 #include "common/protocol/messages.hpp"
-#include "common/rate_limiter.hpp"
 #include "common/transport/asio.hpp"
 
 namespace hapticast::client {
-
-/// Number of welcomes at once after the first one of a session. Chosen: an edge changes its origin
-/// after seconds without frames.
-inline constexpr std::int64_t kWelcomeBurst = 3;
-/// Returns the limit of these welcomes: further ones once a second. Each one ends the contact and
-/// opens sockets, so a server must not send many.
-inline RateLimiter makeWelcomeLimiter() { return {kWelcomeBurst, std::chrono::seconds(1)}; }
 
 struct ConnectionSettings {
   Endpoint server{"127.0.0.1", kDefaultPort};

@@ -3,7 +3,7 @@
 // that the client expects.
 #include <algorithm>
 
-#include "common/rate_limiter.hpp"
+#include "client/net/welcome_limiter.hpp"
 #include "common/transport/clock_sync.hpp"
 #include "tests/integration/fake_server.hpp"
 

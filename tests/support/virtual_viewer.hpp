@@ -19,8 +19,8 @@
 #include "client/haptics/renderer.hpp"
 #include "client/net/receiver.hpp"
 #include "client/net/udp/udp_socket.hpp"
+#include "client/net/welcome_limiter.hpp"
 #include "common/protocol/messages.hpp"
-#include "common/rate_limiter.hpp"
 #include "common/time.hpp"
 #include "tests/support/chain_fixture.hpp"
 
