@@ -10,15 +10,10 @@ class ProgramsInverse3Test : public ProgramsTest {
  protected:
   std::unique_ptr<Process> touchWith(const std::string& address, const Inverse3Service& service,
                                      std::vector<std::string> more = {}) const {
-    std::vector<std::string> arguments{address,
-                                       "--view",
-                                       "off",
-                                       "--device",
-                                       "inverse3",
-                                       "--device-option",
-                                       "service=" + service.address(),
-                                       "--fault-dir",
-                                       path("faults")};
+    std::vector<std::string> arguments{address, "--view", "off", "--device", "inverse3",
+                                       "--device-option", "service=" + service.address(),
+                                       // A starved service counts as lost, and comes back.
+                                       "--rearm", "--fault-dir", path("faults")};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return startClient(std::move(arguments));
   }
