@@ -48,8 +48,8 @@ class UserInterface {
   /// Runs the views' part of the event loop, and publishes the user's controls. `stats` is the
   /// state of the connection. Returns false if the user ends the client in a view.
   [[nodiscard]] bool update(const ConnectionStats& stats);
-  /// Returns the measurement of the view with a live picture (View::eyeHand()). It is empty if
-  /// there is no such view.
+  /// Returns the histogram of View::eyeHand(): the difference in play time between the shown
+  /// picture and the rendered frame, ns. It is empty if no view shows a live picture.
   [[nodiscard]] Histogram eyeHand() const;
   /// Closes the log file and ends the views, which write their files. Throws std::runtime_error
   /// with one line that names the file.

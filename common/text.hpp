@@ -53,8 +53,9 @@ struct KeyValue {
 
 /// Returns the `key = value` lines of `in`, which has at most 64 KiB. `#` begins a comment. A key
 /// is a letter followed by letters, digits, `-` and `_`, with at most 64 bytes. A value may be in
-/// quotes. A byte order mark of UTF-8 at the begin is ignored. A text with control characters is an
-/// error. An error begins with `name`: "NAME:LINE: ...".
+/// quotes. A UTF-8 byte order mark at the beginning is ignored. Control characters other than tab,
+/// CR and LF are an error. The text of an error begins with "NAME:LINE: ", or with "NAME: " if it
+/// concerns the whole text. NAME is `name`.
 Result<std::vector<KeyValue>> readKeyValues(std::istream& in, const std::string& name);
 
 /// Returns "; did you mean X?" with the word of `words` that is nearest to `typed`. Returns an

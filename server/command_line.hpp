@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// hapticast-server's command line: flags, config keys and their help. Thread: main, at start-up.
+// hapticast-server's command line: flags, keys of the configuration file, and their help.
+// Thread: main, at start-up, except where a function states another one.
 #pragma once
 
 #include <memory>

@@ -8,9 +8,9 @@
 
 namespace hapticast::server {
 
-/// Adds --scene to `app`, which must have all other flags already. The file sets the flags that the
-/// user did not set. `settings` must outlive `app`. Errors in the file end the parsing, as those of
-/// other flags do.
+/// Adds --scene to `app`. `app` must also have all flags that a scene file may set (kSceneFlags).
+/// The scene file sets those that the user did not set. `settings` must outlive `app`. An error in
+/// the scene file ends the parsing, like an error in another flag.
 void addScene(CLI::App& app, Settings& settings);
 
 /// Merges the points and objects of the scene with those of the flags, after the parsing. Then

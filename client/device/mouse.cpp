@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "client/device/device_request.hpp"
+#include "client/device/open_device.hpp"
 #include "client/device/pointed_hand.hpp"
 #include "client/haptics/tick_report.hpp"
 

@@ -30,8 +30,9 @@ struct RendererSettings {
   DeviceProfile profile;
   SurfaceKind surface = SurfaceKind::kProxy;
   Interpolation interpolation = Interpolation::kHermite;
-  /// With kThesis the renderer interpolates displacements between frames
-  /// (thesis_interpolation.hpp).
+  /// Algorithms of the renderer. kHapticast interpolates the scene between frames and computes the
+  /// contact in every tick. kThesis computes the displacement of the HIP at each frame and
+  /// interpolates between these displacements (contact/thesis_interpolation.hpp).
   Method method = Method::kHapticast;
   /// True: the device was detected automatically, so there is no force before a re-arming.
   bool unconfirmed = false;

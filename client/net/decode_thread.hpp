@@ -44,8 +44,9 @@ class FrameQueue {
   std::size_t push(AssembledFrame assembled);
   /// Removes and returns the oldest frame; nullopt if the queue is empty.
   [[nodiscard]] std::optional<Accepted> pop();
-  /// Informs the queue that it was held back for `duration` on purpose (holdsBack()), so that this
-  /// time is not counted as preparation delay.
+  /// Tells the queue that the decode thread deliberately took no frame for `duration`
+  /// (DecodeThread::holdsBack()). The queue adds `duration` to FramePlace::left of every queued
+  /// frame, so that this time does not count as preparation delay.
   void holdBack(Duration duration);
   [[nodiscard]] bool empty() const { return frames_.empty(); }
   void clear();

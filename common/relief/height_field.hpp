@@ -88,8 +88,8 @@ class HeightField {
   /// Returns a field with the heights inside the mask, and zero elsewhere. Returns an empty field
   /// if the sizes do not match.
   static HeightField makePadded(const Relief& relief, const Workspace& workspace);
-  /// Computes the edge distances. If `continued` is true, it also computes the heights beyond the
-  /// mask.
+  /// Computes the edge distances, the deepest point and the largest height. If `continued` is true,
+  /// it also computes the heights beyond the mask.
   void complete(bool continued);
 
   PixelRect rect_;      // of the relief

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Ed25519 signatures (RFC 8032) and random numbers. Only the .cpp of this header includes OpenSSL.
-// Thread: one for each object, except where a function says "any".
+// Ed25519 signatures (RFC 8032) and random numbers. This header does not include OpenSSL. Only its
+// .cpp file does.
+// Thread: one thread at a time uses an object. Functions marked "any" may run in any thread.
 #pragma once
 
 #include <array>

@@ -43,9 +43,9 @@ class FramePump {
   /// The first frame of a clip is due at once. `loop`: a clip begins again at its end.
   FramePump(const Parts& parts, bool loop, Wait wait);
 
-  /// Reads the next frame when it is due and processes it. If a live source is silent, publishes
-  /// the frames that vision holds back for its look-ahead: later they would be so late that viewers
-  /// would raise their playout delay for them. Throws SourceError.
+  /// Waits until the next frame is due, reads it and processes it. If a live source has been silent
+  /// for too long, publishes the frames that vision still holds for its look-ahead. Otherwise these
+  /// frames would arrive late, and the viewers would raise their playout delay. Throws SourceError.
   PumpStep step();
   /// Waits a moment, or drops a frame of a live source. Throws SourceError.
   void idle();

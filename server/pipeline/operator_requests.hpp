@@ -22,9 +22,10 @@ class OperatorRequests {
   void push(const Control& request);
   /// Sets the settings that a reload has read. Their materials will take effect. Thread: any.
   void pushReload(VisionSettings reloaded);
-  /// Carries out what was added since the last call, and writes new materials to `settings`, those
-  /// of the stream. Returns whether an operator requested something. Throws SourceError. Thread:
-  /// the pipeline's.
+  /// Carries out the requests and the reload that were added since the last call. Writes the new
+  /// materials to `settings`, the settings of the stream. Returns true if it carried out a request
+  /// of an operator; a reload alone does not count. Throws SourceError if the source fails during a
+  /// seek. Thread: the pipeline's.
   bool carryOut(FramePump& pump, PipelineCounter& counter, VisionSettings& settings);
   /// Returns whether the stream is paused. Thread: the pipeline's.
   [[nodiscard]] bool paused() const { return paused_; }

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Media clock of an edge: the origin's, which pings over NATS measure. Thread: any.
+// Media clock of an edge. (An edge is a server that forwards the stream of another server, the
+// origin.) The clock follows the media clock of the origin: it adds an offset to the local clock.
+// Pings over NATS measure this offset. Thread: any.
 #pragma once
 
 #include <atomic>

@@ -70,9 +70,10 @@ class RgbdSource {
  public:
   virtual ~RgbdSource() = default;
   [[nodiscard]] virtual const SourceInfo& info() const = 0;
-  /// Returns the next frame, or nullopt at the end of the clip. It skips unreadable frames and logs
-  /// one warning for them. Throws SourceError if no further frame is readable. A live source has no
-  /// end: nullopt means that no frame came for a moment, so the caller asks again.
+  /// Returns the next usable frame. Skips unusable frames, with one warning for each run of them.
+  /// Returns nullopt at the end of the clip. Throws SourceError if the clip ends and no frame of
+  /// this playback was usable, or if its files have vanished. A live source has no end: there
+  /// nullopt means that no frame has arrived yet, so the caller asks again.
   virtual std::optional<RgbdFrame> read() = 0;
   /// Skips the next frame, without decoding it if possible. Returns false at the end of the clip.
   virtual bool skip() = 0;

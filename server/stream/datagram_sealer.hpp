@@ -19,7 +19,8 @@ class DatagramSealer {
  public:
   /// Time after which a key is replaced.
   static constexpr Duration kKeyLife = std::chrono::hours(1);
-  /// Time from the announcement of a new key to its use: for slow TCP connections.
+  /// Time from the announcement of a new key to its first use. Viewers receive the key over TCP, so
+  /// this time lets the key arrive on a slow connection. After revoke() the time is zero.
   static constexpr Duration kAnnouncedBefore = std::chrono::seconds(1);
   /// Time in which viewers accept datagrams of the key before, from the announcement on.
   static constexpr Duration kGrace = std::chrono::seconds(10);

@@ -41,8 +41,9 @@ class FalconLink {
  public:
   using LogLine = std::function<void(const std::string& line)>;
 
-  /// Opens the device, and loads its firmware if necessary. `log_line` receives lines for the user,
-  /// also in the link's thread until the destructor ends. Throws FalconError if no device answers.
+  /// Opens the device, and loads its firmware if necessary. The link calls `log_line` with each
+  /// line for the user: in this thread, and later in its own thread until the destructor ends.
+  /// Throws FalconError if the device is missing, does not answer, or does not accept its firmware.
   /// Throws std::runtime_error for an invalid firmware file. `clock` must outlive this object.
   FalconLink(FalconSettings settings, const Clock& clock, LogLine log_line);
   /// Sets the motors to zero force, waits for the device's reply, and closes the device.

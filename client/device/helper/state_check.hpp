@@ -25,8 +25,9 @@ class StateCheck {
 
   /// Starts anew with another helper process: the next reading is the first one.
   void restart() noexcept;
-  /// Converts a reading to the state for the loop. The position is the last accepted one, unless
-  /// the status is kOk.
+  /// Checks `reading`, and returns the state for the haptic loop. The status is kOk if the reading
+  /// is new and plausible, and not too old at the time `now`. Otherwise the position, the buttons
+  /// and the time are those of the last accepted reading.
   DeviceState check(const DeviceReading& reading, LocalTime now) noexcept;
   /// Returns how often each finding occurred. Thread: any.
   [[nodiscard]] std::uint64_t count(Finding finding) const noexcept {

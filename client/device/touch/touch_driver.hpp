@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-// The Touch of 3D Systems (Phantom Omni) as a driver of hapticast-device. The closed library libHD
-// of OpenHaptics is loaded at run time. Its thread calls back a thousand times a second; forces are
-// set there only. exchange() hands the newest force over, and the callback hands the newest
-// position back, without a lock.
-// Thread: those of hapticast_device.h, and the library's.
+// Driver of hapticast-device for the Touch of 3D Systems (Phantom Omni). It loads libHD, the closed
+// library of OpenHaptics, at run time. A thread of libHD calls the driver's callback a thousand
+// times a second. Only this callback sets forces. exchange() gives the newest force to the callback
+// and takes the newest position from it. Neither of them locks a mutex.
+// Thread: the driver's functions as in hapticast_device.h; the callback in libHD's thread.
 #pragma once
 
 #include "client/device/hapticast_device.h"

@@ -69,7 +69,8 @@ class HermitePath {
   [[nodiscard]] Pose at(double time_s) const noexcept;
 
  private:
-  /// Value and rate at both ends.
+  /// A value and its rate of change at both frames: p0 and v0 at the first one, p1 and v1 at the
+  /// second one. The type T is Vec3 for the position and double for the angle.
   template <class T>
   struct Ends {
     T p0, v0, p1, v1;

@@ -44,9 +44,10 @@ class DatagramKeyRing {
   /// Largest number of keys. The oldest one is dropped. An hourly rotation needs two.
   static constexpr std::size_t kMostKeys = 4;
 
-  /// Begins a stream with the key of its welcome, or one without sealed datagrams (nullopt). If the
-  /// ring already has this key as its newest one (the client has reconnected), the counters that
-  /// have come stay known. Throws std::runtime_error if OpenSSL fails.
+  /// Begins a stream. `key` is the key from the server's welcome message. If it is nullopt, the
+  /// datagrams of the stream are not sealed. All older keys are removed. If the client reconnects
+  /// and `key` is still the newest key, the ring retains its window of received counters. So
+  /// repeated datagrams stay rejected. Throws std::runtime_error if OpenSSL fails.
   void begin(const std::optional<DatagramKey>& key);
   /// Adds a new key of the stream. The keys before expire after `key.grace`, or as they would have
   /// anyway. Throws std::runtime_error if OpenSSL fails.

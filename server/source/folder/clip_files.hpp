@@ -20,8 +20,9 @@ struct FrameFiles {
   std::filesystem::path color;
   std::filesystem::path depth;  ///< empty: the frame is a gap
   std::filesystem::path mask;   ///< mask file; empty: the frame has none
-  /// Masks of single objects (BOP): element n has object n + 1; an empty path: it has none. No
-  /// elements: the frame has no such masks.
+  /// Mask files of single objects, in the BOP layout only. Element n is the mask of object n + 1.
+  /// An empty path means that this frame has no mask of that object. An empty vector means that the
+  /// clip has no masks of single objects.
   std::vector<std::filesystem::path> object_masks;
   std::optional<double> mm_per_unit;  ///< of this frame's depth; nullopt: as the clip's
 };

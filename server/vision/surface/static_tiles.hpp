@@ -77,8 +77,8 @@ class StaticTiles {
   }
   [[nodiscard]] int columns() const { return columns_; }
   [[nodiscard]] int rows() const { return rows_; }
-  /// Returns the cause by which most pixels were released in this frame; kNone: no tile was
-  /// released.
+  /// Returns the cause that released the most pixels of the object in this frame. New tiles (kNew)
+  /// do not count. Returns kNone if no other cause released a pixel of the object.
   [[nodiscard]] Cause cause() const { return cause_; }
   /// Returns the rectangle of a tile, px of the box.
   [[nodiscard]] cv::Rect tileRect(int column, int row) const;

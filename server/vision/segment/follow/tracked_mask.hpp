@@ -46,7 +46,7 @@ class TrackedMask {
   /// `most_rounds` repetitions.
   TrackedMask(std::uint32_t id, const cv::Mat& first_mask, const FrameImages& images,
               const SceneContext& scene, int most_rounds = kSettleRounds);
-  /// Usual limit of the repetitions. The value was measured: 5 to 19 repetitions are needed.
+  /// Default of `most_rounds`. In measurements, the mask needed 5 to 19 repetitions to settle.
   static constexpr int kSettleRounds = 25;
 
   /// Stores the score of the present mask, with which later masks are compared
