@@ -4,6 +4,7 @@
 // Thread: main.
 #pragma once
 
+#include "client/haptics/haptic_device.hpp"
 #include "client/settings.hpp"
 
 namespace hapticast::client {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "server/http/figures.hpp"
 
+#include <fmt/core.h>
+
 #include <array>
 #include <string>
 #include <utility>
@@ -160,7 +162,7 @@ void addPipeline(FigureList& out, const PipelineCounts& pipeline) {
     for (std::size_t i = 0; i < kStages; ++i) {
       const std::string place = std::to_string(object);
       const std::string stage(kStageNames[i]);
-      out.add(bool{pipeline.plan[object][i]}, "/pipeline/plan/" + place + "/" + stage,
+      out.add(bool{pipeline.plan[object][i]}, fmt::format("/pipeline/plan/{}/{}", place, stage),
               {{"object", place}, {"stage", stage}});
     }
   }

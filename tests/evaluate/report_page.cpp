@@ -105,14 +105,16 @@ std::vector<PageGoal> selectGoals(const std::vector<Row>& rows) {
 
 // Claims have their words for what is required and what was got.
 std::string makeGoalLine(const PageGoal& goal, const Table& claims) {
-  const std::string mark = goal.missed() ? "**" : "";
+  const auto mark = [&goal](const std::string& text) {
+    return goal.missed() ? std::string("**").append(text).append("**") : text;
+  };
   for (const std::vector<std::string>& claim : claims) {
     if (claim.size() != 3 || claim[0] != goal.what) continue;
-    return makeLine({escapeCell(goal.what), escapeCell(claim[1]), "-",
-                     mark + escapeCell(claim[2]) + mark, "-", ""});
+    return makeLine(
+        {escapeCell(goal.what), escapeCell(claim[1]), "-", mark(escapeCell(claim[2])), "-", ""});
   }
   return makeLine({escapeCell(goal.what), show(goal.find("required")), show(goal.find("aim")),
-                   mark + show(goal.find("got")) + mark, show(goal.find("thesis")), goal.unit});
+                   mark(show(goal.find("got"))), show(goal.find("thesis")), goal.unit});
 }
 
 // A mean over the scenes, by variant of a stage: geometric, or rms where a value is 0.
