@@ -5,6 +5,7 @@
 #include <array>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <map>
 #include <stdexcept>
 #include <string_view>
@@ -184,15 +185,21 @@ bool hasDevice(std::string_view name) {
                      [name](const DeviceKind& kind) { return kind.name == name; });
 }
 
-/// Adds --falcon-KEY VALUE, which is --device-option falcon.KEY=VALUE.
-void addFalconOption(CLI::App& app, Settings& settings, const std::string& key, const char* type,
-                     const char* help) {
-  const auto set = [&settings, key](const std::string& text) {
-    if (key == "gain" && !parseNumberInRange<double>(text, kLeastFalconGain, kMostFalconGain))
-      throw notANumber("--falcon-gain", text, kLeastFalconGain, kMostFalconGain);
+/// Adds --falcon-KEY VALUE, which is --device-option falcon.KEY=VALUE. `check` throws for a wrong
+/// value.
+CLI::Option* addFalconOption(CLI::App& app, Settings& settings, const std::string& key,
+                             const char* type, const char* help,
+                             const std::function<void(const std::string& text)>& check = {}) {
+  const auto set = [&settings, key, check](const std::string& text) {
+    if (check) check(text);
     settings.device_options["falcon." + key] = text;
   };
-  app.add_option_function<std::string>("--falcon-" + key, set, help)->type_name(type);
+  return app.add_option_function<std::string>("--falcon-" + key, set, help)->type_name(type);
+}
+
+void checkFalconGain(const std::string& text) {
+  if (!parseFalconGain(text))
+    throw notANumber("--falcon-gain", text, kLeastFalconGain, kMostFalconGain);
 }
 
 void addFalconOptions(CLI::App& app, Settings& settings) {
@@ -207,9 +214,11 @@ void addFalconOptions(CLI::App& app, Settings& settings) {
                   "hapticast/falcon.bin in $XDG_DATA_HOME, else in ~/.local/share");
   addFalconOption(app, settings, "serial", "S",
                   "Which Falcon, by its serial number (--list-devices); default: the first");
-  addFalconOption(
-      app, settings, "gain", "COUNTS_PER_NM",
-      "Motor counts for a torque of 1 N m at an arm of the Falcon, 100..20000; default: 3500");
+  showDefault(*addFalconOption(app, settings, "gain", "COUNTS_PER_NM",
+                               "Motor counts for a torque of 1 N m at an arm of the Falcon, "
+                               "100..20000; default: 3500",
+                               checkFalconGain),
+              kFalconGain);
   addNumber(app, "--falcon-calibrate", settings.calibration_g, 50.0, 500.0, "GRAMS",
             "Measure the gain with a known weight, step by step, and end; the file of --config "
             "stores the gain, else the log shows it");

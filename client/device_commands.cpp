@@ -15,7 +15,6 @@
 #include "client/report/fault_log.hpp"
 #include "common/cli/run_program.hpp"
 #include "common/private_file.hpp"
-#include "common/text.hpp"
 
 namespace hapticast::client {
 
@@ -30,9 +29,8 @@ void stopAtSignals() {
 
 void logInfo(const std::string& line) { spdlog::info("{}", line); }
 
-DeviceRequest toRequest(const Settings& settings, const std::string& kind, const Clock& clock) {
-  return {.kind = kind,
-          .profile = settings.profile,
+DeviceRequest toRequest(const Settings& settings, const Clock& clock) {
+  return {.profile = settings.profile,
           .clock = clock,
           .options = settings.device_options,
           .log = logInfo};
@@ -44,13 +42,12 @@ std::string checkFile() { return (stateFolder() / "checked-devices").string(); }
 
 void printDevices(const Settings& settings) {
   const SteadyClock clock;
-  std::fputs(listDevices(toRequest(settings, "", clock)).c_str(), stdout);
+  std::fputs(listDevices(toRequest(settings, clock)).c_str(), stdout);
 }
 
 int runDeviceCheck(const Settings& settings) {
   const SteadyClock clock;
-  const auto device =
-      openDevice(settings.check_device, toRequest(settings, settings.check_device, clock));
+  const auto device = openDevice(settings.check_device, toRequest(settings, clock));
   stopAtSignals();
   const auto check = checkDevice(*device, clock, stop_command, logInfo);
   if (!check) return kDone;
@@ -69,15 +66,12 @@ int runDeviceCheck(const Settings& settings) {
 
 int runFalconCalibration(const Settings& settings) {
   const SteadyClock clock;
-  const DeviceRequest request = toRequest(settings, "falcon", clock);
-  const auto device = openDevice("falcon", request);
+  const auto device = openDevice("falcon", toRequest(settings, clock));
   stopAtSignals();
-  const auto options = selectDriverOptions(request);
+  const auto options = selectDriverOptions(settings.device_options, "falcon");
   const auto set = options.find("gain");
-  const double used =
-      set == options.end()
-          ? kFalconGain
-          : parseNumberInRange<double>(set->second, kLeastFalconGain, kMostFalconGain).value();
+  // The driver has checked it.
+  const double used = set == options.end() ? kFalconGain : parseFalconGain(set->second).value();
   const auto gain = calibrate(*device, clock, used, settings.calibration_g, stop_command, logInfo);
   if (!gain) return kDone;
   if (settings.config_file.empty()) {

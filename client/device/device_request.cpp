@@ -3,10 +3,11 @@
 
 namespace hapticast::client {
 
-std::map<std::string, std::string> selectDriverOptions(const DeviceRequest& request) {
+std::map<std::string, std::string> selectDriverOptions(
+    const std::map<std::string, std::string>& options, const std::string& driver) {
   std::map<std::string, std::string> selected;
-  const std::string own = request.kind + ".";
-  for (const auto& [key, value] : request.options) {
+  const std::string own = driver + ".";
+  for (const auto& [key, value] : options) {
     if (key.find('.') == std::string::npos) selected.emplace(key, value);
     if (key.starts_with(own)) selected[key.substr(own.size())] = value;
   }

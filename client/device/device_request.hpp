@@ -32,9 +32,10 @@ struct DeviceRequest {
   std::function<void(const std::string& line)> log = [](const std::string& /*line*/) {};
 };
 
-/// Returns those of request.options that are for the driver request.kind, with the keys that the
-/// driver knows. An option for this driver only replaces one for all.
-std::map<std::string, std::string> selectDriverOptions(const DeviceRequest& request);
+/// Returns those of DeviceRequest::options that are for `driver`, with the keys that the driver
+/// knows. An option for this driver only replaces one for all.
+std::map<std::string, std::string> selectDriverOptions(
+    const std::map<std::string, std::string>& options, const std::string& driver);
 
 /// Returns the profile `name_or_file` (loadDeviceProfile()). For an empty name it returns the
 /// profile `own`. Throws like OpenDevice.

@@ -2,6 +2,7 @@
 #include "server/pipeline/plan_log.hpp"
 
 #include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <string>
 #include <string_view>

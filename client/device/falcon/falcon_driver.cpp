@@ -18,7 +18,6 @@
 #include "client/device/falcon/pilot.hpp"
 #include "client/device/helper/program/make_driver.hpp"
 #include "client/device/sleep_until.hpp"
-#include "common/text.hpp"
 
 namespace hapticast::client {
 
@@ -48,7 +47,7 @@ FalconSettings readFalconSettings(const hapticast_host& host, const char* serial
   if (serial != nullptr) settings.serial = serial;
   if (const char* const file = option("firmware")) settings.firmware_file = file;
   if (const char* const text = option("gain")) {
-    const auto gain = parseNumberInRange<double>(text, kLeastFalconGain, kMostFalconGain);
+    const auto gain = parseFalconGain(text);
     if (!gain)
       throw std::runtime_error(
           fmt::format("--device-option gain={}: is not a number from {:g} to {:g}", text,

@@ -3,7 +3,11 @@
 // Thread: any.
 #pragma once
 
+#include <optional>
 #include <string>
+#include <string_view>
+
+#include "common/text.hpp"
 
 namespace hapticast::client {
 
@@ -14,6 +18,12 @@ inline constexpr double kFalconGain = 3500.0;
 // Chosen: from a seventh of the default gain of any driver to twice the largest.
 inline constexpr double kLeastFalconGain = 100.0;
 inline constexpr double kMostFalconGain = 20000.0;
+
+/// Returns the gain in `text`, or nullopt if `text` is no number from kLeastFalconGain to
+/// kMostFalconGain.
+inline std::optional<double> parseFalconGain(std::string_view text) {
+  return parseNumberInRange<double>(text, kLeastFalconGain, kMostFalconGain);
+}
 
 struct FalconSettings {
   /// Empty: the default file, or no file if the firmware already runs.

@@ -103,7 +103,7 @@ HelperDevice::HelperDevice(const DeviceRequest& request)
     : name_(request.kind),
       clock_(request.clock),
       program_(request.helper_program.empty() ? findHelperProgram() : request.helper_program),
-      options_(selectDriverOptions(request)) {
+      options_(selectDriverOptions(request.options, request.kind)) {
   hapticast_profile driver = unknownProfile();
   lives_.push_back(start(driver, request.log));
   profile_ = convertProfile(name_, driver, request.profile);
@@ -308,7 +308,7 @@ std::unique_ptr<HapticDevice> openHelperDevice(const DeviceRequest& request) {
 std::vector<std::string> listHelperDevices(const DeviceRequest& request) {
   HelperProcess process(
       request.helper_program.empty() ? findHelperProgram() : request.helper_program, request.kind,
-      "list", selectDriverOptions(request), nullptr);
+      "list", selectDriverOptions(request.options, request.kind), nullptr);
   const LocalTime until = request.clock.now() + kListPatience;
   std::vector<std::string> lines;
   while (request.clock.now() < until) {

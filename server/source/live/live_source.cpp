@@ -13,9 +13,8 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr Duration kReadWait =
-    std::chrono::milliseconds(50);                         // chosen: when a server sees its stop
-constexpr Duration kRetryPause = std::chrono::seconds(1);  // chosen
+constexpr Duration kReadWait = std::chrono::milliseconds(50);  // chosen: read() sees a stop so late
+constexpr Duration kRetryPause = std::chrono::seconds(1);      // chosen
 
 }  // namespace
 

@@ -15,8 +15,8 @@ namespace {
 
 constexpr Duration kCameraStart = std::chrono::seconds(5);  // chosen: cameras start in 1 to 3 s
 constexpr Duration kLongestWait = std::chrono::milliseconds(50);  // chosen: when a stop is noticed
-
-constexpr Duration kOldest = std::chrono::milliseconds(500);  // chosen: of a time stamp to believe
+// Chosen: an older time stamp is of another clock, and the arrival counts in its place.
+constexpr Duration kOldestStamp = std::chrono::milliseconds(500);
 
 /// What outlives a loss of the camera: its log does not begin anew.
 struct CameraLog {
@@ -41,21 +41,18 @@ class PairedCamera final : public LiveDevice {
   [[nodiscard]] std::vector<std::string> warnings() const override { return camera_->warnings(); }
 
   std::optional<LiveFrame> read() override {
-    const LocalTime end = clock_.now() + kLongestWait;
-    do {
-      if (clock_.now() >= deadline_) throwNoPair();
-      std::optional<LivePicture> picture = camera_->read(kLongestWait);
-      if (!picture) continue;
-      (picture->is_depth ? any_depth_ : any_color_) = true;
-      if (!picture->problem.empty()) {
-        problem_ = picture->problem;
-        log_.skipped.add(log_.next, problem_);
-        log_.skipped.endRun();
-      } else if (auto pair = pairer_.push(std::move(*picture))) {
-        return makeFrame(std::move(*pair));
-      }
-    } while (clock_.now() < end);
-    return std::nullopt;
+    if (clock_.now() >= deadline_) throwNoPair();
+    std::optional<LivePicture> picture = camera_->read(kLongestWait);
+    if (!picture) return std::nullopt;
+    (picture->is_depth ? any_depth_ : any_color_) = true;
+    if (!picture->problem.empty()) {
+      problem_ = picture->problem;
+      log_.skipped.add(log_.next, problem_);
+      log_.skipped.endRun();
+      return std::nullopt;
+    }
+    auto pair = pairer_.push(std::move(*picture));
+    return pair ? std::optional(makeFrame(std::move(*pair))) : std::nullopt;
   }
 
  private:
@@ -76,7 +73,7 @@ class PairedCamera final : public LiveDevice {
     if (pair.depth.size() != pair.color.size() && !std::exchange(log_.logged_scaling, true))
       logScaledDepth(info().name, pair.depth.size(), pair.color.size());
     cv::Mat depth = scaleDepth(pair.depth, info().depth_kind, pair.color);
-    const bool is_likely = pair.time <= now && now - pair.time <= kOldest;
+    const bool is_likely = pair.time <= now && now - pair.time <= kOldestStamp;
     return {std::move(pair.color), std::move(depth), is_likely ? pair.time : now};
   }
 

@@ -57,10 +57,11 @@ static void evaluateStability(const Options& options) {
 const RegisteredTopic kStabilityTopic(
     "stability",
     {.about = "the 1 kHz loop with device, hand and safety chain",
-     .method = "The real chain, motion filters and virtual device under a virtual clock. Every run "
-               "begins with an impact. The truth is the theory of sampled walls, and limits on the "
-               "force and the energy that a hand may get. Units: N/mm, N·s/m, delays d in ticks "
-               "beyond the millisecond of hold; a count is 0.055 mm where nothing else is said.",
+     .method =
+         "The real chain, motion filters and virtual device under a virtual clock. Every run "
+         "begins with an impact. The truth is the theory of sampled walls, and limits on the "
+         "force and the energy that a hand may get. Units: N/mm, N·s/m, delays d in ticks "
+         "beyond the millisecond of hold; a count is 0.055 mm, unless a row states another size.",
      .evaluate = evaluateStability,
      .pictures = {
          {"stability.png", "what is left of an impact over stiffness, damping, delay and hand"},

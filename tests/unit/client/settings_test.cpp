@@ -219,6 +219,7 @@ TEST(ClientSettings, APrintedConfigFileHasEachFlagAndItsDefault) {
   EXPECT_EQ(config.exit_code, 0);
   for (const char* line : {"\n#server =\n", "\n#device = auto\n", "\n#surface = proxy\n"})
     EXPECT_NE(config.output.find(line), std::string::npos) << line << config.output;
+  EXPECT_EQ(config.output.find("\n#falcon-gain = 3500\n") != std::string::npos, kHasFalcon);
 }
 
 TEST(ClientSettings, HelpAndVersionEndWithZero) {

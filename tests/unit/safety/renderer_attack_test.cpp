@@ -83,7 +83,7 @@ void changeTheStiffness(Attack& attack) {
   EXPECT_GT(attack.max_force_N, 0.3);
 }
 
-/// It is said to move, but does not: every extrapolation is wrong by up to 72 mm.
+/// The stream states a velocity, but the object rests: every extrapolation is off by up to 72 mm.
 void correctAnExtrapolationLate(Attack& attack, double speed_mm_s) {
   attack.streaming = false;
   double sent_s = attack.next_s;

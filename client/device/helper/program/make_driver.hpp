@@ -8,12 +8,13 @@
 //     void exchange(const Vec3& force_N, hapticast_state& state);
 //     bool commandZero();  // returns true if the device received it
 //   };
-// The constructor opens the device and fills the profile, the destructor commands zero. Both
-// functions that may throw throw std::runtime_error.
+// The constructor opens the device and fills the profile. The destructor commands zero. An error of
+// list() or of the constructor is a std::runtime_error.
 // Thread: each function runs in the thread that hapticast_device.h states.
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <stdexcept>
@@ -30,6 +31,8 @@ namespace hapticast::client {
 /// Receives the serial number of a detected device, and the reason why it cannot be opened with the
 /// remedy; empty: it can.
 using FoundDevice = std::function<void(const std::string& id, const std::string& problem)>;
+
+inline constexpr std::size_t kReason_bytes = 256;  ///< size of `why` in hapticast_device.h
 
 /// Copies `text` into a buffer of the C interface, cut to its `size`.
 inline void copyText(std::string_view text, char* to, std::size_t size) {
@@ -60,7 +63,7 @@ struct DriverFunctions {
       });
       return HAPTICAST_OK;
     } catch (const std::runtime_error& error) {
-      copyText(error.what(), why, 256);
+      copyText(error.what(), why, kReason_bytes);
       return HAPTICAST_LOST;
     }
   }
@@ -69,7 +72,7 @@ struct DriverFunctions {
     try {
       return reinterpret_cast<hapticast_device*>(new Device(*host, id, *profile));
     } catch (const std::runtime_error& error) {
-      copyText(error.what(), why, 256);
+      copyText(error.what(), why, kReason_bytes);
       return nullptr;
     }
   }
