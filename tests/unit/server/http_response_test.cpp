@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <boost/asio/buffer.hpp>
 #include <boost/beast/http/write.hpp>
@@ -58,14 +59,14 @@ TEST(HttpResponse, LimitsTheHead) {
 }
 
 TEST(HttpResponse, DependsOnMethodPathAndBody) {
-  const std::string rest = " HTTP/1.1\r\nHost: a\r\n";
   for (const std::string path : {"/metrics", "/metrics?name=1", "/health", "/status.json"})
-    EXPECT_EQ(readStatus("GET " + path + rest + "\r\n"), 200) << path;
+    EXPECT_EQ(readStatus(fmt::format("GET {} HTTP/1.1\r\nHost: a\r\n\r\n", path)), 200) << path;
   for (const std::string path : {"/", "/metrics/", "//metrics", "/Health", "*", "http://a/metrics"})
-    EXPECT_EQ(readStatus("GET " + path + rest + "\r\n"), 404) << path;
+    EXPECT_EQ(readStatus(fmt::format("GET {} HTTP/1.1\r\nHost: a\r\n\r\n", path)), 404) << path;
   for (const std::string field : {"Content-Length: 1", "Transfer-Encoding: chunked"})
-    EXPECT_EQ(readStatus("GET /metrics" + rest + field + "\r\n\r\n"), 413) << field;
-  const HttpResponse wrong_method = respondTo("POST /" + rest + "\r\n");
+    EXPECT_EQ(readStatus(fmt::format("GET /metrics HTTP/1.1\r\nHost: a\r\n{}\r\n\r\n", field)), 413)
+        << field;
+  const HttpResponse wrong_method = respondTo("POST / HTTP/1.1\r\nHost: a\r\n\r\n");
   EXPECT_EQ(wrong_method.result_int(), 405U);
   EXPECT_EQ(wrong_method.at("Allow"), "GET, HEAD");
 }
