@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Optional parts of this build. CMake defines each macro as 1 if it found the package, else as 0
-// (hapticast_optional in CMakeLists.txt). A source that needs a package has all its code within
-// #if.
+// (hapticast_optional in CMakeLists.txt). A source file that needs an optional package encloses all
+// its code in #if with that macro.
 #pragma once
 
 namespace hapticast {

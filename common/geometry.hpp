@@ -65,8 +65,8 @@ struct Workspace {
   [[nodiscard]] Vec2 toImage(const Vec2& nominal_mm) const noexcept {
     return toImage(nominal_mm, pixelsPerMm());
   }
-  /// Converts nominal mm to px. `px_per_mm` is the result of pixelsPerMm(). The conversion needs no
-  /// division, because divisions limit the speed of the loop.
+  /// Converts nominal mm to px. `px_per_mm` is the result of pixelsPerMm(). It contains no
+  /// division, because divisions would slow the haptic loop.
   [[nodiscard]] Vec2 toImage(const Vec2& nominal_mm, const Vec2& px_per_mm) const noexcept {
     return {nominal_mm.x() * px_per_mm.x() + 0.5 * width_px,
             0.5 * height_px - nominal_mm.y() * px_per_mm.y()};

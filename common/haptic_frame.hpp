@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Haptic descriptor of one video frame: the touchable surfaces and their motion. It has plain
-// values, and the decoder (common/protocol) checks them. Units: nominal mm, mm/s, mm/s², rad
-// (common/geometry.hpp). Thread: any.
+// Haptic descriptor of one video frame: the touchable surfaces and their motion. All types are
+// plain structs. The decoder (common/protocol) checks their values when they arrive. Units: nominal
+// mm, mm/s, mm/s², rad (common/geometry.hpp). Thread: any.
 #pragma once
 
 #include <cstddef>
@@ -98,8 +98,8 @@ struct Material {
   bool operator==(const Material&) const = default;
 };
 
-/// One object of a frame. `Shape` is the type of its relief. It is Relief for production and
-/// contact, and CodedRelief (common/codec/coded_frame.hpp) for transport.
+/// One object of a frame. `Shape` is the type of its relief. The server's vision and the client's
+/// haptic loop use Relief. The transport uses CodedRelief (common/codec/coded_frame.hpp).
 template <class Shape>
 struct ObjectOf {
   std::uint32_t id = 0;                 ///< an object that was lost and found again has a new id
@@ -142,7 +142,7 @@ struct VideoFrame {
   std::vector<std::uint8_t> jpeg;
 };
 
-/// Method of a program: the algorithms of hapticast or those of the thesis.
+/// Set of algorithms that a program uses: those of hapticast, or those of the thesis.
 enum class Method : std::uint8_t { kHapticast = 0, kThesis = 1 };
 
 /// Description of a stream. A server sends it before the first frame.

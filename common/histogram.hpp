@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Histogram of durations. Each octave has 16 buckets of equal width, so the resolution is 6 %.
-// Adding a value needs constant time. The histogram has a constant size and uses no heap. Thread:
-// one owner.
+// Log-linear histogram of durations. Each octave (power of two) has 16 buckets of equal width, so
+// the resolution is 6 %. Adding a value needs constant time. The histogram has a constant size and
+// uses no heap. Thread: one, the owner.
 #pragma once
 
 #include <algorithm>

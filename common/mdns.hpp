@@ -12,8 +12,8 @@
 namespace hapticast {
 
 inline constexpr const char* kServiceType = "_hapticast._tcp";
-/// Keys of the TXT record. The value of the first key is the version of the protocol, as a number.
-/// The value of the second key is the stream's name.
+/// Keys of the TXT record. The value of kServiceVersionKey is the version of the protocol, as a
+/// number. The value of kTxtTitleKey is the stream's name.
 inline constexpr const char* kServiceVersionKey = "version";
 inline constexpr const char* kTxtTitleKey = "plays";
 /// Fingerprint of the server's TLS certificate, in hex; absent: the server has no TLS.

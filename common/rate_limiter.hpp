@@ -2,8 +2,7 @@
 // Rate limiter: the generic cell rate algorithm, which admits what a token bucket admits. Each
 // event delays the time at which all tokens are back by `refill`. An event is admitted if that time
 // is then at most `burst` x `refill` away. So `burst` events may come at once, and one more after
-// each `refill`. Without arguments it is the limit of log lines about a peer.
-// Thread: one.
+// each `refill`. The default arguments limit the log lines about a peer. Thread: one.
 #pragma once
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Result of a function: a value or an error. It serves code that parses data from outside without
-// exceptions. Thread: any.
+// Result of a function: a value or an error. Code that parses data from outside returns it in place
+// of exceptions. Thread: any.
 #pragma once
 
 #include <string>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Typed options of the command line. Their parsers serve flags and config keys alike, with uniform
-// error messages. Thread: main, at start-up.
+// Typed options of the command line. One parser for each option reads the flag and the config key
+// of the same name. All error messages have one form. Thread: main, at start-up.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -18,7 +18,7 @@
 
 namespace hapticast {
 
-/// Returns the two finite numbers of a text "A,B". Returns nullopt for other texts.
+/// Returns the two finite numbers in a text of the form "A,B". Returns nullopt for other texts.
 std::optional<Vec2> parsePair(const std::string& text);
 
 /// Returns the endpoint in `text`, as parseEndpoint() does, with missing parts from `otherwise`.
@@ -35,15 +35,15 @@ CLI::Option* addEndpoint(CLI::App& app, const std::string& name, Endpoint& value
                          std::uint16_t least_port, const std::string& form,
                          const std::string& help);
 
-/// Adds an option to `app` for two numbers "A,B". The option passes the numbers to `set_pair`.
-/// `set_pair` returns false if the numbers are outside the allowed range, which causes an error
-/// message with `form`.
+/// Adds an option to `app` for two numbers "A,B", which the option passes to `set_pair`. If
+/// `set_pair` returns false, because the numbers are outside the allowed range, the error message
+/// states `form`.
 CLI::Option* addPair(CLI::App& app, const std::string& name,
                      const std::function<bool(const Vec2&)>& set_pair, const std::string& form,
                      const std::string& help);
 
-/// Returns the error message for a `text` that is no number from `least` to `most`. Number is
-/// double or std::uint64_t.
+/// Returns the error message that `text`, the value of the flag `name`, is no number from `least`
+/// to `most`. Number is double or std::uint64_t.
 template <class Number>
 CLI::ValidationError notANumber(const std::string& name, const std::string& text, Number least,
                                 Number most);
@@ -114,7 +114,8 @@ CLI::Option* addChoice(CLI::App& app, const std::string& name, Value& value,
       ->default_str(present);
 }
 
-/// Adds an option to `app` for the name of a file with the ending `ending` (hasEnding()).
+/// Adds an option to `app` that stores a file name in `file`. A name without the ending `ending`
+/// (hasEnding()) is an error.
 CLI::Option* addFile(CLI::App& app, const std::string& name, std::string& file,
                      const std::string& ending, const std::string& help);
 
@@ -123,9 +124,10 @@ CLI::Option* addFile(CLI::App& app, const std::string& name, std::string& file,
 /// this build. Thread: any.
 void addVersion(CLI::App& app, const std::string& built_in);
 
-/// An error inside a config file. To complete its message, write the name of the file before it.
-/// The config file (--config FILE) has lines `key = value` (readKeyValues()). Every flag is a key
-/// of the same name. For a list the file repeats the key. Thread: main, at start-up.
+/// An error in a config file. Its message lacks the name of the file; the code that reports the
+/// error writes the name before the message. The config file (--config FILE) has lines `key =
+/// value` (readKeyValues()). Every flag is a key of the same name. For a list the file repeats the
+/// key. Thread: main, at start-up.
 class ConfigFileError : public CLI::ParseError {
  public:
   explicit ConfigFileError(const std::string& what)

@@ -15,8 +15,8 @@ inline constexpr std::string_view kClientProgram = "hapticast-client";
 /// `program`: kServerProgram or kClientProgram. Flags of optional parts are in the list, too.
 [[nodiscard]] std::span<const std::string_view> ownFlags(std::string_view program);
 
-/// Returns the name of the other program than `program`, if only that one has the flag `flag`.
-/// Otherwise returns an empty text. `flag` may begin with "--" and may end with "=VALUE".
+/// Returns the name of the other program if that program has the flag `flag` and `program` lacks
+/// it. Otherwise returns an empty text. `flag` may begin with "--" and may end with "=VALUE".
 [[nodiscard]] std::string_view ownerOfFlag(std::string_view flag, std::string_view program);
 
 }  // namespace hapticast

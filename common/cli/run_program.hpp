@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The outermost code of both programs: it starts the log, catches the last exceptions, and
-// determines the exit code. Thread: main.
+// The outermost code of both programs: it starts the log, catches every exception that no other
+// code caught, and determines the exit code. Thread: main.
 #pragma once
 
 #include <functional>
@@ -13,7 +13,7 @@ enum ExitCode : int { kDone = 0, kFailed = 1, kWrongInput = 2 };
 /// Returns the version of both programs, for example 0.1.0. Thread: any.
 [[nodiscard]] const char* programVersion();
 
-/// Starts the log with the name `name`. Its lines go to stderr: "HH:MM:SS.mmm LEVEL TEXT", where
+/// Starts the log of the program `name`. Its lines go to stderr: "HH:MM:SS.mmm LEVEL TEXT", where
 /// LEVEL is info, warning or error. If systemd's journal reads stderr ($JOURNAL_STREAM), the lines
 /// have no time, because the journal adds one.
 void startLog(const std::string& name);

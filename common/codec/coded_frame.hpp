@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Coded frame: a frame in the form that is sent. Its reliefs are slices of the height codec.
-// Thread: any; one for each FrameCoder.
+// Coded frame: a frame in the form that travels to clients. Its reliefs are slices of the height
+// codec. Thread: any; at most one at a time for each FrameCoder.
 #pragma once
 
 #include <cstddef>

@@ -6,8 +6,8 @@
 //
 // A slice has one of two modes. Smooth mode interpolates the heights on a pyramid of coarser and
 // coarser points. Rough mode predicts each pixel from its neighbours. In both modes an adaptive
-// binary range coder writes the bytes (proto/slices.md).
-// Thread: one for each object; both classes reuse their working memory.
+// binary range coder writes the bytes (proto/slices.md). Thread: any; at most one at a time for
+// each object, because both classes reuse their working memory.
 #pragma once
 
 #include <cstddef>
@@ -25,8 +25,8 @@
 namespace hapticast {
 
 /// Default for the largest error of a pixel's height. Its effect was measured (hapticast-evaluate
-/// codec). With the default of `coarse_sixteenths`, the codec adds less than half a percentage
-/// point to the force's error.
+/// codec): with the default of `coarse_sixteenths`, the codec increases the error of the force by
+/// less than half a percentage point.
 inline constexpr double kDefaultHeightError_mm = 0.02;
 /// Largest size of a slice. A datagram also has its header, its signature, and the ids of object
 /// and relief. With all of them it stays below 1280 bytes, the smallest MTU of IPv6.
@@ -40,8 +40,8 @@ struct SliceSettings {
   /// Quantiser step of the points on the coarser levels of the pyramid (smooth mode), from which
   /// the codec interpolates the pixels. It is in sixteenths of the step of the pixels, 1..16. A
   /// smaller step yields a smoother surface with the same largest error, but needs more bytes. The
-  /// effect was measured. At 16, slices add 0.75 percentage points to the force's error. At 10,
-  /// they add 0.49 points, and they have 11 % more bytes.
+  /// effect was measured. At 16, the codec increases the error of the force by 0.75 percentage
+  /// points. At 10, it increases that error by 0.49 points, and slices have 11 % more bytes.
   int coarse_sixteenths = 10;
   std::size_t most_bytes = kMostSliceBytes;  ///< largest size of a slice, 300 or more
 

@@ -12,8 +12,8 @@
 
 namespace hapticast {
 
-/// Checks values and records the first error. So the reading code needs no branches: it asks for
-/// the error once, at the end.
+/// Checks values and records the first error. So the decoder reads all values without branches, and
+/// calls error() once, at the end.
 class Check {
  public:
   /// Returns `value`. Records the error `what` unless low <= value <= high. A NaN is an error.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Fragmentation and reassembly of frames. The sender splits a frame into fragments that fit
-// datagrams. The receiver checks each fragment and joins the fragments in any order. Thread: any,
-// one for each object.
+// datagrams. The receiver checks each fragment and joins the fragments in any order. Thread: any;
+// at most one at a time for each object.
 #pragma once
 
 #include <cstddef>
@@ -48,10 +48,12 @@ struct FramePiece {
 /// Joins the fragments of one frame, which may arrive in any order.
 class Reassembly {
  public:
-  /// Starts the frame to which `any_part` belongs. Requires a header that is not a probe's.
+  /// Starts the frame to which `any_part` belongs. Requires the header of a fragment, not of a
+  /// probe.
   explicit Reassembly(const DatagramHeader& any_part);
 
-  /// Returns true if the fragment belongs to this frame and is still missing.
+  /// Returns true if the fragment with the header `part` belongs to this frame and is still
+  /// missing.
   [[nodiscard]] bool lacks(const DatagramHeader& part) const;
   /// Adds the payload of a missing fragment. Returns an error if it contradicts earlier fragments.
   /// The caller must then drop the whole frame.

@@ -60,7 +60,8 @@ struct Welcome {
   std::optional<DatagramGroup> group = std::nullopt;
   std::optional<DatagramKey> datagram_key = std::nullopt;  ///< absent: datagrams are not sealed
 };
-/// Request of an operator. The server returns it to him when it is done.
+/// Request of an operator. The server sends it back to the operator when it has accepted the
+/// request.
 struct Control {
   std::optional<bool> paused;
   std::optional<double> seek_s;  ///< time in the clip, s

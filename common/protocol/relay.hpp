@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Messages between origin and edges (proto/relay.proto; proto/relay.md). A whole
-// message consists of magic, channel, term, origin, number, content, and the origin's signature
-// over all of that. It travels in numbered pieces, because NATS limits the size of a payload.
-// Decoders check limits before they allocate. Thread: any, one for each RelayJoiner.
+// Messages between origin and edges (proto/relay.proto; proto/relay.md). A whole message consists
+// of magic, channel, term, origin, number, content, and the origin's signature over all of that.
+// The origin sends it in numbered pieces, because NATS limits the size of a payload. Decoders check
+// limits before they allocate. Thread: any; at most one at a time for each RelayJoiner.
 #pragma once
 
 #include <cstddef>
@@ -25,7 +25,7 @@
 
 namespace hapticast {
 
-/// Largest size of a whole message: the three forms of the largest frame, and some room.
+/// Largest size of a whole message: the largest frame in its three encoded forms, with a margin.
 inline constexpr std::size_t kMostRelayBytes = 4 * kMaxMessageBytes;
 /// Largest number of pieces of a message.
 inline constexpr std::size_t kMostRelayPieces = 1024;

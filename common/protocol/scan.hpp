@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Scanner of a protobuf message. It counts repeated submessages before the parser allocates memory
-// for them. An empty submessage needs 2 bytes in the message, but 150 in memory.
-// The scanner reads tags and skips unknown fields and groups with protobuf's own code. So it reads
-// at least as far as the parser. Thread: any.
+// for them. An empty submessage needs 2 bytes in the message, but 150 in memory. The scanner reads
+// tags and skips unknown fields and groups with protobuf's own code. So it finds every submessage
+// that the parser would find. Thread: any.
 #pragma once
 
 #include <cstddef>

@@ -33,8 +33,8 @@ NearestPixel findNearestPixel(const std::vector<std::uint8_t>& mask, int width, 
 std::vector<float> distanceTo(const std::vector<std::uint8_t>& mask, int width, int height,
                               std::uint8_t marked, const Vec2& mm_per_px);
 
-/// Smooths `distance_mm` in place. It has the signed distance of each pixel to the edge of a mask,
-/// row by row, in mm, positive inside.
+/// Smooths `distance_mm` in place. `distance_mm` has the signed distance of each pixel to the edge
+/// of a mask, row by row, in mm, positive inside.
 ///
 /// A Gaussian of 1.8 px smooths all distances. Within 4 px of the edge, the values of a fitted
 /// quadratic replace the smoothed distances. Each fit uses the distances on a line along the edge,
@@ -42,9 +42,9 @@ std::vector<float> distanceTo(const std::vector<std::uint8_t>& mask, int width, 
 /// differ by at most about half a pixel (Lepski's choice of a bandwidth).
 ///
 /// The caller uses the result as the coefficients of a uniform cubic B-spline. The edge of a circle
-/// then has its true radius. Requires distance_mm.size() == width * height, both above 0, and
-/// finite values. It serves to prepare height fields, outside the haptic loop, because the proxy
-/// contacts the edge as a wall. Thread: any.
+/// then has its true radius. Smoothing is necessary because the proxy contacts the edge as a wall.
+/// Requires distance_mm.size() == width * height, both above 0, and finite values. Call it outside
+/// the haptic loop. Thread: any.
 void smoothEdgeDistance(std::vector<float>& distance_mm, int width, int height,
                         const Vec2& mm_per_px);
 

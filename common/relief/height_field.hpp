@@ -39,7 +39,8 @@ class HeightField {
   HeightField() = default;
 
   /// Returns the height field of `relief`. Its heights continue kMargin_px beyond the mask by local
-  /// fits (rim_fit.hpp). So nothing beside the object affects samples near the edge of the mask.
+  /// fits (rim_fit.hpp). So depths beside the object do not affect samples near the edge of the
+  /// mask.
   ///
   /// The field also has the smoothed signed distance to the mask's edge (distance_transform.hpp).
   /// The proxy contacts that edge as a wall. The time is linear in the number of pixels. Requires a

@@ -2,8 +2,8 @@
 // Channel: a connection to a peer that carries whole payloads. A payload is the bytes of one
 // message. The implementation separates the payloads on the connection.
 //
-// Server and client use only this interface. So a further transport needs only one more
-// implementation. Thread: the one that runs the channel's io_context.
+// Server and client use only this interface. So a new transport needs only one more implementation.
+// Thread: the one that runs the channel's io_context.
 #pragma once
 
 #include <cstddef>
@@ -64,7 +64,8 @@ class Channel {
   /// would otherwise store them for minutes.
   virtual void abort() noexcept = 0;
 
-  /// Returns whether the connection is encrypted (TLS). It is known after the first payload.
+  /// Returns whether the connection is encrypted (TLS). The result is valid after the first
+  /// payload.
   [[nodiscard]] virtual bool encrypted() const noexcept { return false; }
 
   /// Sets the size of the longest payload that read() accepts from now on.

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Clock synchronisation by pings with four timestamps, as in NTP. It estimates media clock minus
-// local clock. The quickest pings determine the offset. Lower convex hulls determine the drift
-// (Moon, Skelly and Towsley 1999). Times are arguments. Thread: one (the client's network thread).
+// Clock synchronisation by pings with four timestamps, as in NTP. It estimates the offset: media
+// clock minus local clock. The pings with the shortest delays determine the offset. Lower convex
+// hulls determine the drift (Moon, Skelly and Towsley 1999). Callers pass all times as arguments.
+// Thread: one (the client's network thread).
 #pragma once
 
 #include <deque>
@@ -39,13 +40,14 @@ class ClockSync {
   [[nodiscard]] Duration offset(LocalTime now);
 
   /// Returns the largest possible error of the last returned offset. It is half of the quickest
-  /// round trip, plus the remaining distance of that offset from the estimate. The quickest way
-  /// there and the quickest way back may belong to two pings. Requires ready().
+  /// round trip, plus the remaining distance of that offset from the estimate. The quickest request
+  /// and the quickest answer may belong to two different pings. Requires ready().
   [[nodiscard]] Duration errorBound() const;
 
  private:
-  /// One ping: media minus local clock, measured by the way there and by the way back. `there` is
-  /// too large by the delay on the way there. `back` is too small by the delay on the way back.
+  /// Two measurements of media minus local clock by one ping. `there` comes from the request and is
+  /// too large by the request's delay. `back` comes from the answer and is too small by the
+  /// answer's delay.
   struct Sample {
     LocalTime time;  // middle of the ping
     Duration there;

@@ -50,7 +50,7 @@ struct Datagram {
   std::uint64_t token = 0;
   DatagramHeader header;
   std::uint8_t key_id = kPlainKeyId;  ///< number of the key that seals the payload
-  std::uint64_t counter = 0;          ///< of a sealed datagram: different for each one of a key
+  std::uint64_t counter = 0;          ///< of a sealed datagram: never used twice with one key
   /// Of a sealed datagram: the bytes that its tag protects but does not encrypt.
   std::span<const std::uint8_t> readable;
   std::span<const std::uint8_t> sealed;   ///< encrypted payload and tag
@@ -59,8 +59,8 @@ struct Datagram {
   std::span<const std::uint8_t> signature;  ///< signature of signed_bytes, not verified yet
 };
 
-/// Returns the datagram in `bytes`. Returns nullopt if its size or its numbers are invalid. The
-/// function is fast, because it does not verify the signature.
+/// Returns the datagram in `bytes`. Returns nullopt if its size or its numbers are invalid. It does
+/// not verify the signature.
 [[nodiscard]] std::optional<Datagram> readDatagram(std::span<const std::uint8_t> bytes) noexcept;
 
 /// Returns the bytes that follow the token: header, payload and signature. If `seal` is not null,
@@ -69,9 +69,8 @@ struct Datagram {
                                                    std::span<const std::uint8_t> payload,
                                                    SigningKey& key, SealingKey* seal = nullptr);
 /// Returns the bytes of a probe that follow the token. A probe is never sealed, because it has no
-/// content. It has the size of the largest
-/// datagram, the reserved bytes included. So if a probe arrives, datagrams of every size can
-/// arrive.
+/// content. It has the size of the largest datagram, with the bytes of a seal. So if a probe
+/// arrives, datagrams of every size can arrive.
 [[nodiscard]] std::vector<std::uint8_t> probeBody(std::uint32_t stream, SigningKey& key);
 /// Returns the token in the byte order of the wire.
 [[nodiscard]] TokenBytes tokenBytes(std::uint64_t token) noexcept;

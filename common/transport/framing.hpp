@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Framing: separates the messages on a stream of bytes. Each message follows its length, which has
-// 4 bytes in little-endian order (proto/README.md). Thread: one for each FrameReader.
+// Framing: separates the messages on a stream of bytes. A prefix with the length of the message, 4
+// bytes in little-endian order, precedes each message (proto/README.md). Thread: any; at most one
+// at a time for each FrameReader.
 #pragma once
 
 #include <array>

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Connection to avahi-daemon, which reconnects automatically. The owner of the session creates
-// objects of the Avahi library. The session informs the owner when these objects can be created,
-// and when they must be freed. Thread: Avahi's own for the events; the owner's for the rest.
+// objects of the Avahi library. The session calls the owner's callbacks when these objects can be
+// created, and when they must be freed. Thread: Avahi's own for the callbacks; the owner's for all
+// other functions.
 #pragma once
 
 #include <functional>
@@ -23,8 +24,8 @@ class AvahiSession {
     std::function<void(AvahiClient*)> runs;
     /// The owner must free these objects now, if there are any.
     std::function<void()> over;
-    /// No daemon runs; the argument is the cause. The session does not call it again until the
-    /// daemon has run.
+    /// No daemon runs; the argument is the cause. The session calls it once for each absence of the
+    /// daemon.
     std::function<void(const std::string&)> onAbsent;
   };
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Encryption of datagrams: AES-128-GCM (NIST SP 800-38D; proto/datagrams.md). The owner of
-// a SealingKey cannot use a counter twice: the key is random, it counts by itself, and it cannot be
-// copied. Only the .cpp of this header includes OpenSSL. Thread: one for each object.
+// Encryption of datagrams: AES-128-GCM (NIST SP 800-38D; proto/datagrams.md). A SealingKey never
+// uses a counter twice: the key is random, it increments its own counter, and it cannot be copied.
+// Only the .cpp of this header includes OpenSSL. Thread: any; at most one at a time for each
+// object.
 #pragma once
 
 #include <array>
@@ -35,8 +36,8 @@ class SealingKey {
   /// Creates a random key with the number `id` (1..255). Throws std::runtime_error if the system
   /// has no random numbers.
   explicit SealingKey(std::uint8_t id);
-  /// Creates the key `bytes`, for tests and examples: two objects with the same bytes would use the
-  /// same counters.
+  /// Creates the key `bytes`. Use it only for tests and examples, because two objects with the same
+  /// bytes would use the same counters.
   SealingKey(std::uint8_t id, const SealKeyBytes& bytes);
 
   /// Appends the next counter, the encrypted `payload` and the tag to `head`. The bytes of `head`

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Ed25519 signatures (RFC 8032) and random numbers. This header does not include OpenSSL. Only its
-// .cpp file does.
-// Thread: one thread at a time uses an object. Functions marked "any" may run in any thread.
+// .cpp file does. Thread: any; at most one at a time for each object. Functions with "Thread: any"
+// have no such limit.
 #pragma once
 
 #include <array>

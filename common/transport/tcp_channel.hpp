@@ -16,12 +16,12 @@ namespace hapticast {
 /// A channel over a connected TCP socket.
 class TcpChannel final : public Channel {
  public:
-  /// Owns `socket` from now on, which must be connected. Disables Nagle's algorithm (TCP_NODELAY),
-  /// so that small payloads are sent at once. `read_limit_bytes` is the size of the longest payload
-  /// that read() accepts.
+  /// Becomes the owner of `socket`, which must be connected. Disables Nagle's algorithm
+  /// (TCP_NODELAY), so that small payloads are sent at once. `read_limit_bytes` is the size of the
+  /// longest payload that read() accepts.
   ///
-  /// `tls`: end of a TLS connection, or null. A server's end becomes plain TCP if the client begins
-  /// without TLS.
+  /// `tls`: this host's end of a TLS connection; null: plain TCP. On a server the channel becomes
+  /// plain TCP if the client begins without TLS.
   TcpChannel(asio::ip::tcp::socket socket, std::size_t read_limit_bytes,
              std::unique_ptr<TlsEngine> tls = nullptr);
 

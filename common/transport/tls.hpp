@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// TLS 1.3 (RFC 8446) on OpenSSL, without sockets: a TlsEngine turns plain bytes into bytes for the
-// connection and back. A TlsContext holds what many connections share: certificate and key of a
-// server, or the authorities that a client trusts. Thread: one for each object.
+// TLS 1.3 (RFC 8446) on OpenSSL, without sockets: a TlsEngine encrypts and decrypts the bytes of
+// one connection. A TlsContext has the settings that many connections share: certificate and key of
+// a server, or the authorities that a client trusts. Thread: any; at most one at a time for each
+// object.
 #pragma once
 
 #include <cstddef>
@@ -32,9 +33,8 @@ struct TlsIdentity {
   std::string key_pem;
 };
 
-/// Returns a new identity: a key of ECDSA P-256, and a certificate of its own signature, valid for
-/// 20 years. Nobody but a client that knows its fingerprint trusts it. Throws std::runtime_error if
-/// OpenSSL fails.
+/// Returns a new identity: a key of ECDSA P-256, and a self-signed certificate, valid for 20 years.
+/// Only a client that has its fingerprint trusts it. Throws std::runtime_error if OpenSSL fails.
 [[nodiscard]] TlsIdentity makeTlsIdentity();
 
 namespace tls_detail {
@@ -44,7 +44,7 @@ struct Free {
 };
 }  // namespace tls_detail
 
-/// Settings of one side. Copies share them.
+/// TLS settings of a server or of a client. Copies share one OpenSSL context.
 class TlsContext {
  public:
   /// Returns the context of a server. Returns an error in one line if the texts hold no certificate
@@ -89,7 +89,8 @@ class TlsEngine {
   /// Announces the end of the connection (close_notify) in output().
   void finish();
 
-  /// Returns the bytes that wait for the connection. The caller removes those that it has sent.
+  /// Returns the encrypted bytes that the caller has to send. The caller removes the bytes that it
+  /// has sent.
   [[nodiscard]] std::vector<std::uint8_t>& output() { return output_; }
   [[nodiscard]] bool established() const { return established_; }
   /// Returns whether receive() failed because this client does not trust the server.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Set of the cells that the slices of a relief cover. No two slices may cover the same cell, so the
-// set detects slices that overlap. Thread: any, one for each object.
+// set detects slices that overlap. Thread: any; at most one at a time for each object.
 #pragma once
 
 #include <cstddef>
@@ -21,8 +21,8 @@ class CoveredCells {
         covered_(static_cast<std::size_t>(columns_) *
                  static_cast<std::size_t>(countCells(rect.height))) {}
 
-  /// Marks the cells of the slice as covered. Returns false if another slice has covered one of
-  /// them before. Requires a slice of this relief.
+  /// Marks the cells of the slice with this header as covered. Returns false if an earlier slice
+  /// covers one of these cells. Requires a slice of this relief.
   bool claim(const Header& slice) {
     bool free = true;
     for (int y = slice.y; y < slice.y + slice.rows; ++y) {

@@ -2,7 +2,8 @@
 // Interpolation pyramid of a slice, for encoder and decoder (proto/slices.md). A slice has cells of
 // 8 x 8 px. Nodes are the coarsest points, at the corners of the cells. Between them are three
 // levels of points, which are 4, 2 and 1 px apart. Each level is interpolated from the coarser one.
-// Heights are integers in units of 1/4096 mm. Thread: one.
+// A detail is the difference between a point and its interpolation. Heights are integers in units
+// of 1/4096 mm. Thread: one.
 #pragma once
 
 #include <algorithm>
@@ -21,7 +22,7 @@ inline constexpr int kMargin_px = 8;  ///< width of the margin of zeros around a
 /// Largest magnitude of a height: 1024 mm, in units.
 inline constexpr std::int32_t kHighest = 1 << 22;
 
-/// Quantiser steps in units of 1/4096 mm: of pixels, and of each level of the lattice.
+/// Quantiser steps of the nodes and of each level of the pyramid, in units of 1/4096 mm.
 struct Steps {
   int px = 0;
   std::array<int, 3> level{};  ///< steps of the three levels, whose points are 4, 2 and 1 px apart
@@ -48,7 +49,8 @@ struct Mask {
   std::ptrdiff_t stride = 0;
 };
 
-/// The object of a slice, including the pixels around the slice.
+/// Mask and heights of an object, as the encoder of one slice reads them. They include pixels
+/// around the slice.
 struct Surroundings {
   Mask mask;  ///< begins at the slice's first pixel and extends beyond the slice
   const std::int32_t* target = nullptr;  ///< heights in units, in the same order as the mask
@@ -93,10 +95,10 @@ struct Field {
   std::vector<std::int32_t> nodes;   ///< heights of all nodes, (columns + 1) x (rows + 1)
   std::array<Level, 3> levels;       ///< the levels with points 4, 2 and 1 px apart
 
-  /// Begins a slice of this shape with an empty mask.
+  /// Begins a slice of the shape `slice` with an empty mask.
   void begin(const Shape& slice);
-  /// Prepares all other members. Call it when the mask is complete. If `encodes` is true, the call
-  /// also allocates the details of an encoder.
+  /// Prepares all other members. Call reset() when the mask is complete. If `encodes` is true, the
+  /// call also allocates the details of an encoder.
   void reset(bool encodes);
 
   /// Returns the index of a cell in `occupied` and `flags`.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Mask coder. An edge is a pixel of a row at which the mask changes between inside and outside. The
-// coder writes the position of each edge relative to an edge of the row above, as the
-// two-dimensional fax code does (ITU-T T.6; format: proto/slices.md). One template encodes and
+// Lossless coder for masks. An edge is a pixel of a row at which the mask changes between inside
+// and outside. The coder writes the position of each edge relative to an edge of the row above, as
+// the two-dimensional fax code does (ITU-T T.6; format: proto/slices.md). One template encodes and
 // decodes (range_coder.hpp). Thread: any.
 #pragma once
 

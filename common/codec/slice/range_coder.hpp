@@ -2,10 +2,10 @@
 // Adaptive binary range coder (Martin 1979) with probability models for bits and integers. A model
 // adapts its probability to the bits that were coded with it.
 //
-// Encoder and decoder have the same two operations, `bit(model, value)` and `raw(value)`, which
-// return the bit. A decoder ignores `value` and returns the decoded bit. So one template with the
-// coder as a parameter can encode and decode. "To code" means to encode or to decode.
-// Thread: any.
+// Encoder and decoder have the same two operations, `bit(model, value)` and `raw(value)`. The
+// encoder writes `value` and returns it. The decoder ignores `value` and returns the decoded bit.
+// So one template with the coder as a parameter can encode and decode. "To code" means to encode or
+// to decode. Thread: any.
 #pragma once
 
 #include <array>
@@ -190,8 +190,8 @@ class RangeEncoder {
       shift();
     }
   }
-  /// Outputs the top byte of low_. A byte that a carry may still change waits, and the 0xFF bytes
-  /// after it wait too.
+  /// Outputs the top byte of low_. A carry may still change a byte, and the 0xFF bytes after it.
+  /// Such bytes wait.
   void shift() {
     constexpr std::uint64_t kCarry = std::uint64_t{1} << 32U;
     if (low_ < 0xFF000000U || low_ >= kCarry) {

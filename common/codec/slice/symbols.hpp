@@ -68,8 +68,8 @@ void codeBase(Coder& coder, SymbolModels& models, Field& field, const Steps& ste
 }
 
 /// Returns the class (0..11) of the additional model for a point of level I. The class depends on
-/// three questions: is the mask's edge nearby, is the point in the middle of four coarser points,
-/// and does the coarser level have details around it?
+/// three facts: whether the mask's edge is nearby, whether the point is in the middle of four
+/// coarser points, and how large the details of the coarser level around it are.
 template <std::size_t I>
 std::size_t pixelIndex(const Field& field, const std::uint8_t* mask, int x, int y) {
   constexpr std::ptrdiff_t kPx = 4 >> I;
