@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Converts a tracked object to its descriptors, one for each layer, with reliefs in nominal mm. A
-// relief that did not change is shared with the frame before. Thread: the one that runs Vision.
+// Converts a tracked object to its descriptors (HapticObject), one for each layer, with reliefs in
+// nominal mm. An unchanged relief is the same object in memory as that of the frame before. Thread:
+// the one that runs Vision.
 #pragma once
 
 #include <cstdint>
@@ -16,14 +17,14 @@ namespace hapticast::server {
 
 /// Returns the descriptor of the one surface of `object`. The motion is missing; FrameMotion adds
 /// it. If the relief did not change, the result has the pointer and the changed_in_frame of `last`.
-/// `last`: the descriptor of the same object in the frame before, or null. `clock`: measures how
-/// long the smoothing lasts; null: no measurement. Adds its measurements to `report`.
+/// `last`: the descriptor of the same object in the frame before, or null. `clock`: measures the
+/// duration of the smoothing; null: no measurement. Adds its measurements to `report`.
 HapticObject describeObject(const TrackedObject& object, std::uint64_t frame_id,
                             const HapticObject* last, const NominalFrame& nominal,
                             const VisionSettings& settings, const Clock* clock,
                             StageReport& report);
 
-/// Descriptors of an object's layers, and what the stages measured for its scene plan.
+/// Descriptors of an object's layers, and the measurements of the stages for its scene plan.
 struct Described {
   std::vector<HapticObject> layers;
   StageReport report;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Computes the motion of a frame's objects from a window of frames around that frame. The input are
-// the objects' poses in many frames. The output are motion, impacts and motion grids of one frame.
+// Computes the motion of a frame's objects from a window of frames around that frame. The input is
+// the objects' poses in the window. The output is motion, impacts and motion grids of the frame.
 // Thread: the one that runs Vision.
 #pragma once
 
@@ -31,8 +31,8 @@ bool haveSameObjects(const std::vector<TrackedObject>& a, const std::vector<Trac
 bool isAllAtRest(const std::vector<TrackedObject>& before, const std::vector<TrackedObject>& now,
                  const NominalFrame& nominal, const VisionSettings& settings);
 
-/// Returns the bound of the objects' accelerations, mm/s², which the welcome of a stream contains
-/// for its clients. It is the 0.99 quantile of `accelerations_mm_s2`, or 0 if there are none. It is
+/// Returns the bound of the objects' accelerations, mm/s². The server sends this bound to clients
+/// in the welcome. It is the 0.99 quantile of `accelerations_mm_s2`, or 0 if there are none. It is
 /// not the maximum, because the largest of hundreds of measured values is mainly noise. Reorders
 /// `accelerations_mm_s2`.
 double largestAcceleration_mm_s2(std::vector<double>& accelerations_mm_s2);
@@ -59,14 +59,14 @@ class FrameMotion {
   void complete(HapticFrame& frame, std::uint64_t clip_frame, const NominalFrame& nominal);
   /// Replaces the mass of objects without a mass of their own.
   void setMass(std::optional<double> mass_kg) { settings_.mass_kg = mass_kg; }
-  /// Begins a new epoch: forgets all poses, so that no window contains frames of the old epoch.
+  /// Begins a new epoch: deletes all poses, so that no window contains frames of the old epoch.
   void forget();
 
-  /// Returns what the completed frames measured about the objects of the last added frame, by
-  /// object id: the cost of their motion grids.
+  /// Returns the measured cost of each object's motion grid in the completed frames, by object id.
+  /// It has the objects of the last added frame.
   [[nodiscard]] const std::map<std::uint32_t, StageReport>& reports() const { return reports_; }
-  /// Returns the bound of the accelerations that a live source has shown so far, mm/s². It never
-  /// falls. Returns 0 until enough frames have been measured.
+  /// Returns the bound of all accelerations of a live source so far, mm/s². The bound never
+  /// decreases. Returns 0 until enough frames have been measured.
   [[nodiscard]] double largestAcceleration_mm_s2() const { return largest_mm_s2_; }
 
  private:

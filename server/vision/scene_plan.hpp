@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Scene plan: switches off, for each object, the stages that its scene does not need. A stage is
-// off only if the force would change by less than the error budget without it. The plan measures at
-// the start and repeatedly while the scene changes. It has no clock: the code that runs the stages
-// reports their durations. Thread: the one that runs Vision.
+// off only if the force without the stage would differ by less than the error budget. The plan
+// measures this difference at the start, and repeatedly while the scene changes. It has no clock:
+// the code that runs the stages reports their durations. Thread: the one that runs Vision.
 #pragma once
 
 #include <array>
@@ -23,18 +23,18 @@ struct PlanLine {
   Stage stage = Stage::kSegment;
   bool on = true;
   std::string why;  ///< reason why the stage is on or off, as text
-  /// Last measured duration of the stage in a frame, ms. It is saved while the stage is off. 0: the
-  /// stage never ran.
+  /// Last measured duration of the stage in a frame, ms; 0: the stage never ran. While the stage is
+  /// off, the server saves this time.
   double saves_ms = 0.0;
   double costs_N = 0.0;  ///< last measured change of force (rms) without the stage
 };
 
-/// What the stages measured about one object in one frame. They return it, and the tracker adds it
-/// to the object's plan.
+/// Measurements of the stages for one object in one frame. The stages return the report, and the
+/// tracker adds it to the object's plan.
 struct StageReport {
   std::array<Duration, kStages> times{};  ///< durations of the stages
-  /// By how much the force would change in this frame without the stage (rms), N. Infinity: the
-  /// stage must stay on. nullopt: not measured.
+  /// Change of the force in this frame if the stage were off (rms), N. Infinity: the stage must
+  /// stay on. nullopt: not measured.
   std::array<std::optional<double>, kStages> costs_N{};
   /// Whether the object's heights equal those in the last frame; nullopt: not measured.
   std::optional<bool> unchanged;
@@ -48,14 +48,15 @@ class ScenePlan {
 
   /// Returns whether the stage runs in this frame.
   [[nodiscard]] bool isOn(Stage stage) const;
-  /// Sets whether the whole object is at rest in this frame. `why`: if the rest ended in this
-  /// frame, its cause as static text; otherwise empty.
+  /// Sets whether the whole object is at rest in this frame. `why`: if the object begins to move in
+  /// this frame, the cause as a static text; otherwise empty.
   void setResting(bool at_rest, std::string_view why = {});
-  /// Adds what the stages measured. Durations add up over a frame; the newest cost counts.
+  /// Adds the measurements of the stages. Durations add up over a frame. A cost replaces the
+  /// earlier one.
   void add(const StageReport& report);
   /// Ends the present frame and begins the next one.
   void nextFrame();
-  /// Returns whether this frame measures the stages that are off. That is so every kMeasureEvery
+  /// Returns whether this frame measures the stages that are off. It is true every kMeasureEvery
   /// frames.
   [[nodiscard]] bool measureNow() const;
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Track of one object over the frames. From the object's segment (its mask in a frame) it computes
-// surface, rest, presence, pose and cell motion. Thread: the one that runs Vision.
+// the surface, the pose and the cell motion, and whether the object is at rest or lost. Thread: the
+// one that runs Vision.
 #pragma once
 
 #include <cstdint>
@@ -36,7 +37,7 @@ struct TrackedObject {
   double held_share = 0.0;
 
   [[nodiscard]] bool atRest() const { return held_share >= 1.0; }
-  /// Returns whether the tracking is good enough to measure motion. If it is not, the motion is
+  /// Returns whether the tracking is good enough to measure motion. Otherwise the motion is
   /// extrapolated.
   [[nodiscard]] bool isWellTracked() const { return quality >= kGoodQuality; }
 
@@ -64,7 +65,8 @@ class Track {
   /// Begins the next frame. Returns whether the object rests in it; update() then leaves surface
   /// and pose as they are. It rests if the frame repeats the last one. It also rests if the plan
   /// has switched off segmentation and motion, and the frame shows the whole object unchanged.
-  /// `annotated`: if true, the author annotated this frame, and the result is false.
+  /// `annotated`: true if an annotation changes this frame (Segmenter::hasAnnotation()); the result
+  /// is then false.
   bool isResting(const FramePair& frames, bool annotated);
   /// Returns the object's motion in the picture since the last frame; the segmenter moves its mask
   /// by it. Call it after isResting().
@@ -74,10 +76,10 @@ class Track {
   void update(const Segment& segment, const FramePair& frames);
   /// Marks the object as lost in this frame: its pose remains and its quality decreases.
   void lose();
-  /// Ends the frame: updates the scene plan by what update() measured, and decides on the stages
-  /// after the tracker.
+  /// Ends the frame: adds the measurements of update() to the scene plan, and decides which stages
+  /// after the tracker run.
   void endFrame();
-  /// Adds to the scene plan what another stage measured about the object.
+  /// Adds another stage's measurements of the object to the scene plan.
   void report(const StageReport& report) { plan_.add(report); }
   /// Adds the motion of the background behind the object in this frame, px right and px down.
   void addBackground(const cv::Vec2d& step_px) { background_px_ += step_px; }

@@ -31,14 +31,13 @@ class Tracker {
   /// Track::kKeepLost frames, in which its quality decreases to 0. `time_s`: media time, s. Throws
   /// SourceError if a frame does not match `info`, or if an object point lies on no object.
   std::vector<TrackedObject> next(const RgbdFrame& frame, double time_s);
-  /// Adds what a later stage measured about the object `id` to its scene plan. Ignores an unknown
+  /// Adds a later stage's measurements of the object `id` to its scene plan. Ignores an unknown
   /// object.
   void report(std::uint32_t id, const StageReport& report);
   /// Returns the scene plan of each object, by object id.
   [[nodiscard]] std::map<std::uint32_t, std::vector<PlanLine>> plans() const;
   [[nodiscard]] const DepthNoise& noise() const { return frames_.noise(); }
-  /// Returns whether another scene begins with the last frame. If so, all objects of the last frame
-  /// are new.
+  /// Returns whether the last frame is the first one after a cut. All its objects are then new.
   [[nodiscard]] bool sceneCut() const { return scene_cut_; }
 
  private:

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Vision pipeline of a frame: segment -> enhance -> motion -> describe. Its input are images with
-// their times, its output are structs. It has no threads and no sockets. Thread: one at a time, the
-// one that runs Vision.
+// Vision pipeline of a frame: segment -> enhance -> motion -> describe. Its input is images with
+// their times. Its output is structs. It has no threads and no sockets. Thread: at most one at a
+// time (other files: "the one that runs Vision").
 #pragma once
 
 #include <cstdint>
@@ -45,14 +45,14 @@ class Vision {
   /// stated the range and motion is off. `progress` may be null. Throws SourceError.
   bool scan(RgbdSource& source, const Progress& progress);
 
-  /// Adds the next frame and returns the frame that this completes. Returns nullopt if no frame is
-  /// complete yet. `media_time` must increase with each frame. A new epoch begins at a scene cut.
-  /// It also begins at a new epoch of the source, unless all objects continue there unchanged.
-  /// Throws SourceError.
+  /// Adds the next frame, and returns the frame that is complete now (VisionResult). Returns
+  /// nullopt if no frame is complete yet. `media_time` must increase with each frame. A new epoch
+  /// begins at a scene cut. It also begins at a new epoch of the source, unless all objects
+  /// continue there unchanged. Throws SourceError.
   [[nodiscard]] std::optional<VisionResult> push(const RgbdFrame& frame, MediaTime media_time);
   /// Replaces material and mass, of all objects and of each object that the author described, by
-  /// those of `from`. The next push() is the first with them. `from` must describe the same objects
-  /// as the settings of the constructor.
+  /// those of `from`. The next push() is the first one that uses them. `from` must describe the
+  /// same objects as the settings of the constructor.
   void setMaterials(const VisionSettings& from);
   /// Returns the frames that push() has not returned yet, oldest first. Call it at the end of the
   /// stream.
@@ -61,8 +61,7 @@ class Vision {
   /// Returns the scene plan of each object of the last added frame, by object id.
   [[nodiscard]] std::map<std::uint32_t, std::vector<PlanLine>> plan() const;
 
-  /// Makes the next frame begin a new epoch, also where all objects are as before. Call it after
-  /// flush().
+  /// Makes the next frame begin a new epoch, even if no object has changed. Call it after flush().
   void beginAnew();
 
   /// Returns the name that the author's scene gives to object `id`; empty if it gives none.

@@ -50,7 +50,7 @@ struct PlanSettings {
 struct AuthorPoint {
   Vec2 at_px = Vec2::Zero();
   double time_s = 0.0;  ///< time in the clip, s, 0 or more; 0: its first frame
-  int number = 0;       ///< number of its object, from 1; 0: vision finds out which object it is
+  int number = 0;       ///< number of its object, from 1; 0: vision decides which object it is
   bool operator==(const AuthorPoint&) const = default;
 };
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Estimates the noise of a depth image: its standard deviation for each range of depths, and the
 // step between its values (quantum). The estimate uses second differences of neighbouring pixels,
-// which a smooth surface hardly changes. Their median absolute value yields the standard deviation,
-// because outliers hardly change a median. The input is the working depth of frame_pair.hpp, in mm.
-// Thread: any.
+// because a smooth surface contributes almost nothing to them. Their median absolute value yields
+// the standard deviation, because outliers hardly change a median. The input is the working depth
+// of frame_pair.hpp, in mm. Thread: any.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -19,7 +19,7 @@ struct DepthNoise {
   /// Smallest step between two depth values, mm; 0: values are continuous.
   double quantum_mm = 0.0;
   bool eight_bit = false;  ///< the depth has 8 bits: its steps are larger than a sensor's noise
-  bool flickers = false;   ///< each frame of the source has another scale and shift of its depth
+  bool flickers = false;   ///< scale and shift of the depth differ from frame to frame
   /// Width of an interval of depths, mm. The value is a choice: a sensor's noise grows with the
   /// square of the depth. Around 1 m it grows by a quarter over 125 mm, which is half of this
   /// width.
@@ -31,8 +31,8 @@ struct DepthNoise {
   /// Returns the largest difference of depth that neighbouring pixels of one surface can have, mm.
   /// It is the largest of 5 mm, 6 standard deviations and 1.5 quanta.
   [[nodiscard]] double step_mm(double depth_mm) const;
-  /// Returns whether the depth at `depth_mm` is so exact that smoothing would not improve it. That
-  /// is so for exact depth, and for 8-bit depth whose only error is rounding.
+  /// Returns whether smoothing cannot improve the depth at `depth_mm`. That is so for depth without
+  /// noise, and for 8-bit depth whose only error is rounding.
   [[nodiscard]] bool clean(double depth_mm) const;
 };
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Scale-and-shift alignment of depth that an estimator computes from single pictures. Such an
-// estimator scales and shifts each frame differently, so the depth of the whole scene jumps (a
-// hop). Each hop is measured at background pixels at rest, and the depth is corrected by it. The
-// fit uses least median of squares (Rousseeuw 1984). Reweighted least squares with Tukey's biweight
+// Scale-and-shift alignment for depth from monocular depth estimation. An estimator scales and
+// shifts each frame differently, so the depth of the whole scene jumps between frames (a hop). The
+// class measures each hop at background pixels at rest, and corrects the depth by it. Least median
+// of squares (Rousseeuw 1984) fits scale and shift. Reweighted least squares with Tukey's biweight
 // (Beaton and Tukey 1974) refine the fit. Thread: the one that runs Vision.
 #pragma once
 
@@ -27,11 +27,11 @@ class DepthScaleAlignment {
   explicit DepthScaleAlignment(DepthKind kind) : inverse_(kind == DepthKind::kMetric) {}
 
   /// Returns `depth`, corrected to the scale and shift of the frames before. Returns `depth`
-  /// unchanged while the camera moves, and until the source has shown hops. `depth`: working depth,
+  /// unchanged while the camera moves, and until hops were detected. `depth`: working depth,
   /// CV_32FC1, mm. `gray`: CV_8UC1. `objects`: CV_8UC1, 255 on objects and 0 on the background; may
   /// be empty. All have one size. Call it once for each frame.
   cv::Mat steady(const cv::Mat& depth, const cv::Mat& gray, const cv::Mat& objects);
-  /// Returns whether the source has shown hops. From then on steady() corrects them.
+  /// Returns whether hops were detected. From then on steady() corrects them.
   [[nodiscard]] bool shown() const { return shown_; }
 
  private:

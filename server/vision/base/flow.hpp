@@ -30,7 +30,7 @@ struct ObjectFlow {
   cv::Matx23d similarity = cv::Matx23d::eye();
   bool reliable = false;           ///< true: the shift was measured; false: it is only a guess
   bool rotation_reliable = false;  ///< true: scale and rotation were measured too
-  bool isStatic = false;  ///< the object rests, so nothing was measured: its mask is the last mask
+  bool isStatic = false;  ///< the object rests: its mask is the last mask, nothing was measured
   PointTracks tracks;     ///< points on the object whose motion agrees with the similarity
 
   /// Maps a point of the last picture to this picture, px.
@@ -43,12 +43,12 @@ struct ObjectFlow {
 };
 using Flows = std::map<std::uint32_t, ObjectFlow>;  ///< flow of each object, by object id
 
-/// Measures the motion of an object from the last picture to this picture. It tracks corners inside
-/// `mask` (CV_8UC1, 0/255) as trackPoints() does, and fits a similarity to the tracks by RANSAC. It
-/// is the similarity with which most corners agree to within 2 px. If corners are too few, or the
-/// scale is implausible, the similarity is only their median shift. With fewer than three corners
-/// it is the shift `guess_px`. `mask` belongs to the last picture. `guess_px`: expected shift of
-/// the object, at which the search starts. Both pictures are CV_8UC1 of one size.
+/// Measures the motion of an object from the last picture to this picture. Tracks corners inside
+/// `mask` (CV_8UC1, 0/255) as trackPoints() does, and fits a similarity to the tracks by RANSAC. An
+/// inlier is a corner within 2 px of the fit. If there are too few corners, or if the scale is
+/// implausible, the result is only their median shift. With fewer than three corners the result is
+/// the shift `guess_px`. `mask` belongs to the last picture. `guess_px`: expected shift of the
+/// object, at which the search starts. Both pictures are CV_8UC1 of one size.
 ObjectFlow trackObject(const cv::Mat& last_gray, const cv::Mat& gray, const cv::Mat& mask,
                        const cv::Vec2d& guess_px);
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Pairs each frame with the frame before it. It also computes once what all objects share: working
-// images, depth noise, whether the scene was cut, and whether the frame repeats the last frame.
-// Thread: the one that runs Vision.
+// Pairs each frame with the frame before it. It also computes the data that all objects share:
+// working images, depth noise, whether the scene was cut, and whether the frame repeats the last
+// frame. Thread: the one that runs Vision.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -34,8 +34,8 @@ struct FrameImages {
 
 /// Finds the frames at which a clip cuts to another scene. It compares successive frames at 1/16 of
 /// their size. A cut is where brightness and depth both differ strongly from the last frame.
-/// Motion, pans and changes of light change only one of them, or change both a little. State of the
-/// old scene is invalid after a cut. Thread: the one that runs Vision.
+/// Motion, pans and changes of light change only one of them, or change both a little. After a cut,
+/// callers must discard their state of the old scene. Thread: the one that runs Vision.
 class SceneCuts {
  public:
   /// Returns whether `images` is the first frame after a cut. Returns false for the very first
@@ -81,10 +81,10 @@ class FramePairs {
   FramePairs(const SourceInfo& info, bool compare)
       : info_(info), compare_(compare), flicker_(info.depth_kind) {}
 
-  /// Adds the next frame, in order of time, and returns it with the frame before it. The pixels
-  /// outside `objects` are the background, from which the alignment of the depth is measured.
-  /// `objects`: last masks of all objects (CV_8UC1, 0/255, size of the image), or empty. `time_s`:
-  /// time of the frame, s. Throws SourceError if the frame does not match `info`.
+  /// Adds the next frame, in order of time, and returns it with the frame before it. `objects`:
+  /// last masks of all objects (CV_8UC1, 0/255, size of the image), or empty. DepthScaleAlignment
+  /// uses the pixels outside `objects` as the background. `time_s`: time of the frame, s. Throws
+  /// SourceError if the frame does not match `info`.
   FramePair push(const RgbdFrame& frame, double time_s, const cv::Mat& objects = {});
   [[nodiscard]] const DepthNoise& noise() const { return pair_.noise; }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Reduced sizes: in large pictures, algorithms with a smooth result sample every second or third
-// pixel, which bounds their run time. Thread: any.
+// Downsampling factors. In large pictures, algorithms whose result is smooth use only every second
+// or third pixel. That bounds their run time. Thread: any.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -8,17 +8,18 @@
 
 namespace hapticast::server {
 
-/// Picture width to which constants in px refer, px. Larger pictures are sampled more coarsely.
+/// Picture width for which the constants in px were chosen, px. Larger pictures are downsampled.
 inline constexpr int kUsualWidth_px = 640;
 
-/// Returns by how much a picture exceeds the usual one: 1 up to and below twice kUsualWidth_px.
+/// Returns the largest downsampling factor for a picture: its width over kUsualWidth_px, rounded
+/// down, but at least 1.
 inline int largestReduction(const cv::Size& picture) {
   return picture.width < kUsualWidth_px ? 1 : picture.width / kUsualWidth_px;
 }
 
-/// Returns the factor by which steps with a smooth result reduce a region of `region` px in a
-/// picture of `picture` px. It is the smallest one that leaves at most `most_px` pixels, and at
-/// most largestReduction().
+/// Returns the downsampling factor for a region of the size `region` in a picture of the size
+/// `picture`, px. It is the smallest factor that leaves at most `most_px` pixels, but at most
+/// largestReduction().
 inline int computeReduction(const cv::Size& region, const cv::Size& picture, double most_px) {
   const int largest = largestReduction(picture);
   for (int factor = 1; factor < largest; ++factor) {

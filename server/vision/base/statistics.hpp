@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Robust statistics: median, quantiles, median absolute deviation (Rousseeuw and Croux 1993) and
-// midmean, which outliers hardly change. Thread: any.
+// Robust statistics, which outliers hardly change: median, quantiles, median absolute deviation
+// (Rousseeuw and Croux 1993) and midmean. Thread: any.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 namespace hapticast::server {
 
 /// Returns the median of `values`. Of an even number of values it is the upper one of the middle
-/// two. Returns 0 if there are none. Reorders `values`.
+/// two. Returns 0 if `values` is empty. Reorders `values`.
 template <class Value>
 double computeMedian(std::vector<Value>& values) {
   if (values.empty()) return 0.0;
@@ -21,8 +21,8 @@ double computeMedian(std::vector<Value>& values) {
   return static_cast<double>(*middle);
 }
 
-/// Returns the value with the share `share` (0..1) of `values` below it. Requires at least one
-/// value. Reorders `values`.
+/// Returns the `share`-quantile of `values`: the value with the share `share` (0..1) of all values
+/// below it. Requires at least one value. Reorders `values`.
 template <class Value>
 double computeQuantile(std::vector<Value>& values, double share) {
   const auto at = values.begin() + std::lround(share * static_cast<double>(values.size() - 1));

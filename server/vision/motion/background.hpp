@@ -9,13 +9,13 @@
 namespace hapticast::server {
 
 /// Measures the motion of the background by optical flow in pictures of half size. Half size
-/// suffices: a pan moves the whole background alike, and corners are found as exactly as at full
-/// size. The benefit was measured: a pan changes a measured acceleration by 26 % without
-/// compensation, and by 2.3 % with it.
+/// suffices, because a pan moves the whole background alike, and corners are located as exactly as
+/// at full size. The benefit was measured: the error that a pan causes in an acceleration is 26 %
+/// without compensation, and 2.3 % with it.
 class BackgroundMotion {
  public:
-  /// An object in front of the background: its mask (CV_8UC1, 0/255, size of the image) and a
-  /// point. The background's motion is needed at this point of the picture, px.
+  /// An object in front of the background: its mask (CV_8UC1, 0/255, size of the image), and the
+  /// point of the picture, px, at which next() computes the background's motion.
   struct Object {
     cv::Mat mask;
     cv::Point2d at_px;

@@ -43,8 +43,8 @@ class ClipMotion {
   void smooth(const NominalFrame& nominal, int lookahead, bool ended);
 
   /// Returns the motion of `object` at `frame` of the clip. Returns null if the scan did not track
-  /// the object well there. Also returns null if the scan measured it 0.25 mm or more from
-  /// `measured_mm`: then it was another object.
+  /// the object well there. Also returns null if the position that the scan measured is 0.25 mm or
+  /// more from `measured_mm`, because the scan then tracked another object.
   [[nodiscard]] const Moment* at(std::uint32_t object, std::uint64_t frame,
                                  const Vec3& measured_mm) const;
   /// Returns the impacts of `object` at most `reach_s` before or after `time_s`, oldest first.

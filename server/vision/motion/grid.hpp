@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Measures the motion of an object in cells of kGridCell_px. Lucas-Kanade tracks points on a
 // lattice over the object. Each cell has the median of its tracks, and a 3 x 3 median filter
-// removes outliers. The result is the whole motion (thesis's dense flow), or what remains of a
-// deforming object's motion after its rigid motion is subtracted. Thread: the one that runs Vision.
+// removes outliers. The result is the whole motion (the thesis's dense flow), or the residual
+// motion of a deforming object: its motion minus its rigid motion. Thread: the one that runs
+// Vision.
 #pragma once
 
 #include <functional>
@@ -40,8 +41,8 @@ CellFlow cellFlow(const cv::Mat& last_gray, const cv::Mat& gray, const cv::Mat& 
 using PredictedMotion = std::function<cv::Vec3d(const cv::Point2f& at_px, double depth_mm)>;
 
 /// Measures the residual motion in cells: the measured motion minus the motion that `explained`
-/// predicts. Cells without a measurement have motion 0. Where `now` has a reduction, the pictures
-/// are reduced by it, and the steps of larger cells are interpolated.
+/// predicts. Cells without a measurement have motion 0. If `now.reduction` is above 1, it measures
+/// in pictures that are downsampled by this factor, and interpolates the motion of the cells.
 CellFlow residualFlow(const cv::Mat& last_gray, const cv::Mat& gray, const Surface& before,
                       const Surface& now, const PredictedMotion& explained);
 

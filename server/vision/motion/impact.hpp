@@ -23,8 +23,8 @@ class ImpactFinder {
 
   /// Searches for an impact between samples[at] and the next sample, and stores it for
   /// findAround(). It finds none if there are fewer than kSide samples up to samples[at], or fewer
-  /// than kSide after it. An impact late in its interval may be stored only by the next call. The
-  /// times of `samples` are media times. Call it once for each frame in order of time.
+  /// than kSide after it. If an impact is late in its interval, only the next call may store it.
+  /// The times of `samples` are media times. Call it once for each frame in order of time.
   void test(const std::vector<Sample>& samples, std::size_t at);
 
   /// Returns the stored impacts at most `reach_s` before or after the media time `time_s`, oldest

@@ -30,8 +30,8 @@ struct ObjectPose {
   cv::Vec2d background_px{0, 0};
 };
 
-/// The workspace of the stream, and the mapped range (depths that become heights 30 and 0). Both
-/// together convert px and mm of depth to nominal mm. Thread: any.
+/// The workspace of the stream, and the mapped range (depths that become heights 30 and 0).
+/// Together they define the conversion of px and mm of depth to nominal mm. Thread: any.
 struct NominalFrame {
   Workspace workspace;
   DepthRange range;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Stores the poses and cell motions of all objects over the frames around the frame whose motion is
-// computed. Thread: the one that runs Vision.
+// Stores the poses and cell motions of all objects in a window of frames. Motion is computed for
+// the frame in the middle of the window. Thread: the one that runs Vision.
 #pragma once
 
 #include <cstddef>
@@ -36,8 +36,8 @@ class MotionHistory {
     CellFlow cells;
   };
 
-  /// Adds the entry of object `id`; frames in order. Add none in frames in which the object is
-  /// lost.
+  /// Adds the entry of object `id`; frames in order. Do not call it for a frame in which the object
+  /// is lost.
   void add(std::uint32_t id, Entry entry) { entries_[id].push_back(std::move(entry)); }
   /// Deletes the entries of frames before `frame`. The last entry of a lost object remains for
   /// `keep_lost` more frames, because the object is assumed to rest at its last pose.

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Pose tracking: measures from frame to frame how a point that is fixed to the body moves. It
-// aligns colour and depth of the object rigidly (direct RGB-D alignment). The thesis's special
-// cases are available too: Lucas-Kanade in x-y, depth differences in z. README.md of server/vision
-// compares the methods. Thread: the one that runs Vision.
+// aligns colour and depth of the object rigidly (direct RGB-D alignment). It also has the thesis's
+// methods: Lucas-Kanade for motion in x and y, depth differences for motion in z. README.md of
+// server/vision compares the methods. Thread: the one that runs Vision.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -16,12 +16,12 @@
 
 namespace hapticast::server {
 
-/// What the tracker needs about one object in a frame.
+/// Input of the tracker: one object in one frame.
 struct Observation {
   const ObjectFlow& flow;  ///< motion in the picture from the last frame to this frame
   const cv::Mat& gray;     ///< whole picture, CV_8UC1
   const Surface& surface;  ///< surface of the object in this frame
-  bool repeated = false;   ///< the depth is that of the last frame, the colour is new
+  bool repeated = false;   ///< the source repeated the last frame's depth, but the colour is new
   bool at_rest = false;    ///< the whole surface is at rest: the pose remains exactly the same
   double visible_fraction = 1.0;  ///< visible share of the whole object, 0..1
 };
@@ -38,12 +38,13 @@ struct PoseSettings {
 };
 
 /// Tracks the pose of one object, that is, of a point in the middle of its body. In modes `auto`
-/// and `rgbd`, rigid alignment moves the point. In each frame the body's centre (computeCentre())
-/// also pulls it, by about 3 % of their distance. If the alignment fails, the optical flow moves
-/// the point in the picture, and the mask's centroid pulls it. The point's depth then changes by
-/// the mean difference between the last surface and this surface. With exact masks, a point without
-/// alignment moves with the mask's centroid alone. Modes `lk` and `depth` have no alignment: `lk`
-/// moves the point in the picture only, `depth` in depth only.
+/// and `rgbd`, rigid alignment moves the point. In each frame the point also moves towards the
+/// body's centre (computeCentre()), by about 3 % of the distance. If the alignment fails, the
+/// optical flow moves the point in the picture, and the point also moves towards the mask's
+/// centroid. The point's depth then changes by the mean difference between the last surface and
+/// this surface. With exact masks, a point without alignment moves with the mask's centroid alone.
+/// Modes `lk` and `depth` have no alignment: `lk` moves the point in the picture only, `depth` in
+/// depth only.
 class PoseTracker {
  public:
   /// Begins the track at the surface `first`. `gray`: the whole picture, CV_8UC1.

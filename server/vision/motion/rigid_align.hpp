@@ -21,7 +21,7 @@ class RigidTemplate {
  public:
   RigidTemplate() = default;
   /// Makes the template. `gray`: the whole picture, CV_8UC1. `surface`: the object's surface, after
-  /// cleanSurface(). That takes about as long as one blur of the object's box.
+  /// cleanSurface(). It costs about as much time as one blur of the object's box.
   RigidTemplate(const cv::Mat& gray, const Surface& surface, const CameraModel& camera);
 
   /// Returns whether the object has too few points for an alignment.

@@ -36,8 +36,8 @@ struct RigidPoint {
 /// Aligns the points of one object with one picture.
 class RigidFit {
  public:
-  /// All arguments must outlive RigidFit. `expected_turn_rad`: rotation that the result approaches
-  /// where the picture does not determine the rotation (axis times angle).
+  /// All arguments must outlive RigidFit. `expected_turn_rad`: predicted rotation (axis times
+  /// angle). The result approaches it as far as the picture does not determine the rotation.
   RigidFit(const CameraModel& camera, const RigidRoi& crop, const std::vector<RigidPoint>& points,
            const Eigen::Vector3d& pivot_mm, const Eigen::Vector3d& expected_turn_rad);
   /// Improves the motion `step` until it converges, in at most eight iterations, and sets its share

@@ -37,8 +37,8 @@ struct RigidRoi {
 };
 
 /// Returns the region `area` of the picture, reduced by `factor` and clipped to whole pixels of the
-/// level. `depths`: range of the object's depths, mm. Depths more than 80 mm outside `depths` are
-/// not the object's and count as not measured.
+/// level. `depths`: range of the object's depths, mm. Depths more than 80 mm outside `depths` do
+/// not belong to the object and count as not measured.
 RigidRoi cropRoi(const FrameImages& images, const cv::Rect& area, int factor,
                  const DepthRange& depths);
 

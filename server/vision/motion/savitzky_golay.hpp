@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Savitzky-Golay filter: computes position, velocity and acceleration of an object at one frame.
-// All three are coefficients of one polynomial over a short window of frames, so they fit each
-// other. Thread: any.
+// All three are derivatives of one polynomial over a short window of frames, so they are
+// consistent. Thread: any.
 #pragma once
 
 #include <vector>
@@ -39,7 +39,8 @@ int lookaheadFrames(double fps);
 /// fields of the result have their defaults. The acceleration is relative to the background.
 /// `samples` are in order of time. The window has up to `lookahead` samples on either side. The
 /// polynomial has order 4 over a whole window, and a lower order at the ends of a track. If the
-/// polynomial does not fit the whole window (a bounce lies in it), the best shorter window is used.
+/// polynomial does not fit the whole window, for example because of a bounce, the function uses the
+/// best shorter window.
 Motion computeMotion(const std::vector<Sample>& samples, std::size_t at, int lookahead);
 
 }  // namespace hapticast::server

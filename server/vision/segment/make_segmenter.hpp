@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Chooses and makes the segmenter of a clip.
-// Thread: the one that runs Vision.
+// Factory of the segmenters. Thread: the one that runs Vision.
 #pragma once
 
 #include <cstdint>

@@ -35,8 +35,9 @@ class Segmenter {
   /// After a cut it also omits all objects of the old scene. `flows`: motion of the last frame's
   /// objects. Throws SourceError if an object point lies on no object.
   virtual std::vector<Segment> next(const FramePair& frames, const Flows& flows) = 0;
-  /// Returns whether the author annotated this frame. Such a frame must be processed even if all
-  /// objects rest. Call it before next().
+  /// Returns whether an annotation changes the masks of this frame: one of this frame, or the mask
+  /// that the scan propagated from a later one. Such a frame must be processed even if all objects
+  /// rest. Call it before next().
   [[nodiscard]] virtual bool hasAnnotation(const FramePair& /*frames*/) const { return false; }
 };
 

@@ -26,7 +26,7 @@ struct Surface {
   cv::Mat measured;  ///< CV_8UC1, 255 where `depth` was measured, 0 where it was filled
   /// Step between the values of 8-bit depth without other noise, mm; else 0.
   double quantum_mm = 0.0;
-  /// Factor by which steps with a smooth result may reduce this surface; 1: full size.
+  /// Factor by which algorithms with a smooth result may downsample this surface; 1: full size.
   int reduction = 1;
 
   /// Returns whether every pixel of the mask was measured and none was rejected.
@@ -35,14 +35,15 @@ struct Surface {
   }
 };
 
-/// Largest number of pixels of a surface whose steps all work at full size. In pictures of the
-/// usual width they always do. Chosen for time: 300 x 300.
+/// Largest number of pixels of a surface that all algorithms process at full size. In pictures of
+/// the usual width (reduction.hpp) they process every surface at full size. Chosen for time: 300 x
+/// 300.
 inline constexpr double kLargestSurface_px = 90e3;
 
 /// Returns the surface of `mask`: rejects background at the rim (5 px wide) and isolated pixels,
 /// and fills the holes. `exact_mask`: whether the mask is the source's own. If it is, and the depth
 /// ends at the mask's contour, nothing is rejected. The thesis's method uses all measured depth and
-/// fills nothing (holes are 0). Time is linear in the box.
+/// fills nothing (holes are 0). The time is linear in the number of pixels of the box.
 Surface cleanSurface(const cv::Mat& depth, const cv::Mat& mask, const DepthNoise& noise,
                      Method method, bool exact_mask = false);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Temporal consistency of an object's layers: each layer has a name (a number) that persists from
-// frame to frame, even if the depth is noisy. Thread: the one that runs Vision.
+// Temporally consistent labels for an object's layers. Each layer has a name, a number that
+// persists from frame to frame, even if the depth is noisy. Thread: the one that runs Vision.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -10,14 +10,14 @@
 
 namespace hapticast::server {
 
-/// Splits one object into layers frame by frame, with persistent names. Each pixel has votes for
-/// the names, which move with the object: a running mean over some 8 frames of the names that the
-/// depth steps gave it. A layer of this frame has the name for which its pixels have most votes. A
-/// pixel changes its name when another name leads by a third of the votes. That takes nine frames
-/// in a row, or more with frames between that disagree. It changes at once if it is at most 2 px
-/// from pixels that had the new name, and its measured depth is clearly that of the new name.
-/// Layers stay separate until the step between them is below 0.7 `step_mm`. A surface with a
-/// reduction is split at the reduced size.
+/// Splits one object into layers frame by frame, with persistent names. Each pixel has a vote for
+/// each name: the share of the last 8 or so frames in which findLayers() gave the pixel this name
+/// (a running mean). The votes move with the object. A layer of this frame receives the name for
+/// which its pixels have most votes. A pixel changes its name when another name leads by a third of
+/// the votes. That happens after nine successive frames, or later if some frames disagree. It
+/// changes at once if it is at most 2 px from pixels that had the new name, and its measured depth
+/// is clearly that of the new name. Layers stay separate until the step between them is below 0.7
+/// `step_mm`. A surface with a reduction is split at the reduced size.
 class LayerCutter {
  public:
   /// Returns the surfaces of the layers of `surface`. Element i is the layer with the name i + 1;

@@ -12,13 +12,13 @@ namespace hapticast::server {
 /// The result is exact for planes and nearly exact for quadratics, up to the mask's edge.
 cv::Mat fitQuadratic(const cv::Mat& values, const cv::Mat& mask, double sigma_px);
 
-/// Returns `height`, a fit with a narrow window, but with a wider fit in its place where possible
-/// (Lepski's choice of a bandwidth). The wider fit has weights of the width `sigma_px` and removes
-/// the terraces of the values `rounded`. It applies where it differs by at most `half_step` from
-/// all measured values around a pixel. Elsewhere the surface is curved more than a quadratic.
-/// `measured`: 0/255. To save time, the wider fit is computed for blocks of half a `sigma_px`. Its
-/// difference to `height` is interpolated between the blocks. Blocks partly outside `mask` retain
-/// `height`.
+/// Replaces `height`, a fit to `rounded` with a narrow window, by a wider fit where possible, and
+/// returns the result (Lepski's choice of a bandwidth). The wider fit has weights of the width
+/// `sigma_px` and removes the terraces of `rounded`. The function uses it where it differs by at
+/// most about `half_step` from all measured values around a pixel. Elsewhere no quadratic describes
+/// the surface. `measured`: 0/255. To save time, the wider fit is computed for blocks of half a
+/// `sigma_px`. Its difference to `height` is interpolated between the blocks. Blocks partly outside
+/// `mask` retain `height`.
 cv::Mat fitWider(const cv::Mat& height, const cv::Mat& rounded, const cv::Mat& mask,
                  const cv::Mat& measured, double half_step, double sigma_px);
 

@@ -17,8 +17,8 @@ namespace hapticast::server {
 struct MappedRange {
   DepthRange range;
   double usual_mm = 0.0;  ///< extent of an object in depth, median over the frames
-  /// True: the range is far wider than the objects. They move in depth, or their masks include
-  /// background.
+  /// True: the range is far wider than the objects, because they move in depth or their masks
+  /// include background.
   bool wide = false;
 };
 

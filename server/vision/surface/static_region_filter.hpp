@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Static-region filter: holds depth and outline of an object constant in those tiles of the picture
-// that are at rest. A static scene then causes no noise of the force. In a tile at rest, depth is
+// Static-region filter: keeps depth and outline of an object constant in the tiles of the picture
+// that are at rest. So a static scene causes no noise in the force. In a tile at rest, depth is
 // first averaged over some frames and then frozen. Each object has a filter of its own. Thread: the
 // one that runs Vision.
 #pragma once
@@ -15,7 +15,7 @@
 
 namespace hapticast::server {
 
-/// Returns how much the depth of `surface` may change while it rests. `noise`: noise of the scene's
+/// Returns the noise parameters of `surface` at rest (StaticNoise). `noise`: noise of the scene's
 /// depth.
 StaticNoise computeStaticNoise(const DepthNoise& noise, const Surface& surface);
 
@@ -30,15 +30,16 @@ class StaticRegionFilter {
   /// and thus no new measurement. Call it once for each frame.
   Surface apply(const cv::Mat& gray, const Surface& now, const StaticNoise& noise, bool repeated);
 
-  /// Returns whether the whole object is at rest and this frame shows it unchanged. If so, it
-  /// counts the frame as apply() does. If not, the filter does not change; call apply() then.
+  /// Returns whether the whole object is at rest and this frame shows it unchanged. If it returns
+  /// true, the frame is processed; do not call apply(). If it returns false, the filter is
+  /// unchanged; call apply().
   bool isUnchanged(const FrameImages& images, const StaticNoise& noise);
 
-  /// Returns which share of the object, 0..1, lies in tiles at rest that this frame did not change.
-  /// If it is 1, the surface equals the last one bit by bit.
+  /// Returns the share of the object, 0..1, in tiles that are at rest and that this frame did not
+  /// change. If it is 1, the surface equals the last one bit by bit.
   [[nodiscard]] double share() const { return share_; }
-  /// Returns why tiles were released in the last frame: what changed in them, so that they no
-  /// longer rest. kNone: no tile was released.
+  /// Returns the cause that released tiles in the last frame, so that they are no longer at rest.
+  /// kNone: no tile was released.
   [[nodiscard]] Cause cause() const { return tiles_.cause(); }
 
  private:

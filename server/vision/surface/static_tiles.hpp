@@ -18,11 +18,11 @@ struct HoldImages {
   cv::Mat depth;  ///< CV_32FC1, depth in mm; larger is farther
   cv::Mat mask;   ///< CV_8UC1, 0/255
   cv::Mat measured;  ///< CV_8UC1, 255 where `depth` was measured, 0 where it was filled
-  int row_step = 1;  ///< tiles are compared in every such row; each row counts as so many
+  int row_step = 1;  ///< only every `row_step`-th row is compared; it counts as `row_step` rows
 };
 
-/// What changed in a tile, so that it was released. kNew: the tile is new. kAllDepth: the depth of
-/// the whole object changed.
+/// Cause of a tile's release: the property that changed in the tile. kNew: the tile is new.
+/// kAllDepth: the depth of the whole object changed.
 enum class Cause : std::uint8_t { kNone, kNew, kColor, kOutline, kDepth, kAllDepth };
 
 /// State of one tile.
@@ -50,15 +50,15 @@ struct Tile {
   [[nodiscard]] bool isLoose() const { return cause != Cause::kNone || blending > 0; }
 };
 
-/// How much measured depth changes while the surface rests.
+/// Noise of the measured depth of a surface at rest.
 struct StaticNoise {
   double sigma_mm = 0.0;  ///< standard deviation of a pixel's depth
   double drift_mm = 1.0;  ///< slow drift of a tile's mean depth; 1 mm for sensors is a choice
   bool clean = false;     ///< the depth has no noise at all
 };
 
-/// The tiles of one object, with estimates of the noise by which changes are judged. Thread: the
-/// one that runs Vision.
+/// The tiles of one object, with estimates of the noise. A change counts only if it exceeds the
+/// noise. Thread: the one that runs Vision.
 class StaticTiles {
  public:
   /// Moves the tiles to another box (px, corners on tiles). Tiles within both boxes retain their

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The author's annotations, in the frames to which they belong: points (flags --object and --not,
-// with their times) and key masks. Thread: the one that runs Vision.
+// Finds the author's annotations of each frame: points (flags --object and --not, with their times)
+// and key masks. Thread: the one that runs Vision.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -13,7 +13,7 @@
 
 namespace hapticast::server {
 
-/// A point of the author marks all pixels at most this far from it, px. The value is a choice.
+/// Radius of the disc of pixels that a point of the author marks, px. The value is a choice.
 inline constexpr int kPoint_px = 5;
 
 /// Point on an object (--object).
@@ -56,11 +56,11 @@ class AnnotationTrack {
 };
 
 /// Returns the mask (0/255, size of `view`) of the connected region of similar colour around `at`.
-/// Similar colours are those like the colours of the disc of `radius_px` around `at`.
+/// Colours are similar if they resemble the colours in the disc of `radius_px` around `at`.
 cv::Mat findConnected(const GraphRoi& view, const cv::Point& at, int radius_px);
 
 /// Returns the colours of the connected region of similar colour around `point` (px of the
-/// picture). They are empty if the region is narrower than 25 mm.
+/// picture). The result is empty if the region is narrower than 25 mm.
 NegativeColors sampleColors(const FrameContext& scene, const cv::Point& point);
 /// Adds the colours of `sample` to `colors`.
 void addSample(const NegativeColors& sample, NegativeColors& colors);

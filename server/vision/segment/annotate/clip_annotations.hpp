@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Results of a clip's scan that each playback uses. They are the state in which the segmentation
-// begins, and masks of frames before an annotation. The scan propagated these masks backwards from
-// the annotation. Thread: the one that runs Vision.
+// Results of a clip's scan that every playback uses: the initial state of the segmentation, and
+// masks of the frames before an annotation. The scan propagates these masks backwards from the
+// annotation. Thread: the one that runs Vision.
 #pragma once
 
 #include <cstdint>
@@ -14,14 +14,14 @@
 
 namespace hapticast::server {
 
-/// Colours around the author's negative points (--not). Pixels of these colours are probably not
-/// the object's.
+/// Colours around the author's negative points (--not). Pixels of these colours probably do not
+/// belong to the object.
 struct NegativeColors {
   ColorHistogram histogram;
   cv::Mat samples;  ///< CV_32FC3, Lab (L 0..100), one column; empty: no negative points
 };
 
-/// Mask of an object in one frame. Its origin is an annotation of this frame or of a later frame.
+/// Mask of an object in one frame, computed from an annotation of this frame or of a later frame.
 struct PropagatedMask {
   int number = 0;      ///< number of the object; see TrackedMask::number()
   cv::Rect box;        ///< part of the picture, px; empty: the object is not visible
@@ -33,8 +33,8 @@ struct InitialState;  // follow/narrow_band_tracker.hpp
 
 /// Results of the author's annotations of a clip, which all its playbacks share.
 struct ClipAnnotations {
-  /// State in which the segmentation of the clip begins; null until it has been computed. The
-  /// computation takes as long as that of ten frames.
+  /// Initial state of the clip's segmentation; null until it has been computed. The computation
+  /// costs as much time as ten frames.
   std::shared_ptr<const InitialState> start;
   NegativeColors avoided;  ///< colours of the author's negative points
   /// Masks by index of the frame in the clip.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Colour histograms of 16 x 16 x 16 bins. Functions compare two histograms (Bhattacharyya), and
-// compute for each colour whether it belongs rather to the object or to the background. Thread:
-// any.
+// compute the log likelihood ratio of object and background for each colour. Thread: any.
 #pragma once
 
 #include <array>
@@ -35,9 +34,9 @@ class ColorHistogram {
   /// Moves each fraction towards that of `other`: `share` = 0 leaves it, `share` = 1 replaces it.
   /// An empty histogram becomes `other`.
   void adapt(const ColorHistogram& other, double share);
-  /// Raises each fraction to at least `share` times that of `other`, but not the fractions of
-  /// colours that are `own`: those that have a fourth of that fraction there. The sum may then
-  /// exceed 1.
+  /// Raises each fraction to at least `share` times the fraction in `other`. Exception: a colour
+  /// whose fraction in `own` is more than a quarter of that in `other` is unchanged. The sum may
+  /// then exceed 1.
   void raise(const ColorHistogram& other, double share, const ColorHistogram& own);
   [[nodiscard]] bool empty() const { return empty_; }
   [[nodiscard]] float operator[](std::size_t bin) const { return fraction_[bin]; }

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Narrow-band contour decision: decides which pixels of a band around an object's contour belong to
-// the object. It adds up evidence of colour, depth, planes and the last decision. A guided filter
-// (He, Sun and Tang 2010) aligns the result with edges of the picture. Pixels outside the band do
-// not change. README.md of server/vision has the formula. Thread: the one that runs Vision.
+// the object. The decision is the sum of evidence from colour, depth, planes, shape, motion and the
+// last frame. A guided filter (He, Sun and Tang 2010) aligns the result with edges of the picture.
+// Pixels outside the band do not change. README.md of server/vision has the formula. Thread: the
+// one that runs Vision.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -14,7 +15,7 @@
 
 namespace hapticast::server {
 
-/// Appearance model of an object, which is carried from frame to frame.
+/// Appearance model of an object, which persists from frame to frame.
 struct ContourMemory {
   ColorHistogram first;       ///< colours of the first mask; constant
   ColorHistogram now;         ///< colours of recent masks; adapts slowly
@@ -25,7 +26,7 @@ struct ContourMemory {
   cv::Mat shape;  ///< mean of the masks of the last second, moved with the object: -1..1, CV_32FC1
   cv::Matx33d to_picture;  ///< maps px of `evidence` and of `shape` to px of the picture
 
-  /// Forgets `evidence` and `shape`, because the object is at another place.
+  /// Deletes `evidence` and `shape`. Call it if the object is at another place.
   void forgetPlace();
 };
 
@@ -53,7 +54,7 @@ ContourResult decideContour(const ObjectRoi& patch, const DepthNoise& noise,
 
 /// Adds `mask` to the object's own shape, the mean of its masks of the last second. Pixels where
 /// the object is hidden do not change. `mask`: see updateMemory(). `is_whole`: false if `mask` may
-/// be a part of the object, so that it does not show where the object ends. Requires
+/// be only a part of the object. Pixels outside `mask` are then no evidence of background. Requires
 /// memory.to_picture to be that of the patch, or an empty shape.
 void updateShape(const ObjectRoi& patch, const cv::Mat& mask, bool is_whole, ContourMemory& memory);
 

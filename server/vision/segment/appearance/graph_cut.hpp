@@ -37,11 +37,12 @@ class ColorMixture {
 /// Returns the logarithms of the densities at all pixels of `lab` (CV_32FC3), as CV_32FC1.
 cv::Mat logDensities(const ColorMixture& mixture, const cv::Mat& lab);
 
-/// Weights of a cut. Evidence is in nats, above 0 for the object. 0: the user has no such evidence.
-/// Source: tuned on drawn scenes of objects in hands, unless marked.
+/// Weights of a cut. Evidence is in nats, above 0 for the object. A weight of 0 means that this
+/// kind of cut does not use the evidence. Unless marked "chosen", the values were tuned on drawn
+/// scenes of objects in hands.
 struct CutWeights {
-  double most_px = 0.0;        ///< largest size of the view; chosen for time
-  int rounds = 1;              ///< how often colours and mask are computed in turn; chosen
+  double most_px = 0.0;        ///< largest number of pixels; chosen for time
+  int rounds = 1;              ///< iterations of colour model and cut; chosen
   float color = 1.0F;          ///< factor of the evidence of colour
   float most_color = 0.0F;     ///< limit of the evidence of colour
   float far_color = 0.0F;      ///< factor of the negative points' colours, far from points
@@ -49,11 +50,11 @@ struct CutWeights {
   float skin = 0.0F;           ///< evidence of a pixel of skin, unless the object is skin
   float other_depth = 0.0F;    ///< evidence of a pixel outside the object's depths
   float own_depth = 0.0F;      ///< evidence of a pixel inside them
-  float hole = 0.0F;           ///< factor of the object's share around a pixel without depth ...
-  float beside_object = 0.0F;  ///< ... above this share: a shadow has background on one side
-  float per_px = 0.0F;         ///< evidence for each px inside the old contour; outside negative
+  float hole = 0.0F;           ///< for a pixel without depth: factor of the share of its
+  float beside_object = 0.0F;  ///< neighbours with the component's depth, minus this share
+  float per_px = 0.0F;         ///< evidence per px inside the old contour; negative outside it
   float farthest_px = 0.0F;    ///< limit of that distance
-  float old_mask = 0.0F;       ///< evidence of the old mask, far from points
+  float old_mask = 0.0F;       ///< evidence of the old mask, far from the author's points
   float point = 0.0F;          ///< evidence of the position, at a point
   float sure = 1e3F;           ///< evidence of a seed: more than all other terms of a pixel
   float together = 6.0F;       ///< cost of a cut between two neighbours of equal colour
@@ -61,11 +62,11 @@ struct CutWeights {
   float across_valley = 0.3F;  ///< factor of that cost in a deep valley, if known
 };
 
-// The table of the weights, one row for each user of a cut.
+// The weights for each kind of cut.
 
-/// First mask at a click (initial_mask). This row is GrabCut's, which builds a graph of its own (of
-/// 8-bit BGR, with OpenCV's weights). Its masks differ from those of minimumCut(), so it takes only
-/// size and rounds from here. It needs some 0.1 s for this size.
+/// First mask at a click (initial_mask). This cut is OpenCV's GrabCut, which builds its own graph
+/// (of 8-bit BGR, with OpenCV's weights). So it uses only `most_px` and `rounds`. It needs some 0.1
+/// s for this size.
 inline constexpr CutWeights kCutOfClick{.most_px = 25e3, .rounds = 4};
 /// More masks at a click (candidates). A cut lasts 5 to 10 ms.
 inline constexpr CutWeights kCutOfCandidate{.most_px = 12e3,
@@ -89,15 +90,16 @@ inline constexpr CutWeights kCutOfRedetection{.most_px = 9e3,
 inline constexpr CutWeights kCutOfCorrection{
     .most_px = 20e3, .most_color = 4.0F, .far_color = 0.5F, .old_mask = 1.0F, .point = 1.5F};
 
-/// What a cut follows. Images of the view's size; seeds are 0/255, and empty for none.
+/// Input of a cut. The images have the size of the view. Seeds are masks (0/255); empty: no seeds.
 struct CutTerms {
   cv::Mat evidence;      ///< sum of a pixel's evidence, CV_32FC1, nats, above 0 for the object
   cv::Mat object{};      ///< seeds: certainly the object
   cv::Mat background{};  ///< seeds: certainly not the object, except where `object` is set
 };
 
-/// Returns a mask (255: object) by the minimum cut of the graph of all pixels. It follows `terms`,
-/// but avoids borders between neighbouring pixels of similar colour and depth.
+/// Returns a mask (255: object) by the minimum cut of the graph of all pixels. The cut minimises
+/// the sum of the evidence in `terms` against the mask, and of the costs of its border. A border
+/// between pixels of similar colour and depth costs most.
 cv::Mat minimumCut(const CutTerms& terms, const GraphRoi& view, const DepthNoise& noise,
                    const CutWeights& weights);
 

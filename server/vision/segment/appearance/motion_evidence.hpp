@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Motion segmentation with two motions (layers, Wang and Adelson 1994): the object moves with one
-// similarity, what surrounds it with another one, for example an arm. A pixel belongs to the motion
-// that explains it better: the last picture, moved so, resembles this picture there. Thread: the
-// one that runs Vision.
+// Motion segmentation with two motions (layers, Wang and Adelson 1994): the object moves by one
+// similarity, and its surroundings (for example an arm) move by another one. A pixel belongs to the
+// motion that explains it better: with this motion, the warped last picture resembles this picture
+// more at the pixel. Thread: the one that runs Vision.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -13,7 +13,7 @@
 
 namespace hapticast::server {
 
-/// The motion of what surrounds an object, with the picture before it.
+/// The motion of an object's surroundings since the last picture, and that picture.
 struct OtherMotion {
   cv::Mat last_gray;       ///< CV_8UC1
   cv::Matx23d similarity;  ///< px of the last picture to px of this picture

@@ -24,12 +24,12 @@ struct FrameContext {
   const std::vector<Plane>& planes;
   const DepthNoise& noise;
   const SkinColors& skin;
-  /// CV_8UC1, size of the image, 255: colours that were learnt from the hand that holds the object.
+  /// CV_8UC1, size of the image, 255: pixels with the colours of the hand that holds the object.
   /// Empty: unknown.
   cv::Mat hand{};
 
-  /// Returns 255 where the part `box` of the image (px) may show a hand, CV_8UC1 of `size`: skin or
-  /// dark skin with the colours of `hand` or, if they are unknown, skin.
+  /// Returns 255 where the part `box` of the image (px) may show a hand, CV_8UC1 of `size`. If
+  /// `hand` is known, that is skin or dark skin inside `hand`; otherwise it is skin.
   [[nodiscard]] cv::Mat findHands(const cv::Rect& box, const cv::Size& size) const;
   /// Returns 255 where `box` may show skin or dark skin, CV_8UC1 of `size`.
   [[nodiscard]] cv::Mat findDarkSkin(const cv::Rect& box, const cv::Size& size) const;
@@ -50,7 +50,7 @@ struct GraphRoi {
 
   /// Returns the region `box` (px of the picture), reduced so that it has at most `most_px` pixels.
   static GraphRoi makeAround(const FrameContext& scene, const cv::Rect& box, double most_px);
-  /// Returns makeAround() with the valleys, for the scores and cuts that use them.
+  /// Returns the same region as makeAround(), but also computes `valley`.
   static GraphRoi makeWithValleys(const FrameContext& scene, const cv::Rect& box, double most_px);
   [[nodiscard]] cv::Size size() const { return lab.size(); }
   /// shrinkImage() converts a mask of the whole picture to this region. placeInPicture() converts a
@@ -106,11 +106,12 @@ struct ObjectLimits {
   double nearest_mm = 0.0;           ///< 0: unknown
   double farthest_mm = 0.0;          ///< 0: unknown
   const SkinColors* hand = nullptr;  ///< skin colours; null: unknown
-  /// Evidence of each colour bin for the object (colorEvidence()). Colours of skin that are rather
-  /// the object's count as no hand. Empty: unknown.
+  /// Evidence of each colour bin for the object (colorEvidence()). A skin colour with evidence
+  /// above 0 does not count as a hand. Empty: unknown.
   std::vector<float> colors{};
 };
-/// Returns 255 in `color` (CV_8UC3) where `limits` say that a pixel is a hand, 0 elsewhere.
+/// Returns a mask of `color` (CV_8UC3): 255 where the colour is that of a hand according to
+/// `limits`, 0 elsewhere.
 cv::Mat findHand(const cv::Mat& color, const ObjectLimits& limits);
 /// Returns the patch around the object, whose mask in the last picture was `mask` (0/255).
 /// `similarity` maps px of the last picture to px of this picture.

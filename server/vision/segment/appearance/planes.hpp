@@ -20,7 +20,7 @@ struct Plane {
   double tolerance_mm = 2.0;
   double widest_mm = 2.0;  ///< limit of tolerance_mm, from the depth's noise
   double share = 0.0;      ///< share of the picture on the plane, 0..1
-  bool support = false;    ///< objects lie on it: no object continues behind it
+  bool support = false;    ///< the plane supports objects: no object extends behind it
 
   /// Returns the plane's inverse depth at (u, v), 1/mm.
   [[nodiscard]] double inverse(double u, double v) const { return a * u + b * v + c; }
@@ -29,8 +29,8 @@ struct Plane {
   [[nodiscard]] double behind(double u, double v, double depth_mm) const;
 };
 
-/// Returns up to three planes of `depth` (CV_32FC1, mm). A plane counts if it covers at least 6 %
-/// of the picture. For a ground plane (table or floor), 2 % suffice.
+/// Returns up to three planes of `depth` (CV_32FC1, mm). A plane must cover at least 6 % of the
+/// picture, or 2 % if it is a ground plane (table or floor).
 std::vector<Plane> findPlanes(const cv::Mat& depth, const DepthNoise& noise);
 /// Fits the planes again to the depth of this frame. Returns false if a plane lost more than 40 %
 /// of its share of the picture.

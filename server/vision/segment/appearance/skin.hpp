@@ -20,8 +20,8 @@ class SkinColors {
   /// Returns a mask: 255 where `color` has the colour of skin. Areas narrower than a finger do not
   /// count. `color`: CV_8UC3, a picture about 640 px wide, or a part of it.
   [[nodiscard]] cv::Mat findSkin(const cv::Mat& color) const { return find(color, kSkin); }
-  /// Returns findSkin(), and dark skin. Dark brown things have the colours of dark skin too: a
-  /// caller needs other evidence of a hand.
+  /// Returns the mask of findSkin() together with dark skin. Dark brown things have the same
+  /// colours as dark skin, so the caller needs other evidence of a hand.
   [[nodiscard]] cv::Mat findWithDark(const cv::Mat& color) const { return find(color, kDarkSkin); }
 
  private:

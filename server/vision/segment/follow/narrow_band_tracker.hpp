@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Narrow-band tracking for real scenes. After an initial mask, each frame moves the mask with the
-// object and decides the pixels of a band around its contour anew. The tracker searches for a lost
-// object by its colours (re-detection). An object that is found again has a new id. Thread: the one
-// that runs Vision.
+// Narrow-band tracking for real scenes. It begins with an initial mask. In each frame it moves the
+// mask with the object, and decides the pixels of a band around the contour anew. The tracker
+// searches for a lost object by its colours (re-detection). An object that is found again has a new
+// id. Thread: the one that runs Vision.
 #pragma once
 
 #include <deque>
@@ -16,8 +16,8 @@
 
 namespace hapticast::server {
 
-/// Objects and scene model at the start of a clip, with the frame to which they belong. It shares
-/// that frame's images; no code writes into them.
+/// Objects and scene model at the start of a clip, with the images of that frame. These images are
+/// shared and read-only.
 struct InitialState {
   cv::Mat color;
   cv::Mat depth;

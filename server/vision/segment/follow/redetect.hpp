@@ -16,7 +16,7 @@ struct KnownObject {
   ObjectLimits limits;
   double usual_px = 0.0;  ///< area in the picture when nothing hides the object, px
   cv::Mat mask{};         ///< expected mask, 0/255, size of the image; empty: unknown
-  /// Where to search if `mask` is empty, px; empty: everywhere.
+  /// Part of the picture to search if `mask` is empty, px; empty: the whole picture.
   cv::Rect window{};
 };
 

@@ -29,9 +29,10 @@ struct ChosenStart {
 ChosenStart selectInitialMask(const FrameImages& images, const SceneContext& scene,
                               const cv::Point& point, const std::vector<cv::Point>& not_points);
 
-/// Returns the object that most probably is meant if the author gives no point. It asks for the
-/// candidates at each of the object proposals. A near object, a held one, and one near the middle
-/// of the picture count more. The end of a limb counts only if its score is that of an object.
+/// Returns the object to use if the author gives no point. It runs selectInitialMask() at each
+/// object proposal, and selects the highest sum of the score and a rating of the place. The rating
+/// prefers a near object, a held one, and one near the middle of the picture. The end of a limb
+/// counts only if its score is high enough for an object.
 ChosenStart selectAutomatically(const FrameImages& images, const SceneContext& scene,
                                 const std::vector<cv::Point>& not_points);
 

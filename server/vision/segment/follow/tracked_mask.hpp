@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// State of one object in narrow-band tracking: its visible mask, its part that nearer surfaces
-// hide, and its appearance model. Thread: the one that runs Vision.
+// State of one object in narrow-band tracking: the mask of its visible part, the mask of the part
+// that nearer surfaces hide, and its appearance model. Thread: the one that runs Vision.
 #pragma once
 
 #include <algorithm>
@@ -32,21 +32,21 @@ struct SceneContext {
   }
 };
 
-/// What a found object must have in common with the lost one.
+/// Limits of the similarity between a lost object and a candidate for it.
 struct LikeLimits {
-  double less;    ///< how much its reidentificationScore() may be lower
+  double less;    ///< largest decrease of its reidentificationScore()
   double colors;  ///< least overlap of its colours with those of the first mask
 };
 
 /// Mask and appearance of one object, updated from frame to frame.
 class TrackedMask {
  public:
-  /// Begins with the mask `first_mask` (CV_8UC1, 0/255, size of the image). Decides the pixels of
-  /// its band in this one frame repeatedly, until the mask no longer changes. There are at most
-  /// `most_rounds` repetitions.
+  /// Begins with the mask `first_mask` (CV_8UC1, 0/255, size of the image). Repeats the decision of
+  /// the band's pixels in this one frame until the mask hardly changes, at most `most_rounds`
+  /// times.
   TrackedMask(std::uint32_t id, const cv::Mat& first_mask, const FrameImages& images,
               const SceneContext& scene, int most_rounds = kSettleRounds);
-  /// Default of `most_rounds`. In measurements, the mask needed 5 to 19 repetitions to settle.
+  /// Default of `most_rounds`. In measurements, the mask needed 5 to 19 repetitions.
   static constexpr int kSettleRounds = 25;
 
   /// Stores the score of the present mask, with which later masks are compared
@@ -56,30 +56,33 @@ class TrackedMask {
   [[nodiscard]] double computeLikeness(const FrameImages& images, const SceneContext& scene,
                                        const cv::Mat& mask) const;
   /// Corrects the mask by the author's points: pixels around positive points belong to the object,
-  /// those around negative points do not. Regions of anchors remain. Without an anchor, marks the
-  /// object as lost if no pixel remains, or none of its colours.
+  /// those around negative points do not. Regions of visible anchors remain. Marks the object as
+  /// lost in three cases: the mask was only moved and `annotation` has only negative points; no
+  /// visible anchor exists and almost no pixel remains; no anchor exists and the remaining colours
+  /// are not those of the object.
   void correct(const FrameImages& images, const SceneContext& scene, const Annotation& annotation);
   /// Replaces the object's mask by `mask` and computes the appearance model anew.
   void adopt(const cv::Mat& mask, const FrameImages& images, const SceneContext& scene);
-  /// Adds a point of the author on the object, px of this picture. It moves with the object, and no
-  /// later correction removes its region. Only a later --not beside the point removes it.
+  /// Adds a point of the author on the object, px of this picture. The point moves with the object,
+  /// and later corrections keep its region. A later --not beside the point removes it. So does a
+  /// motion after which the point is outside the object.
   void addAnchor(const cv::Point& point) { anchors_.emplace_back(point); }
-  /// Updates the mask for the next frame: moves it by `flow` and decides the pixels of its band
-  /// anew. `other`: motion of what surrounds the object, nullopt if it is not known.
+  /// Updates the mask for the next frame: moves the mask by `flow` and decides the pixels of its
+  /// band anew. `other`: motion of the object's surroundings; nullopt: unknown.
   void update(const FrameImages& images, const ObjectFlow& flow, const SceneContext& scene,
               const std::optional<OtherMotion>& other = std::nullopt);
-  /// Counts a frame in which the object is lost. Searches for the object's colours near
-  /// its last place, and in every third such frame in the whole picture, at depths of 0.6 to 1.6
-  /// times its last depth. Returns the object if it was found, still without a new id; otherwise
-  /// nullopt.
+  /// Counts a frame in which the object is lost. Searches for the object by redetect() near its
+  /// last place, and in every third such frame in the whole picture. The search covers depths of
+  /// 0.6 to 1.6 times the object's last depth. Returns the object if it was found, still without a
+  /// new id; otherwise nullopt.
   [[nodiscard]] std::optional<TrackedMask> search(const FrameImages& images,
                                                   const SceneContext& scene);
-  /// Removes the pixels that belong to `other` too. Marks the object as lost if almost none
-  /// remains.
+  /// Removes from this mask the pixels that the mask of `other` also contains. Marks the object as
+  /// lost if almost none remains.
   void yieldTo(const TrackedMask& other);
   /// Marks the object as lost.
   void lose();
-  /// Returns the share of this object's pixels, 0..1, that belong to `other` too.
+  /// Returns the share of this object's pixels, 0..1, that the mask of `other` also contains.
   [[nodiscard]] double overlapShare(const TrackedMask& other) const;
 
   [[nodiscard]] std::uint32_t id() const { return id_; }
@@ -90,13 +93,13 @@ class TrackedMask {
   void setNumber(int number) { number_ = number; }
   /// Returns the mask of the visible part: CV_8UC1, 0/255, size of the image.
   [[nodiscard]] const cv::Mat& mask() const { return mask_; }
-  /// Returns 1 if the newest frame's pixels decided the mask and its motion was measured. Returns
-  /// less otherwise.
+  /// Returns 1 if the mask was decided by the newest frame's pixels and the motion was measured.
+  /// Otherwise returns less than 1.
   [[nodiscard]] double quality() const { return quality_; }
   /// Returns whether the pixels of the newest frame decided the mask. Returns false if the mask was
   /// only moved.
   [[nodiscard]] bool isDecided() const { return weak_ == 0; }
-  /// Returns the author's points on the object that its mask contains, px.
+  /// Returns those anchors that the visible mask contains, px.
   [[nodiscard]] std::vector<cv::Point> visibleAnchors() const;
   [[nodiscard]] bool present() const { return lost_ == 0; }
   [[nodiscard]] int framesLost() const { return lost_; }

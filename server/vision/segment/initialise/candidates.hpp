@@ -14,10 +14,10 @@
 namespace hapticast::server {
 
 /// Returns the piece `main`, together with those pieces of `mask` that probably are the same object
-/// behind a nearer surface. Fills small holes. A piece is added if no pixel between it and `main`
-/// lies behind both, and if it does not reach the border of the region. `mask`: 0/255, size of
-/// `view`. `px_per_mm`: pixels of `view` for each mm. A nearer surface is, for example, a finger.
-/// Thread: the one that runs Vision.
+/// behind a nearer surface. Fills small holes. A piece is added if no pixel between the piece and
+/// `main` is farther away than both, and if the piece does not touch the border of the region.
+/// `mask`: 0/255, size of `view`. `px_per_mm`: pixels of `view` for each mm. A nearer surface is,
+/// for example, a finger. Thread: the one that runs Vision.
 cv::Mat mergeOccludedParts(const GraphRoi& view, const cv::Mat& mask, const cv::Mat& main,
                            double px_per_mm);
 
@@ -40,14 +40,14 @@ Candidates computeCandidates(const FrameContext& scene, const Click& click);
 /// Terms of the objectness score of a mask. Shares are 0..1.
 struct ObjectnessTerms {
   double apart = 0.0;  ///< distance of its colours from those of the ring around it (Bhattacharyya)
-  double missing = 0.0;  ///< pixels of the ring with colours of the mask only, over its area
+  double missing = 0.0;  ///< ring pixels whose colours occur only in the mask, over the mask's area
   double edge = 0.0;     ///< mean strength of the edges of colour or depth along the contour
   double weak = 0.0;     ///< share of the contour without an edge
   double contact = 0.0;  ///< share of the contour where the depth continues outside
   double border = 0.0;   ///< share of the contour at the picture's border
   double solid = 0.0;    ///< area over that of the visible convex hull
   double known = 0.0;    ///< share of pixels with depth
-  double stray = 0.0;    ///< share of pixels whose distance from the median depth exceeds the width
+  double stray = 0.0;    ///< share of pixels farther from the median depth than the mask's width
   double skin = 0.0;     ///< share of pixels with colours of skin
   double width_mm = 0.0;  ///< diameter of a disc with its area
 };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Initial mask of an object: finds the component of connected depth at a point, without supporting
-// planes. GrabCut then refines it by colour (Rother, Kolmogorov and Blake 2004). Runs once for each
-// object and lasts up to 0.3 s. Thread: the one that runs Vision.
+// Initial mask of an object: finds the connected component of depth at a point, after it removed
+// supporting planes. GrabCut then refines it by colour (Rother, Kolmogorov and Blake 2004). Runs
+// once for each object and lasts up to 0.3 s. Thread: the one that runs Vision.
 #pragma once
 
 #include <opencv2/core.hpp>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Object proposals, for the automatic choice: places where an object may be. A compact component of
-// depth is an object that stands alone. A component that reaches the picture's border is a limb
-// with a body or without; its geodesic end, the part that is farthest from the border along the
-// component, may hold an object. Thread: the one that runs Vision.
+// depth is a free-standing object. A component that reaches the picture's border is a limb, perhaps
+// with a body. Its geodesic end is the part that is farthest from the border along the component,
+// and may hold an object. Thread: the one that runs Vision.
 #pragma once
 
 #include <opencv2/core.hpp>

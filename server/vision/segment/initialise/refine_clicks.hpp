@@ -15,11 +15,11 @@
 namespace hapticast::server {
 
 /// Returns `mask`, corrected by the author's points. The regions of positive points are added, and
-/// the regions of negative points are removed. `held`: earlier positive points, px; their pixels
-/// remain, but they add no region. Positive points alone add only their discs where the result
-/// would cover more than `most_px` pixels without a clearly better objectness(): then it includes a
-/// hand. All pixels are 0 if nothing remains. `mask` and the result: CV_8UC1, 0/255, size of the
-/// image.
+/// the regions of negative points are removed. `held`: earlier positive points, px. Their discs
+/// remain, but they add no region. If there are only positive points, and the result would cover
+/// more than `most_px` pixels without a clearly better objectness(), only the discs of the points
+/// are added, because the result then includes a hand. All pixels are 0 if nothing remains. `mask`
+/// and the result: CV_8UC1, 0/255, size of the image.
 cv::Mat refineWithClicks(const FrameContext& scene, const cv::Mat& mask,
                          const Annotation& annotation, const std::vector<cv::Point>& held,
                          double most_px = std::numeric_limits<double>::infinity());
