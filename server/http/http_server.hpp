@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // HTTP port for operators (--http): /metrics, /health and /status.json. It only reads figures. It
 // shares the network thread with the viewers, so connections, requests and times are limited.
-// Thread: io, except for functions with "Thread: any".
+// Thread: the network's, except for functions with "Thread: any".
 #pragma once
 
 #include <cstddef>
@@ -34,8 +34,8 @@ class HttpServer {
   static constexpr Duration kFreshFor = std::chrono::milliseconds(100);
 
   /// Opens the port of `address` as openPort() does. `collect` returns the figures of the moment;
-  /// thread: io. One thread runs `io`; it must end before this object's destruction. `clock` must
-  /// outlive this object.
+  /// thread: the network's. One thread runs `io`; it must end before this object's destruction.
+  /// `clock` must outlive this object.
   HttpServer(asio::io_context& io, const Clock& clock, const Endpoint& address,
              std::function<Metrics()> collect);
 

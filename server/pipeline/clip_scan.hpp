@@ -13,11 +13,11 @@
 
 namespace hapticast::server {
 
-/// Returns `settings` with points in pixels of the frames, and without invalid points. The points
-/// of the argument are in pixels of the clip's own pictures (SourceInfo::own_px). It logs one line
-/// for each invalid point. Points after the end of the clip are invalid; a live source has no end.
-/// Positive and negative points at one place and one time are invalid too, because they contradict
-/// each other. Thread: any.
+/// Converts the points and the camera of `settings` from pixels of the clip's own pictures to
+/// pixels of the frames (SourceInfo::own_px). Removes invalid points, and logs one line for each of
+/// them. Points after the end of the clip are invalid; a live source has no end. A positive and a
+/// negative point less than 3 px apart at one time contradict each other, so both are invalid.
+/// Returns the new settings. Thread: any.
 [[nodiscard]] VisionSettings preparePoints(VisionSettings settings, const SourceInfo& info);
 
 /// Function that scanClip() calls after each frame. `share`: completed share of the scan, 0..1. It

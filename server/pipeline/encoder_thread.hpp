@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Encodes frames and pictures on a thread of its own and passes them to the sinks, while vision
+// Encodes frames and pictures on a separate thread and passes them to the sinks. Meanwhile vision
 // processes the next frame. Thread: see each function.
 #pragma once
 
@@ -21,18 +21,18 @@ namespace hapticast::server {
 /// The encoder's thread, with the queue of frames that wait for it.
 class EncoderThread {
  public:
-  /// Begins the thread. The sinks and `signer` must outlive it. If `signer` is null, frames are not
-  /// signed, and no datagrams are made. `slices`: settings of the height codec. `clock` measures
-  /// times() and must outlive the thread; null: no measurement.
+  /// Starts the thread. The sinks and `signer` must outlive this object. If `signer` is null,
+  /// frames are not signed, and no datagrams are made. `slices`: settings of the height codec.
+  /// `clock` measures times() and must outlive this object; null: no measurement.
   explicit EncoderThread(std::vector<StreamSink*> sinks, FrameSigner* signer = nullptr,
                          SliceSettings slices = {}, const Clock* clock = nullptr);
-  /// Encodes the frames that wait, and ends the thread. An exception of the encoder is lost unless
-  /// push() or finish() has rethrown it.
+  /// Encodes the frames that wait, and ends the thread. The destructor discards an exception of the
+  /// encoder that push() or finish() has not rethrown.
   ~EncoderThread();
 
-  /// Adds the frame `result` to the queue. The frame belongs to the stream `description`. Blocks
-  /// while two frames wait in the queue. Rethrows an exception that the encoder has thrown. Thread:
-  /// the pipeline's.
+  /// Adds the frame `result` to the queue. `description`: the stream to which the frame belongs.
+  /// Blocks while two frames wait in the queue. Rethrows an exception that the encoder has thrown.
+  /// Thread: the pipeline's.
   void push(StreamDescription description, VisionResult result);
   /// Replaces the settings of the height codec, from the next encoded frame on. Thread: any.
   void setSlices(const SliceSettings& slices);

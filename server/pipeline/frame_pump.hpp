@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Drives the pipeline of one stream: reads each frame of the source when it is due, passes it to
-// vision with its media time, and passes what that completes to the encoder. A clip is paced by
-// Pacer, a live source by its own frames. Thread: the pipeline's.
+// vision with its media time, and passes completed frames to the encoder. Pacer determines when a
+// frame of a clip is due. A frame of a live source is due when it arrives. Thread: the pipeline's.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@
 
 namespace hapticast::server {
 
-/// What a step of the pump came to.
+/// Result of a step of the pump.
 enum class PumpStep : std::uint8_t {
   kFrame,    ///< a frame was processed
   kSilence,  ///< a live source has no frame at the moment
@@ -27,40 +27,42 @@ enum class PumpStep : std::uint8_t {
 /// The pump of one stream.
 class FramePump {
  public:
-  /// Waits until `due` or until the server stops. Returns whether the server goes on.
+  /// Waits until `due` or until the server stops. Returns false if the server stops.
   using Wait = std::function<bool(MediaTime due)>;
 
-  /// What the pump connects. All of it must outlive the pump.
+  /// The objects that the pump connects. All of them must outlive the pump.
   struct Parts {
     RgbdSource& source;
     Vision& vision;
     EncoderThread& encoder;
     const Clock& clock;
     const MediaClock& media_clock;
-    PipelineCounter* counter;  ///< receives the figures of each frame; null: none are needed
+    PipelineCounter* counter;  ///< receives the measurements of each frame; may be null
   };
 
   /// The first frame of a clip is due at once. `loop`: a clip begins again at its end.
   FramePump(const Parts& parts, bool loop, Wait wait);
 
-  /// Waits until the next frame is due, reads it and processes it. If a live source has been silent
-  /// for too long, publishes the frames that vision still holds for its look-ahead. Otherwise these
-  /// frames would arrive late, and the viewers would raise their playout delay. Throws SourceError.
+  /// Waits until the next frame is due, reads it and processes it. Vision delays frames, because it
+  /// needs later frames (lookahead). If a live source delivers no frame for too long, step()
+  /// publishes the delayed frames. Otherwise they would arrive late, and the viewers would increase
+  /// their playout delay. Throws SourceError.
   PumpStep step();
-  /// Waits a moment, or drops a frame of a live source. Throws SourceError.
+  /// Call it while the stream is paused: waits 20 ms, or reads a frame of a live source and drops
+  /// it. Throws SourceError.
   void idle();
-  /// Continues with the frame at `time_s` of the clip. Vision processes all frames before it again,
-  /// without publishing them, because it follows the objects from the first frame on. Only logs a
-  /// warning if the source is live. Throws SourceError.
+  /// Continues with the frame at `time_s` of the clip. Vision tracks objects from the first frame
+  /// of the clip. So it processes all frames before `time_s` again, but the pump does not publish
+  /// them. Only logs a warning if the source is live. Throws SourceError.
   void seek(double time_s);
-  /// Publishes all frames that vision holds back for its look-ahead.
+  /// Publishes all frames that vision delays for its lookahead.
   void flush();
   /// Continues after a time without playback: the next frame is due now.
   void resume() { pacer_.resume(parts_.media_clock.now()); }
   /// Replaces material and mass of all objects by those of `settings`.
   void setMaterials(const VisionSettings& settings);
 
-  /// Returns the media time of the last frame that went to the encoder.
+  /// Returns the media time of the last frame that the pump passed to the encoder.
   [[nodiscard]] MediaTime lastPublished() const { return last_published_; }
   /// Returns the number of frames that were skipped because they were late.
   [[nodiscard]] std::uint64_t skipped() const { return pacer_.skipped(); }

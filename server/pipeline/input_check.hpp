@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Checks for input that is valid, but probably a mistake: depth without a surface, inverted depth,
-// metres in place of millimetres, tiny pictures. Each one gets one warning with the remedy.
+// Finds input that is valid, but probably a mistake: depth without a surface, inverted depth,
+// metres in place of millimetres, tiny pictures. Logs one warning with the remedy for each mistake.
 // Thread: the pipeline's.
 #pragma once
 
@@ -12,7 +12,7 @@ namespace hapticast::server {
 /// Logs a warning for each unlikely range of `settings` (--map-range, --depth-range), and for each
 /// unlikely property of the clip: a tiny picture, one depth value everywhere, inverted 8-bit depth.
 /// For the depth it reads the first frames of a recorded clip and rewinds it. Returns false if
-/// there is nothing to touch, because the picture is tiny or its depth has no surface. Throws
+/// viewers could touch nothing, because the picture is tiny or its depth has no surface. Throws
 /// SourceError.
 bool warnOfUnlikelyInput(RgbdSource& source, const VisionSettings& settings);
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Changes of a running stream: operators pause, seek and set the material, and a reload of the
-// settings brings materials too. The network thread adds them, and the pipeline's thread carries
-// them out between two frames. Thread: see each function.
+// Queue of changes to a running stream. Operators pause, seek and set the material. A reload of the
+// settings changes materials too. The network thread adds the changes, and the pipeline's thread
+// applies them between two frames. Thread: see each function.
 #pragma once
 
 #include <mutex>
@@ -18,9 +18,10 @@ namespace hapticast::server {
 /// Requests that wait for the pipeline.
 class OperatorRequests {
  public:
-  /// Adds a request of an operator. Drops it if too many wait. Thread: any.
+  /// Adds a request of an operator. Drops it if 100 requests wait. Thread: any.
   void push(const Control& request);
-  /// Sets the settings that a reload has read. Their materials will take effect. Thread: any.
+  /// Stores the settings that a reload has read. The next carryOut() applies their materials and
+  /// masses only. Thread: any.
   void pushReload(VisionSettings reloaded);
   /// Carries out the requests and the reload that were added since the last call. Writes the new
   /// materials to `settings`, the settings of the stream. Returns true if it carried out a request

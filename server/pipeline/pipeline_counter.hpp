@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Collects the figures of the pipeline, and hands copies to the thread that shows them. Thread:
-// any.
+// Collects the statistics of the pipeline (PipelineCounts). Other threads read copies. Thread: any.
 #pragma once
 
 #include <map>
@@ -12,7 +11,7 @@
 
 namespace hapticast::server {
 
-/// Figures of one pipeline.
+/// Statistics of one pipeline.
 class PipelineCounter {
  public:
   /// Begins in the phase kScan. `clock` must outlive this object.
@@ -20,10 +19,11 @@ class PipelineCounter {
 
   /// Begins the phase `phase`.
   void enter(PipelinePhase phase);
-  /// Adds a frame on which vision has spent `vision`. `plans`: scene plans of its objects, by id.
-  /// The first kMaxObjects count.
+  /// Adds a frame. `vision`: time that vision needed for it. `plans`: scene plans of its objects,
+  /// by id. The first kMaxObjects count.
   void addFrame(Duration vision, const std::map<std::uint32_t, std::vector<PlanLine>>& plans);
-  /// Sets the figures that other owners sum up themselves.
+  /// Sets the totals that other objects count: skipped frames, times of the encoder, times of
+  /// signatures.
   void set(std::uint64_t skipped, const EncoderTimes& encoder, const StageTime& sign);
   [[nodiscard]] PipelineCounts counts() const;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Figures of the pipeline from source to encoder, for operators. Thread: any.
+// Statistics of the pipeline from source to encoder, for operators. Thread: any.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@
 
 namespace hapticast::server {
 
-/// What the pipeline does at present.
+/// Present phase of the pipeline.
 enum class PipelinePhase : std::uint8_t {
   kScan,           ///< opens the source and scans the clip
   kWaitForViewer,  ///< --wait-for-viewer: no viewer has joined yet
@@ -26,7 +26,7 @@ struct EncoderTimes {
   StageTime picture;  ///< pictures
 };
 
-/// Figures since the server's start.
+/// Statistics since the server's start.
 struct PipelineCounts {
   PipelinePhase phase = PipelinePhase::kScan;
   LocalTime phase_since{};

@@ -19,11 +19,11 @@ namespace hapticast::server {
 /// Logs the scene plans of all objects at a limited rate.
 class PlanLog {
  public:
-  /// Logs those of `plans` (by object id) whose decisions changed. An object's place in `plans`
-  /// stands for the object, because each playback of a looped clip has new ids. The log has a place
-  /// at most once a second, and the same decisions of a place at most once a minute.
-  /// `relief_bytes`: sizes of the reliefs, by object id. The log states them as saved while the
-  /// stage `heights` is off.
+  /// Logs those of `plans` (by object id) whose decisions changed. It identifies an object by its
+  /// position in `plans`, because each playback of a looped clip has new ids. It logs the plan of a
+  /// position at most once a second, and equal decisions of a position at most once a minute.
+  /// `relief_bytes`: sizes of the reliefs, by object id. While the stage `heights` is off, the log
+  /// states these bytes as saved.
   void log(const std::map<std::uint32_t, std::vector<PlanLine>>& plans,
            const ReliefBytes& relief_bytes, MediaTime now);
 
@@ -36,8 +36,8 @@ class PlanLog {
   std::vector<Logged> logged_;  // by place
 };
 
-/// Logs the mapped range of one stream, once. Adds a warning if the object covers only a small part
-/// of it. Thread: the pipeline's.
+/// Logs the mapped range of one stream, once. Also logs a warning if the object covers only a small
+/// part of the range. Thread: the pipeline's.
 class DepthRangeLog {
  public:
   /// Logs the mapped range `mapped` once, at the first call in which it is known. `mapped`: nullopt

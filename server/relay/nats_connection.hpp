@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Connection to a NATS system, with libnats. It reconnects by itself to any server of the system.
-// Messages that cannot be sent at once are dropped: late frames are of no use. Only the .cpp of
-// this header includes libnats. Thread: any, except where a function says otherwise.
+// Connection to a NATS system, with libnats. It reconnects automatically to any server of the
+// system. It drops messages that it cannot send at once, because late frames are useless. Only the
+// .cpp of this header includes libnats. Thread: any, except where a function says otherwise.
 #pragma once
 
 #include <cstddef>
@@ -18,13 +18,14 @@ namespace hapticast::server {
 /// A connection from its construction to its destruction.
 class NatsConnection {
  public:
-  /// Receives a message and the subject for the answer (empty: none). Thread: libnats, one for each
-  /// subscription.
+  /// Receives a message and the subject for the answer (empty: none). Thread: of libnats, a
+  /// separate one for each subscription.
   using OnMessage = std::function<void(std::span<const std::uint8_t> bytes, const std::string&)>;
 
-  /// Connects to one of the servers. `flag` is the flag of the command line that names them, for
-  /// messages. Throws AddressError if a file is not usable, or if this build has no libnats. Throws
-  /// std::runtime_error if no server answers or accepts the credentials. Each has one line.
+  /// Connects to one of the servers in `address`. `flag`: command line flag with the address, for
+  /// error messages. Throws AddressError if a file is not usable, or if this build has no libnats.
+  /// Throws std::runtime_error if no server answers or accepts the credentials. Each error message
+  /// has one line.
   NatsConnection(const std::string& flag, const NatsAddress& address,
                  const NatsCredentials& credentials);
   /// Closes the connection. Returns after the last call of an OnMessage has returned.

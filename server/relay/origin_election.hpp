@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Leader election among the origins of one channel, by heartbeats and terms (as in Raft, but
 // without votes). The active origin sends heartbeats. A standby origin that receives none for a
-// second takes over with a higher term. Edges follow the highest (term, origin), so of two active
-// origins only one counts, and the other steps back as soon as it receives a heartbeat of the
-// first. The class has no threads and no clock. Thread: one.
+// second takes over with a higher term. Edges follow the highest (term, origin). So if two origins
+// are active, edges ignore one of them. It becomes a standby as soon as it receives a heartbeat of
+// the other one. The class has no threads and no clock. Thread: one.
 #pragma once
 
 #include <algorithm>
@@ -20,14 +20,15 @@ class OriginElection {
  public:
   /// Interval of heartbeats.
   static constexpr Duration kHeartbeat = std::chrono::milliseconds(100);
-  /// Silence after which a standby takes over: ten heartbeats.
+  /// Time without a heartbeat after which a standby becomes active: ten intervals.
   static constexpr Duration kSilence = std::chrono::seconds(1);
-  /// Highest valid term. It leaves room for higher terms, so that no message can end an election.
+  /// Highest valid term. It is far below the limit of the type, so that no message can cause an
+  /// overflow.
   static constexpr std::uint64_t kHighestTerm = std::uint64_t{1} << 62U;
 
-  /// Begins as a standby at `now`. `origin`: random number of this origin. `least_term`: the own
-  /// terms are higher than this. With the system's time in seconds, an origin that starts after all
-  /// others have ended has a higher term even if it never received one.
+  /// Begins as a standby at `now`. `origin`: random number of this origin. `least_term`: lower
+  /// bound of the terms of this origin. Use the system's time in seconds. An origin that starts
+  /// later then has a higher term, even if all others have ended and it never received a heartbeat.
   OriginElection(std::uint64_t origin, std::uint64_t least_term, LocalTime now)
       : origin_(origin), least_term_(least_term), last_received_(now) {}
 
@@ -40,15 +41,17 @@ class OriginElection {
     heard_at_ = now;
     active_ = false;
   }
-  /// Processes the highest term that an edge has seen. Edges ignore an active origin with a lower
-  /// term. It still sends, for edges that do not receive the other origin yet, until it receives a
-  /// heartbeat of the other one. After kSilence without one, it takes over from the lost origin.
+  /// Processes the highest term that an edge has seen. If this origin is active with a lower term,
+  /// such edges ignore it. It continues to send, for edges that do not receive the other origin
+  /// yet. A heartbeat of the other origin makes it a standby. After kSilence without a heartbeat,
+  /// check() raises its term above the seen one.
   void onSeenTerm(std::uint64_t term, LocalTime now) {
     if (term > kHighestTerm || term <= std::max(highest_, seen_)) return;
     seen_ = term;
     seen_since_ = now;
   }
-  /// Begins the silence anew. Call it while there is no connection: nothing can be received then.
+  /// Restarts the measurement of kSilence. Call it while there is no connection, because no
+  /// heartbeat can arrive then.
   void onDisconnected(LocalTime now) { last_received_ = now; }
   /// Becomes active after kSilence. Returns whether this origin is active.
   bool check(LocalTime now) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Decides which origin of a channel an edge follows: the one with the highest (term, origin). It
 // verifies the signature of each message with the key of its origin, and drops messages of other
-// origins, of earlier terms, and messages out of order. So after a takeover no message of the old
-// origin passes. The class has no threads and no clock. Thread: one.
+// origins, of earlier terms, and messages out of order. So after a takeover it drops all messages
+// of the old origin. The class has no threads and no clock. Thread: one.
 #pragma once
 
 #include <cstdint>
@@ -17,25 +17,26 @@
 
 namespace hapticast::server {
 
-/// A state, and the key that has signed it.
+/// A state of an origin, and the verifying key of its signature.
 struct TrustedState {
   RelayState state;
   VerifyingKey key;
 };
-/// Returns the state in the whole message `whole` with the head `head`. Returns an error if its own
-/// key has not signed it, or if `keys` are not empty and lack that key. The message of the error is
-/// empty if the content is no state. Requires readRelayHead() to succeed. Thread: any.
+/// Returns the state in the whole message `whole` with the head `head`. Returns an error if its
+/// signature does not match the key in the state, or if `keys` is not empty and lacks this key. If
+/// the message has other content than a state, the text of the error is empty. Requires
+/// readRelayHead() to succeed. Thread: any.
 [[nodiscard]] Result<TrustedState> readTrustedState(const RelayHead& head,
                                                     std::span<const std::uint8_t> whole,
                                                     const std::vector<KeyBytes>& keys);
 
-/// Result of one message.
+/// Result of OriginFollower::onMessage().
 struct FollowedMessage {
   /// Content of a valid message of the followed origin; nullopt: the edge drops the message.
   std::optional<RelayContent> content;
   bool new_origin = false;  ///< the content is the first state of another origin
-  /// Why the message was dropped, for the log. Empty if it was not, or if it came from an origin
-  /// that is not followed (normal).
+  /// Reason why the message was dropped, for the log. Empty if it was not dropped, or if another
+  /// origin than the followed one sent it, which is normal.
   std::string problem;
 };
 
@@ -46,7 +47,7 @@ class OriginFollower {
   OriginFollower(std::string channel, std::vector<KeyBytes> keys)
       : channel_(std::move(channel)), keys_(std::move(keys)) {}
 
-  /// Processes a whole message. Its pieces are joined already.
+  /// Processes a whole message, the result of RelayJoiner.
   FollowedMessage onMessage(std::span<const std::uint8_t> whole);
 
   /// Returns the highest term that the edge has seen; 0: none.

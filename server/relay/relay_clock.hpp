@@ -21,7 +21,7 @@ class RelayClock final : public MediaClock {
     return MediaTime(clock_.now().time_since_epoch() + Duration(offset_ns_.load()));
   }
   [[nodiscard]] Duration errorBound() const noexcept override { return Duration(error_ns_.load()); }
-  /// Sets media clock minus local clock, and the largest possible error of that.
+  /// Sets the offset (media clock minus local clock) and its largest possible error.
   void set(Duration offset, Duration error) noexcept {
     offset_ns_.store(offset.count());
     error_ns_.store(error.count());

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Publishes the stream of this server on NATS, for edges (--publish). A separate thread sends, so a
-// slow NATS server does not delay the encoder. Newer frames replace frames that wait. While another
-// origin of the channel is active, this one sends nothing (OriginElection). Thread: see each
-// function.
+// slow NATS server does not delay the encoder. If frames wait, newer ones replace the oldest. While
+// another origin of the channel is active, this origin sends nothing (OriginElection). Thread: see
+// each function.
 #pragma once
 
 #include <atomic>
@@ -30,21 +30,21 @@ namespace hapticast::server {
 /// An origin of one channel.
 class RelayPublisher final : public StreamSink {
  public:
-  /// Connects to NATS and begins as a standby. `keys`: the keys of the channel's origins; it
-  /// ignores the heartbeats of others; empty: any key. Throws as NatsConnection does. The clocks
-  /// and `signer` must outlive this object.
+  /// Connects to NATS and begins as a standby. `keys`: verifying keys of the channel's origins. The
+  /// publisher ignores heartbeats with other keys. Empty: any key is valid. Throws as
+  /// NatsConnection does. The clocks and `signer` must outlive this object.
   RelayPublisher(const NatsAddress& address, const NatsCredentials& credentials, const Clock& clock,
                  const MediaClock& media_clock, FrameSigner& signer, std::vector<KeyBytes> keys);
   /// Ends the thread and the connection.
   ~RelayPublisher() override;
 
   void describe(const StreamDescription& description) override;
-  /// Edges receive the key with the next state. Without TLS to NATS they receive none.
+  /// Sends the key to edges with the next state. Does nothing if the connection to NATS has no TLS.
   void changeKey(const DatagramKey& key) override;
   void publish(EncodedFrame frame) override;
   void publish(EncodedVideo video) override;
-  /// Return whether an edge asked for pictures or datagrams in the last seconds, and whether
-  /// viewers of edges can read them. Thread: any.
+  /// Return whether an edge requested pictures or datagrams in the last seconds. datagramsWanted()
+  /// is false if edges do not receive the key of sealed datagrams. Thread: any.
   [[nodiscard]] bool videoWanted() const override { return isRecent(pictures_wanted_ns_); }
   [[nodiscard]] bool datagramsWanted() const override {
     return shares_datagrams_ && isRecent(datagrams_wanted_ns_);

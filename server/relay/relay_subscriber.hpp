@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Receives the stream of a channel's active origin from NATS and passes it to a broadcaster, with
-// all encoded bytes unchanged. It pings the origin, so that the edge's viewers receive the origin's
-// media clock. Each message leaves the queue of libnats at once: old frames are dropped only in the
-// queues of the viewers, which keep the newest. Thread: see each function.
+// all encoded bytes unchanged. It pings the origin and synchronises the edge's media clock with
+// that of the origin. It reads each message from the queue of libnats at once. So only the viewers'
+// queues drop frames, and these drop the oldest. Thread: see each function.
 #pragma once
 
 #include <condition_variable>
@@ -29,21 +29,22 @@ namespace hapticast::server {
 /// An edge of one channel, without its viewers.
 class RelaySubscriber {
  public:
-  /// Interval of pings, and of the first pings to an origin.
+  /// Interval of pings (kPingEvery), and of the first pings to an origin (kBurstEvery).
   static constexpr Duration kPingEvery = std::chrono::milliseconds(250);
   static constexpr Duration kBurstEvery = std::chrono::milliseconds(20);
-  /// Silence of the origin that the log mentions; longer than the time of a takeover.
+  /// Time without a state message after which the log has a warning. A takeover is shorter.
   static constexpr Duration kSilence = std::chrono::seconds(2);
 
-  /// Connects to NATS. `keys`: the only keys that an origin may have; empty: any key. All items go
-  /// to `broadcaster`. Throws as NatsConnection does. The other objects must outlive this one.
+  /// Connects to NATS. `keys`: verifying keys that an origin may have; empty: any key.
+  /// `broadcaster` receives all items. Throws as NatsConnection does. `clock`, `media_clock` and
+  /// `broadcaster` must outlive this object.
   RelaySubscriber(const NatsAddress& address, const NatsCredentials& credentials,
                   std::vector<KeyBytes> keys, const Clock& clock, RelayClock& media_clock,
                   Broadcaster& broadcaster);
 
-  /// Sends pings, updates the media clock, and completes a change of the origin. Blocks until the
-  /// next call is due, for at most 125 ms. Throws std::runtime_error if NATS refuses the connection
-  /// for good. Thread: one.
+  /// Sends pings, updates the media clock, and completes the change to a new origin. Blocks until
+  /// the next call is due, for at most 125 ms. Throws std::runtime_error if NATS refuses the
+  /// connection for good. Thread: one.
   void poll();
   /// Returns the description of the stream once the clock is synchronised; nullopt before. Thread:
   /// the one of poll().

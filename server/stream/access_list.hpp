@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Access tokens (--tokens): who may connect, and as what. The file has the SHA-256 of each token,
-// so it does not contain the secrets themselves. Thread: one for each object.
+// Access tokens (--tokens): secrets with which clients may connect, as viewer or operator. The file
+// has the SHA-256 of each token, not the token itself. Thread: any; at most one at a time for each
+// object.
 #pragma once
 
 #include <chrono>
@@ -40,8 +41,9 @@ class AccessList {
   /// # is a comment. Returns an error "LINE: reason" for another text.
   [[nodiscard]] static Result<AccessList> parse(std::string_view text);
 
-  /// Returns the grant of `token`, also of an expired one. Returns nullopt for an unknown token.
-  /// The duration does not depend on how much of the token is right.
+  /// Returns the grant of `token`, even if it has expired. Returns nullopt for an unknown token.
+  /// The run time does not depend on how many bytes of `token` are right, so that it reveals
+  /// nothing about valid tokens.
   [[nodiscard]] std::optional<Grant> find(std::string_view token) const;
   /// Returns whether `grant` is in the list with the same role, and has not expired.
   [[nodiscard]] bool permits(const Grant& grant, std::chrono::system_clock::time_point now) const;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Sends encoded frames to all viewers of a stream. Each viewer has a queue of its own, so that a
-// slow viewer never slows another. All queues share the encoded bytes. Thread: io, except for
-// functions with "Thread: any".
+// slow viewer never slows another. All queues share the encoded bytes. Thread: the network's,
+// except for functions with "Thread: any".
 #pragma once
 
 #include <atomic>
@@ -33,8 +33,9 @@ namespace hapticast::server {
 /// Owns the sessions of all viewers of one stream and sends it to them.
 class Broadcaster final : public StreamSink, private SessionHost {
  public:
-  /// StreamSettings::max_pending with TLS: handshakes need longer than a hello, and all viewers
-  /// come at once after a restart of the server. Chosen: some 50 kB each.
+  /// StreamSettings::max_pending with TLS. It is larger, because a handshake lasts longer than a
+  /// hello, and all viewers connect at once after a restart of the server. Chosen for memory: a
+  /// connection needs some 50 kB.
   static constexpr std::size_t kMaxPendingTls = 640;
   /// StreamSettings::max_pending without TLS.
   static constexpr std::size_t kMaxPending = StreamSettings{}.max_pending;
@@ -44,20 +45,20 @@ class Broadcaster final : public StreamSink, private SessionHost {
   Broadcaster(asio::io_context& io, const Clock& clock, const MediaClock& media_clock,
               StreamDescription description, StreamSettings settings);
 
-  /// Announces `identity`, the number and the key of the server that signs all frames. Call it
-  /// before the first viewer connects.
+  /// Sets the identity of the server that signs all frames. Welcomes contain it. Call it before the
+  /// first viewer connects.
   void introduce(const StreamIdentity& identity) { identity_ = identity; }
   /// Enables delivery by UDP through `sender`. Call it before the first viewer connects. `sender`
   /// must outlive all sessions.
   void enableUdp(DatagramSender& sender) { datagrams_ = &sender; }
-  /// Requires tokens from now on, and closes the connections whose token is not in `list`. Thread:
-  /// any.
+  /// Requires tokens from now on, and closes the connections whose token `list` does not permit.
+  /// Thread: any.
   void setAccess(AccessList list);
-  /// Sets a function that is called after connections were closed because their token is no longer
-  /// valid. Call it before the first viewer connects. Thread of `removed`: io.
+  /// Sets a function that the broadcaster calls after it closed connections because their token is
+  /// no longer valid. Call it before the first viewer connects. Thread of `removed`: the network's.
   void onRemoved(std::function<void()> removed) { on_removed_ = std::move(removed); }
-  /// Sets what carries out the requests of operators. Call it before the first viewer connects.
-  /// Thread of `control`: io.
+  /// Sets the function that receives the requests of operators. Call it before the first viewer
+  /// connects. Thread of `control`: the network's.
   void onControl(std::function<void(const Control&)> control) { control_ = std::move(control); }
   /// Sends a frame to every viewer. A viewer that joins later receives the newest frame at once.
   /// Thread: any.
@@ -73,11 +74,12 @@ class Broadcaster final : public StreamSink, private SessionHost {
   /// Sends a new key of the sealed datagrams to all viewers to which datagrams were offered.
   /// Thread: any.
   void changeKey(const DatagramKey& key) override;
-  /// Another server makes the stream from now on. Frames and pictures that wait are removed. Every
-  /// viewer receives a second welcome with the stream number, the key, the description and a new
-  /// datagram token. Frames of publish() before this call belong to the server before, and frames
-  /// after it to `identity`. `change_clock` sets the media clock, at the moment from which viewers
-  /// ignore pongs of earlier pings; thread: io. Thread: any.
+  /// Changes to another origin, which makes the stream from now on. Removes waiting frames and
+  /// pictures. Every viewer receives a second welcome with the stream number, the key, the
+  /// description and a new datagram token. Frames that were published before this call belong to
+  /// the previous origin, later frames to `identity`. `change_clock` sets the media clock; the
+  /// broadcaster calls it when viewers begin to ignore pongs of earlier pings (thread: the
+  /// network's). Thread: any.
   void changeOrigin(StreamIdentity identity, const StreamDescription& description,
                     std::function<void()> change_clock = nullptr);
   /// Returns whether at least one viewer subscribed to pictures. Thread: any.
@@ -92,14 +94,14 @@ class Broadcaster final : public StreamSink, private SessionHost {
   [[nodiscard]] std::size_t viewers() const {
     return viewer_count_.load(std::memory_order_relaxed);
   }
-  /// Sends a goodbye to every viewer. Closes all connections within the goodbye deadline. After
-  /// that, `io` has no more work. Thread: any.
+  /// Sends a goodbye to every viewer, and closes all connections within
+  /// StreamSettings::goodbye_deadline. After that, `io` has no more work. Thread: any.
   void stop();
 
   /// Begins a session for the new connection `channel`.
   void accept(std::unique_ptr<Channel> channel);
-  /// Logs `line`, unless a limit is reached: 10 warnings a minute, and 10 other lines a minute. The
-  /// limits keep other hosts from filling the log. Returns whether the line was written.
+  /// Logs `line`, unless a limit is reached: 10 warnings a minute, and 10 other lines a minute. So
+  /// other hosts cannot fill the log. Returns whether the line was written.
   bool log(spdlog::level::level_enum level, std::string_view line);
   /// Logs one line with viewers, frames, and the delay of the newest frame since its capture.
   void logStatus() const;
@@ -131,11 +133,11 @@ class Broadcaster final : public StreamSink, private SessionHost {
   /// Returns the pending session to close when there are too many. It is the oldest one of the
   /// network with most pending sessions, so that a single host cannot occupy all places.
   [[nodiscard]] std::shared_ptr<Session> evictionCandidate() const;
-  /// Calls `visit` later on the thread of io. Thread: any.
+  /// Calls `visit` later on the network thread. Thread: any.
   template <class Visit>
   void onIo(Visit visit);
-  /// Adds `what` to the queue of each viewer, then starts the sending. If later items already wait
-  /// for the thread of io, the sending starts with the last of them.
+  /// Adds `what` to the queue of each viewer, then starts the sending. If calls of onIo() for later
+  /// items already wait, only the last of them starts the sending.
   template <class... What>
   void sendAll(const What&... what);
   /// Returns whether the frame exceeds the limit of a message; viewers would close the connection

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Keys of the sealed datagrams of one run of the server (proto/datagrams.md). Each key is
-// random. A new key replaces the present one every hour, and after revoke(). Viewers receive each
-// new key before the first datagram under it. Thread: see each function.
+// Keys of the sealed datagrams of one run of the server (proto/datagrams.md). Each key is random. A
+// new key replaces the present one every hour, and after revoke(). Viewers receive each new key
+// before the first datagram that it seals. Thread: see each function.
 #pragma once
 
 #include <cstdint>
@@ -19,25 +19,25 @@ class DatagramSealer {
  public:
   /// Time after which a key is replaced.
   static constexpr Duration kKeyLife = std::chrono::hours(1);
-  /// Time from the announcement of a new key to its first use. Viewers receive the key over TCP, so
-  /// this time lets the key arrive on a slow connection. After revoke() the time is zero.
+  /// Time from the announcement of a new key to its first use. Viewers receive the key over TCP. In
+  /// this time the key arrives even on a slow connection. After revoke() the time is zero.
   static constexpr Duration kAnnouncedBefore = std::chrono::seconds(1);
-  /// Time in which viewers accept datagrams of the key before, from the announcement on.
+  /// Time after the announcement in which viewers still accept datagrams of the previous key.
   static constexpr Duration kGrace = std::chrono::seconds(10);
-  /// The same after revoke(). It covers datagrams under way and their copies.
+  /// The same time after revoke(). It covers datagrams that are in transit, and their copies.
   static constexpr Duration kRevokedGrace = std::chrono::seconds(1);
 
   /// Creates the first key. `clock` must outlive the object. Throws std::runtime_error if the
   /// system has no random numbers.
   explicit DatagramSealer(const Clock& clock);
 
-  /// Replaces the key if it is due. Returns a key that viewers do not have yet, at most once for
-  /// each key. Call it before each frame, and announce the key before the frame. Thread: the
-  /// encoder's.
+  /// Replaces the key if its time is over. Returns a new key that the caller must send to viewers
+  /// before the next frame, at most once for each key; otherwise nullopt. Call it before each
+  /// frame. Thread: the encoder's.
   [[nodiscard]] std::optional<DatagramKey> rotate();
   /// Replaces the key at the next rotate(), which uses the new key at once. Call it after the
-  /// sessions of the revoked viewers have begun to close, because all others receive the new key.
-  /// Thread: any.
+  /// sessions of the revoked viewers have begun to close, because all open sessions receive the new
+  /// key. Thread: any.
   void revoke();
   /// Returns the present key. Thread: the encoder's.
   [[nodiscard]] SealingKey& key() { return present_; }

@@ -3,7 +3,7 @@
 // group. A viewer subscribes by an echo: a datagram with the token from its welcome. The echo
 // proves that the viewer receives at its address (return routability, as in QUIC's address
 // validation). Echoes count only from the host of the viewer's TCP connection. No other address
-// receives datagrams. Thread: io, except for functions with "Thread: any".
+// receives datagrams. Thread: the network's, except for functions with "Thread: any".
 #pragma once
 
 #include <array>
@@ -57,7 +57,7 @@ class DatagramSender {
   /// The value is a choice: a new member detects within a second whether such datagrams arrive.
   static constexpr Duration kGroupProbeEvery = std::chrono::milliseconds(500);
 
-  /// Opens the UDP port with the number of the TCP port of `listener`, or another port if that one
+  /// Opens the UDP port with the same number as the TCP port `listener`, or a free port if that one
   /// is in use. Throws std::runtime_error with a message of one line. `identity`: the server that
   /// signs the datagrams. `group` (may be null) and `clock` must outlive the sender. One thread
   /// runs `io`; it must end before the sender's destruction.
@@ -68,18 +68,19 @@ class DatagramSender {
   /// token identifies the viewer in later calls. Does nothing if an address in `hosts` is
   /// unspecified.
   void offer(const Hosts& hosts, Welcome& welcome);
-  /// Another server signs the datagrams from now on. Removes all viewers, so that their tokens are
-  /// no longer valid, and all datagrams that wait. Call offer() again for each viewer.
+  /// Changes to another origin, which signs the datagrams from now on. Removes all viewers, so that
+  /// their tokens are no longer valid, and all waiting datagrams. Call offer() again for each
+  /// viewer.
   void changeOrigin(const StreamIdentity& identity);
   /// Removes the viewer with this token.
   void left(std::uint64_t token);
-  /// Sets how the viewer with this token wants its frames: whether by datagrams, and with which
-  /// redundancy.
+  /// Sets whether the viewer with this token receives datagrams, and with which redundancy.
   void deliver(std::uint64_t token, const Delivery& delivery);
   /// Sends the frame's datagrams to all subscribers and to the multicast group. A viewer with a
   /// redundancy above 1 also receives the datagrams of earlier frames again.
   void send(const EncodedFrame& frame);
-  /// Removes the addresses of viewers that send no more echoes. Call it about once a second.
+  /// Removes the addresses of viewers whose last echo is too old (UdpSubscribers::forget()). Call
+  /// it about once a second.
   void check(LocalTime now);
   /// Ends the sending and closes the port.
   void stop();

@@ -19,8 +19,8 @@
 
 namespace hapticast::server {
 
-/// One frame as a key frame, for viewers that have just joined or lost the frame before. Most key
-/// frames are never needed, so it is encoded only at the first call of payload(). Thread: any.
+/// One frame as a key frame, for viewers that have just joined or lost the previous frame. Most key
+/// frames are never needed, so only the first call of payload() encodes it. Thread: any.
 class LazyKeyFrame {
  public:
   /// `signer` signs the message and must outlive the object; null: no signature.
@@ -46,7 +46,8 @@ struct EncodedFrame {
   SharedBytes delta;                        ///< delta frame, for viewers that have the frame before
   std::shared_ptr<LazyKeyFrame> key_frame;  ///< never null
   SignedDatagrams datagrams = nullptr;      ///< datagrams of the delta frame; null: none
-  bool too_many_datagrams = false;  ///< the frame is too large for the datagrams that viewers want
+  bool too_many_datagrams =
+      false;  ///< datagrams were requested, but the frame is too large for them
 };
 
 /// A picture, encoded for all viewers.
@@ -67,7 +68,7 @@ class FrameEncoder {
   /// reliefs that did not change in this frame (`changed_in_frame`). Once a second of media time,
   /// and at each new epoch, it contains all reliefs. `slices`: settings of the height codec.
   /// `signer`: signs the frame and must outlive the result; null: no signature and no datagrams.
-  /// `datagrams`: the result has datagrams, too.
+  /// `datagrams`: if true, the result also has datagrams.
   [[nodiscard]] EncodedFrame encode(const HapticFrame& frame, const SliceSettings& slices = {},
                                     FrameSigner* signer = nullptr, bool datagrams = true);
   [[nodiscard]] const ReliefBytes& reliefBytes() const { return relief_bytes_; }

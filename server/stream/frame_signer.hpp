@@ -27,25 +27,26 @@ using SignedDatagrams = std::shared_ptr<const std::vector<std::vector<std::uint8
 /// Owns the key of one run of the server. The stream number identifies this run.
 class FrameSigner {
  public:
-  /// Signs with `key`, under a random stream number. Without a key it creates a random one. Random
+  /// Creates a signer with `key` and a random stream number. The default is a random key. Random
   /// values are unpredictable. `sealer`: seals all datagrams; null: they are not sealed.
   explicit FrameSigner(SigningKey key = SigningKey(),
                        std::unique_ptr<DatagramSealer> sealer = nullptr);
 
-  /// Replaces the key of sealed datagrams if it is due. Returns a key that viewers must receive
-  /// before the next frame. Thread: the encoder's.
+  /// Replaces the key of sealed datagrams if its time is over (DatagramSealer::rotate()). Returns a
+  /// key that viewers must receive before the next frame. Thread: the encoder's.
   [[nodiscard]] std::optional<DatagramKey> rotateKey();
-  /// Replaces the key of sealed datagrams before the next frame, because some viewers may no longer
-  /// read the stream (DatagramSealer::revoke()). Does nothing if datagrams are not sealed.
+  /// Replaces the key of sealed datagrams before the next frame, because some viewers are no longer
+  /// permitted to read the stream (DatagramSealer::revoke()). Does nothing if datagrams are not
+  /// sealed.
   void revokeKey();
   /// Returns the signed datagrams of a frame, without the receivers' tokens. Returns null if the
   /// frame is too large for datagrams. Thread: the encoder's.
   [[nodiscard]] SignedDatagrams signDatagrams(const CodedFrame& frame);
   /// Returns the bytes of a signed message with the frame.
   [[nodiscard]] SharedBytes signMessage(const CodedFrame& frame);
-  /// Returns the signature of `bytes`, which are no frame (messages to edges).
+  /// Returns the signature of `bytes`, a message to edges.
   [[nodiscard]] Signature sign(std::span<const std::uint8_t> bytes);
-  /// Returns what viewers need to recognise the frames, with the first key of sealed datagrams.
+  /// Returns the data with which viewers verify the frames, and the first key of sealed datagrams.
   [[nodiscard]] const StreamIdentity& identity() const { return identity_; }
 
   /// Measures the time of signatures from now on. Call it before the first one. `clock` must

@@ -7,15 +7,15 @@
 
 namespace hapticast::server {
 
-/// Reports a file with secrets that cannot be used. It is an error of the user. The message is one
-/// line, begins with the flag and has the remedy.
+/// Error: a file with secrets is unusable. The user can correct it. The message is one line that
+/// begins with the flag and states the remedy.
 class KeyFileError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// Logs a warning if other users of this machine may read `file`. `flag` begins the line, and
-/// `risk` completes "other users may ...".
+/// Logs a warning if other users of this machine may read `file`. The line begins with `flag`.
+/// `risk` completes its text "other users may ...".
 void warnOfReaders(const std::string& flag, const std::string& file, const std::string& risk);
 
 }  // namespace hapticast::server

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Accepts TCP connections of viewers on ADDR:PORT and passes them to the broadcaster. Thread: io.
+// Accepts TCP connections of viewers on ADDR:PORT and passes them to the broadcaster. Thread: the
+// network's.
 #pragma once
 
 #include <cstddef>
@@ -17,14 +18,15 @@
 namespace hapticast::server {
 
 /// Raises this process's limit of open files, if `viewers` viewers need more and the system allows
-/// it. `pending`: connections that are no viewers. Returns how many viewers the limit then allows,
-/// at most `viewers`. If it allows fewer, logs that in one line. Thread: main, before the first
-/// connection. Each connection is an open file (RLIMIT_NOFILE).
+/// it. `pending`: largest number of connections that are no viewers. Returns how many viewers the
+/// limit then allows, at most `viewers`. If it allows fewer, logs that in one line. Thread: main,
+/// before the first connection. Each connection is an open file (RLIMIT_NOFILE).
 std::size_t raiseFileLimit(std::size_t viewers, std::size_t pending = Broadcaster::kMaxPending);
 
-/// Returns an open port of `address`; connections to it wait. The host is numeric or localhost
-/// (127.0.0.1). Port 0 selects a free port. Throws AddressError or std::runtime_error. Their
-/// messages have one line with the address and the remedy, which names `flag`. Thread: main.
+/// Opens a TCP port at `address` and returns its acceptor. Connections wait until the caller
+/// accepts them. The host is numeric or localhost (127.0.0.1). Port 0 selects a free port. Throws
+/// AddressError or std::runtime_error. Their messages have one line with the address and the
+/// remedy, which names `flag`. Thread: main.
 asio::ip::tcp::acceptor openPort(asio::io_context& io, const Endpoint& address,
                                  std::string_view flag);
 

@@ -23,9 +23,9 @@ struct MulticastChoice {
 class MulticastGroup {
  public:
   /// Opens a socket that sends to the group on the chosen interface. It logs the interface if none
-  /// was chosen and several exist. `hops`: largest number of networks that a datagram passes (TTL).
-  /// Throws AddressError, or std::runtime_error if the system rejects the group. The message has
-  /// one line that begins with --multicast.
+  /// was chosen and several exist. `hops`: time to live (TTL) of the datagrams. Throws
+  /// AddressError, or std::runtime_error if the system rejects the group. The message has one line
+  /// that begins with --multicast.
   MulticastGroup(asio::io_context& io, const MulticastChoice& choice, int hops);
 
   [[nodiscard]] asio::ip::udp::socket& socket() { return socket_; }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Queue of the items to send to one viewer. If the viewer is slow, the oldest frames are dropped,
-// so that the newest are sent and memory is bounded. It has no sockets and no clocks. Thread: io.
+// so that the newest are sent and memory is bounded. It has no sockets and no clocks. Thread: the
+// network's.
 #pragma once
 
 #include <cstddef>
@@ -36,8 +37,8 @@ class SendQueue {
   /// Largest number of control messages in the queue.
   static constexpr std::size_t kMaxControl = 64;
 
-  /// Adds a control message. Returns false if kMaxControl messages wait already: then the viewer
-  /// sends requests but does not read the answers.
+  /// Adds a control message. Returns false if kMaxControl messages wait already: the viewer then
+  /// sends requests without reading the answers.
   [[nodiscard]] bool pushControl(SharedBytes payload);
   /// Sets the stream's description to send. It replaces a description that still waits.
   void pushDescription(SharedBytes payload) { description_ = std::move(payload); }
@@ -46,8 +47,8 @@ class SendQueue {
   void pushFrame(EncodedFrame frame);
   /// Sets the picture to send. It replaces a picture that still waits.
   void pushVideo(EncodedVideo video);
-  /// Removes all frames and pictures, because viewers can no longer use them (for example, after a
-  /// change of the workspace). The next frame is sent as a key frame.
+  /// Removes all frames and pictures. Call it when viewers can no longer use them, for example
+  /// after a change of the workspace. The next frame is sent as a key frame.
   void clearFrames();
   /// Removes all items. The next frame is sent as a key frame.
   void clear();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The server's end of TLS: certificate and key from files, or a pair that the server makes once.
-// Thread: main, at start-up and at a reload.
+// The server's end of TLS: certificate and key from files, or a self-signed pair that the server
+// creates once. Thread: main, at start-up and at a reload.
 #pragma once
 
 #include <optional>

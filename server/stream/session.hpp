@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Session of one viewer: the states of the protocol from hello and welcome to goodbye, answers to
 // pings, the send queue and deadlines. A Channel transmits the session's bytes. The coroutines of
-// the session keep it alive. The session never blocks, and its memory is bounded. Thread: io.
+// the session keep it alive. The session never blocks, and its memory is bounded. Thread: the
+// network's.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +21,7 @@ namespace hapticast::server {
 
 class Session;
 
-/// What a session needs from its owner, the broadcaster. Thread: io.
+/// Interface of a session's owner, the broadcaster. Thread: the network's.
 class SessionHost {
  public:
   [[nodiscard]] virtual const Clock& clock() const = 0;
@@ -32,7 +33,8 @@ class SessionHost {
                                                         const Channel& channel) const = 0;
   /// Returns the rights of the token in `hello`; nullopt if this server needs no tokens.
   [[nodiscard]] virtual std::optional<Grant> findGrant(const Hello& hello) const = 0;
-  /// Carries out the request of an operator. Returns false if this server has nothing to control.
+  /// Passes the request of an operator to the pipeline. Returns false if this server has no
+  /// pipeline (an edge).
   [[nodiscard]] virtual bool control(const Control& control) = 0;
   /// Writes the key of the stream into `welcome`, and the parameters for datagrams, if datagrams
   /// are available to the client of `channel`.
@@ -65,8 +67,8 @@ class Session : public std::enable_shared_from_this<Session> {
 
   /// Begins to read and to write.
   void start();
-  /// Adds an item to the queue, but does not send it yet; call flush(). Until then newer items may
-  /// replace it.
+  /// Add an item to the queue without sending it; call flush() afterwards. Until then newer items
+  /// may replace it.
   void queue(const EncodedFrame& frame);
   void queue(const EncodedVideo& video);
   void queue(const SharedBytes& control);
@@ -75,8 +77,8 @@ class Session : public std::enable_shared_from_this<Session> {
   void queue(const SharedBytes& description, bool other_picture);
   void queue() {}
   /// Sends as much of the queue as the connection accepts at once. The writer coroutine sends the
-  /// rest. To send at once costs far less than to wake that coroutine. flush() never ends the
-  /// session.
+  /// rest. A direct send costs far less time than a wake-up of that coroutine. flush() never ends
+  /// the session.
   void flush();
   /// Adds the items to the queue and sends as much as possible, as queue() and flush() do.
   template <class... What>
@@ -87,12 +89,11 @@ class Session : public std::enable_shared_from_this<Session> {
   /// Sends `frame` like the other send(). If the queue is empty, which is usual, the frame bypasses
   /// the queue.
   void send(const EncodedFrame& frame);
-  /// Sends another welcome, because another server makes the stream from now on. Items and pongs
-  /// that wait belong to the server before and are removed. How the client wants its frames is
-  /// again as after its hello. Requires a welcomed client.
+  /// Sends another welcome after a change of the origin. Removes waiting items and pongs, because
+  /// they belong to the previous origin. Resets the delivery of frames to the request in the
+  /// client's hello. Requires a welcomed client.
   void welcomeAgain();
-  /// Sends the reason `why` to the client, then closes the connection. Items that still wait are
-  /// removed.
+  /// Removes all waiting items, sends the reason `why` to the client, then closes the connection.
   void close(const WireError& why);
   /// Closes the connection at once, without a message to the client.
   void abort();

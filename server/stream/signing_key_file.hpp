@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // File of the key with which the server signs (--signing-key): a private key of Ed25519 in PEM
-// (PKCS#8). With it the server shows the same public key in each run. Thread: main, at start-up.
+// (PKCS#8). So the server has the same public key in each run. Thread: main, at start-up.
 #pragma once
 
 #include <string>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Time that a stage of the pipeline has used since the server's start. Thread: any.
+// Total time of a stage of the pipeline since the server's start. Thread: any.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Identity of a signed stream: what viewers need to recognise its frames. Thread: any.
+// Identity of a signed stream: the data with which viewers verify its frames. Thread: any.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace hapticast::server {
 
-/// The number and the key of one run of the server that signs the frames.
+/// Stream number and verifying key of the server run that signs the frames.
 struct StreamIdentity {
   std::uint32_t stream = 0;         ///< number of this run, in every datagram and signature
   KeyBytes verifying_key{};         ///< key with which viewers verify the signatures

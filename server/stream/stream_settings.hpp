@@ -12,9 +12,9 @@
 
 namespace hapticast::server {
 
-/// Reports an address of the command line, to listen at or to multicast to, that is invalid or does
-/// not belong to this machine. It is an error of the user, unlike other failures to listen. The
-/// message is one line that begins with the flag. Thread: any.
+/// Error: an address on the command line is invalid or does not belong to this machine. The user
+/// can correct it, unlike other failures to open a port. The message is one line that begins with
+/// the flag. Thread: any.
 class AddressError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -31,8 +31,8 @@ struct StreamSettings {
   /// Longest time from the message with the reason of a close to the end of the connection. In this
   /// time the client can read the message.
   Duration goodbye_deadline = std::chrono::seconds(1);
-  /// Largest number of connections that are no viewers: before their hello, or closing. A healthy
-  /// stream without TLS always has fewer than the default.
+  /// Largest number of connections that are no viewers: they have sent no hello yet, or they close.
+  /// Without TLS, a stream without attacks always has fewer than the default.
   std::size_t max_pending = 32;
   /// Whether viewers of other machines may connect without TLS although the server needs tokens.
   bool insecure = false;
@@ -49,7 +49,7 @@ struct StreamCounts {
   std::uint64_t refused = 0;
   std::uint64_t timed_out = 0;  ///< number of clients that sent no messages or read nothing
   SendCounts sent;              ///< sum over all clients
-  std::uint64_t bytes = 0;      ///< written to all connections of clients, with the framing
+  std::uint64_t bytes = 0;      ///< bytes written to all clients, including the framing
   std::uint64_t frames = 0;     ///< published to the clients, whether or not there were any
   Duration delay{0};            ///< of the newest frame, from its capture to its publication
   std::optional<LocalTime> published_at;  ///< time of the newest frame; nullopt: none yet

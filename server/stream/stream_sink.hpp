@@ -9,7 +9,7 @@
 
 namespace hapticast::server {
 
-/// Receives the items of a stream, in order. One thread calls it, the encoder's. Implementations
+/// Receives the items of a stream, in order. Only the encoder's thread calls it. Implementations
 /// must not block.
 class StreamSink {
  public:
@@ -18,7 +18,8 @@ class StreamSink {
   /// Receives the description of the stream to which the next items belong. It is called before the
   /// first frame and at every change.
   virtual void describe(const StreamDescription& description) = 0;
-  /// Receives a new key of the sealed datagrams. It is called before the first frame under the key.
+  /// Receives a new key of the sealed datagrams. It is called before the first frame whose
+  /// datagrams this key seals.
   virtual void changeKey(const DatagramKey& key) = 0;
   /// Receives the next frame of the stream.
   virtual void publish(EncodedFrame frame) = 0;

@@ -2,11 +2,11 @@
 // UDP fan-out: sends a frame's datagrams over one socket to all targets, many in one system call
 // (sendmmsg). A datagram consists of its target's token and a body. All targets share the bodies.
 // Datagrams of one target and one size form a single message. The kernel splits the message into
-// datagrams (UDP_SEGMENT, generic segmentation offload). That halves the cost
-// (server/stream/README.md). A *round* is all that one call of send() has to send: the newest
-// frame, and earlier frames again for redundancy. If the socket is full, the rest of the round
-// waits. The next round replaces that rest, because its frames are newer. So UdpFanout never blocks
-// and stores only one round. Thread: io.
+// datagrams (UDP_SEGMENT, generic segmentation offload). That halves the CPU time
+// (server/stream/README.md). A *round* is the set of datagrams of one call of send(): those of the
+// newest frame, and those of earlier frames again for redundancy. If the socket is full, the rest
+// of the round waits. The next round replaces that rest, because its frames are newer. So UdpFanout
+// never blocks and stores only one round. Thread: the network's.
 #pragma once
 
 #include <cstddef>
@@ -88,8 +88,8 @@ class UdpFanout {
   std::size_t sendOne(const std::vector<std::uint8_t>& body, Address& to);
   void sendSingly(const Segments& segments, Address& to);
 
-  /// Moves `cursor` to the next message and target to send. Leaves it if it is at one already.
-  /// Returns false at the end of the round.
+  /// Moves `cursor` to the next message and target, unless it already points to one. Returns false
+  /// at the end of the round.
   [[nodiscard]] bool finishRound(Cursor& cursor) const;
   /// Sends the rest of the round until it ends, the socket is full, or kAtOnce datagrams are sent.
   void sendPending();

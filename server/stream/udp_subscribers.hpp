@@ -2,7 +2,7 @@
 // Address validation of UDP subscribers: stores to which address each viewer's datagrams are sent.
 // A viewer sets its address by an echo: a datagram with the token from its welcome. An echo counts
 // only from the host of the viewer's TCP connection, so that no attacker can direct the stream at
-// another host. It has no sockets and no clocks. Thread: io.
+// another host. It has no sockets and no clocks. Thread: the network's.
 #pragma once
 
 #include <cstddef>
@@ -25,8 +25,8 @@ enum class AddressValidation : std::uint8_t {
   kMalformed,     ///< the datagram does not have the 12 bytes of an echo
   kOtherStream,   ///< the echo belongs to another run of the server
   kUnknownToken,  ///< no viewer has this token at present
-  kForeign,       ///< it is not from the host of the viewer's TCP connection
-  kTooSoon,       ///< it follows this viewer's last echo too soon
+  kForeign,       ///< the sender is not the host of the viewer's TCP connection
+  kTooSoon,       ///< the viewer's last echo was less than kLeastPause ago
 };
 inline constexpr std::size_t kEchoVerdicts = 6;
 
@@ -37,8 +37,8 @@ class UdpSubscribers {
   /// every 10 s, and two of three echoes may be lost.
   static constexpr Duration kForgetAfter = std::chrono::seconds(30);
   /// Least time between two valid echoes of a viewer. The value is a choice: half of the time that
-  /// a viewer waits for a probe after its echo. The pause limits what forged echoes can cause,
-  /// because a probe is a hundred times as large as its echo.
+  /// a viewer waits for a probe after its echo. A probe is a hundred times as large as its echo. So
+  /// the pause limits amplification by forged echoes.
   static constexpr Duration kLeastPause = std::chrono::milliseconds(100);
 
   /// A viewer, and the address to which its datagrams are sent.
@@ -64,7 +64,7 @@ class UdpSubscribers {
   /// Removes all viewers. Echoes are valid for the stream number `stream` from now on. Returns the
   /// counts of the viewers' datagrams.
   DatagramCounts restart(std::uint32_t stream);
-  /// Sets how the viewer with this token wants its frames from now on (transport and redundancy).
+  /// Sets transport and redundancy of the viewer with this token, from now on.
   void deliver(std::uint64_t token, const Delivery& delivery);
   /// Checks an echo `bytes` that arrived from `from`, and returns the result. A valid echo makes
   /// `from` the viewer's address.
@@ -86,8 +86,8 @@ class UdpSubscribers {
   [[nodiscard]] bool hasSubscribers() const;
   [[nodiscard]] DatagramCounts counts() const;
   [[nodiscard]] std::size_t size() const { return viewers_.size(); }
-  /// Returns the redundancy for the multicast group. It suffices for nine of ten viewers of the
-  /// group. It is 1 if the group has no viewers.
+  /// Returns the redundancy for the multicast group. It is the redundancy that suffices for at
+  /// least nine of ten viewers in the group. It is 1 if the group has no viewers.
   [[nodiscard]] std::uint32_t groupCopies() const;
 
  private:
