@@ -22,14 +22,14 @@ class App {
   App(const App&) = delete;
   App& operator=(const App&) = delete;
 
-  /// Streams until the clip ends, unless --loop repeats it. It also ends after as many frames as
-  /// --frames states, or after stop(). Throws SourceError if the source fails during the streaming.
-  /// Call it once. Thread: the pipeline's.
+  /// Streams until the clip ends (with --loop the clip repeats), until the number of frames in
+  /// --frames is reached, or until stop(). Throws SourceError if the source fails during the
+  /// streaming. Call it once. Thread: the pipeline's.
   void run();
   /// Ends run() soon. Thread: any, also a signal handler.
   void stop() noexcept;
-  /// Returns whether streaming has begun. If run() fails after that, the cause is not a wrong input
-  /// of the user.
+  /// Returns whether streaming has begun. A later failure of run() is not due to wrong input of the
+  /// user.
   [[nodiscard]] bool streaming() const;
 
  private:

@@ -20,8 +20,8 @@ namespace hapticast::server {
 [[nodiscard]] std::optional<int> readCommandLine(Settings& settings, int argc,
                                                  const char* const* argv);
 
-/// Reads the same arguments again, with the present content of the files that they name. Returns
-/// nullopt after an error, which becomes one line in the log. Thread: any.
+/// Reads the same arguments again, with the present content of the files that they name. After an
+/// error it logs one line and returns nullopt. Thread: any.
 [[nodiscard]] std::optional<Settings> rereadCommandLine(int argc, const char* const* argv);
 
 }  // namespace hapticast::server

@@ -11,7 +11,7 @@ namespace hapticast::server {
 
 /// Runs the edge of the channel `settings.source` until a signal ends it. It waits for an origin
 /// before it accepts viewers. `reread`: reads the settings again at SIGHUP. Throws SourceError,
-/// AddressError or std::runtime_error with one line.
+/// AddressError or std::runtime_error, each with a message of one line.
 void runEdge(const Settings& settings, const Clock& clock, ReadSettings reread);
 
 }  // namespace hapticast::server

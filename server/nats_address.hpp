@@ -20,7 +20,7 @@ inline constexpr const char* kNatsForm = "nats://HOST[:PORT][,HOST2[:PORT]]/CHAN
 
 /// Servers of one NATS system, and a channel on it.
 struct NatsAddress {
-  std::vector<Endpoint> servers;  ///< at least one; the connection uses any of them
+  std::vector<Endpoint> servers;  ///< at least one; the connection uses one of them
   std::string channel;
 
   bool operator==(const NatsAddress&) const = default;
@@ -38,7 +38,7 @@ inline constexpr std::size_t kMostChannelBytes = 64;
 /// Credentials for NATS (--nats-creds, --nats-ca).
 struct NatsCredentials {
   std::string creds_file;  ///< file with JWT and NKey seed; empty: none
-  std::string ca_file;     ///< certificates that the servers' TLS must have; empty: no TLS
+  std::string ca_file;     ///< certificates of the authorities for TLS; empty: no TLS
 };
 
 }  // namespace hapticast::server

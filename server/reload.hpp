@@ -17,10 +17,10 @@ namespace hapticast::server {
 /// one line.
 using ReadSettings = std::function<std::optional<Settings>()>;
 
-/// Difference between running settings and those of the files.
+/// Difference between the running settings and the settings in the files.
 struct SettingsChange {
-  std::vector<std::string> now;    ///< what takes effect at once
-  std::vector<std::string> later;  ///< what takes effect at the next start
+  std::vector<std::string> now;    ///< changes that take effect at once
+  std::vector<std::string> later;  ///< changes that take effect at the next start
 };
 
 /// Compares two settings by the texts of their flags and by the content of their scene files.
@@ -29,13 +29,14 @@ struct SettingsChange {
 /// The settings of a running server.
 class Reloader {
  public:
-  /// `settings`: those of the start. `read`: null if a reload changes nothing.
+  /// `settings`: those of the server's start. `read`: reads the new settings; null: reload()
+  /// changes nothing.
   Reloader(Settings settings, ReadSettings read)
       : running_(std::move(settings)), read_(std::move(read)) {}
 
-  /// Reads the settings again, applies --quiet, and logs one line, and one warning if some changes
-  /// have no effect yet. Returns the running settings with the new materials. Returns nullopt if
-  /// the files have an error. All settings then stay as they are.
+  /// Reads the settings again, applies --quiet, and logs one line. Logs one warning if some changes
+  /// take effect only at the next start. Returns the running settings of vision with the new
+  /// materials. Returns nullopt, and changes nothing, if the files have an error or `read` is null.
   std::optional<VisionSettings> reload();
 
  private:

@@ -24,7 +24,7 @@ class ServiceManager {
   void reportReady(std::string_view status);
   /// Reports that a reload has begun. End it with reportReloaded(). Thread: any.
   void reportReload();
-  /// Reports the end of a reload. Thread: any.
+  /// Reports that the reload has ended. Thread: any.
   void reportReloaded();
   /// Reports that the server is ending. Thread: any.
   void reportStop();

@@ -25,18 +25,19 @@ struct Settings {
   double fps = 0.0;  ///< frames/s; 0: the source's own rate
   bool loop = false;
   bool to_and_fro = false;
-  VideoLayout layout;  ///< how a video file holds its depth
+  VideoLayout layout;  ///< place and code of the depth in a video
   bool wait_for_viewer = false;
   std::uint64_t frames = 0;  ///< number of frames to stream; 0: no limit
   Endpoint listen{"0.0.0.0", kDefaultPort};
-  bool datagrams = true;  ///< whether viewers may receive datagrams (--transport udp)
+  bool datagrams = true;  ///< viewers may receive datagrams (--transport udp)
   std::optional<MulticastChoice> multicast;
   std::uint64_t multicast_hops = 1;
   std::size_t max_clients = 64;
-  std::optional<Endpoint> http;        ///< port for operators; nullopt: none
-  std::optional<NatsAddress> publish;  ///< where edges receive the stream; nullopt: no edges
+  std::optional<Endpoint> http;  ///< port for operators; nullopt: none
+  std::optional<NatsAddress>
+      publish;  ///< channel on which edges receive the stream; nullopt: no edges
   NatsCredentials nats;
-  std::vector<KeyBytes> origin_keys;  ///< keys that (other) origins may have; empty: any
+  std::vector<KeyBytes> origin_keys;  ///< verifying keys that (other) origins may have; empty: any
   std::string signing_key_file;       ///< file of the signing key; empty: a new key in each run
   TlsFiles tls;
   std::string tokens_file;  ///< --tokens; empty: everybody may connect

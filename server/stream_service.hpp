@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Serves one stream to viewers: the network thread with listener, broadcaster, datagrams,
-// announcement and signals. The parts that make the stream (vision, or an edge's subscription) call
-// its broadcaster. Thread: the caller's, except where a function says "any".
+// announcement and signals. The producer of the stream (vision, or an edge's subscription) passes
+// it to the broadcaster. Thread: the caller's, except where a function says "any".
 #pragma once
 
 #include <functional>
@@ -23,7 +23,7 @@
 
 namespace hapticast::server {
 
-/// The viewers' side of a server.
+/// The part of a server that serves viewers.
 class StreamService {
  public:
   /// Opens the ports of `settings`, but does not accept viewers yet. Throws AddressError or
@@ -35,7 +35,7 @@ class StreamService {
   StreamService(const StreamService&) = delete;
   StreamService& operator=(const StreamService&) = delete;
 
-  /// Sets what adds the figures that only the caller has, for --http. Call it before start().
+  /// Sets the function that adds the caller's own figures for --http. Call it before start().
   /// `complete` must be callable until end() or the destruction; thread: the network's.
   void watch(std::function<void(Metrics&)> complete) { complete_metrics_ = std::move(complete); }
   /// Starts the network thread, and the port for operators. `on_signal` is called at SIGINT and

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The author's flags: which objects viewers can touch, how they are found, and what they are made
-// of. A scene file (scene_file.hpp) can set each of them. Thread: main, at start-up.
+// The author's flags: the objects that viewers can touch, how vision finds them, and their
+// material. A scene file (scene_file.hpp) can set each of them. Thread: main, at start-up.
 #pragma once
 
 #include <optional>
@@ -11,7 +11,7 @@
 
 namespace hapticast::server {
 
-/// Latest time in a clip that an author can name, s. Chosen: eleven days.
+/// Latest time in a clip that a flag may contain, s. Chosen: eleven days.
 inline constexpr double kLongestClip_s = 1e6;
 
 /// Returns the point in a text "U,V" or "U,V@SECONDS". Returns nullopt for other texts.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Parser and writer of scene files, the author's work on a clip: objects with names, points, key
-// masks and material, and the author's flags. A scene file is JSON (scene.schema.json). It holds
-// texts and numbers only: it names no source and starts no command. Thread: main, at start-up.
+// masks and material, and the author's flags. A scene file is JSON (scene.schema.json). It contains
+// only texts and numbers: it cannot select a source or start a command. Thread: main, at start-up.
 #pragma once
 
 #include <array>
@@ -33,7 +33,7 @@ inline constexpr auto kSceneFlags = std::to_array<const char*>(
 struct SceneObject {
   std::string name;
   std::vector<AuthorPoint> points;
-  std::vector<KeyMaskFile> masks;  ///< file: as written, relative to the folder of the scene file
+  std::vector<KeyMaskFile> masks;  ///< `file`: as in the scene file, relative to its folder
   FlagTexts flags;                 ///< its material and mass
   bool operator==(const SceneObject&) const = default;
 };
@@ -50,7 +50,7 @@ struct Scene {
   bool operator==(const Scene&) const = default;
 };
 
-/// Reports a scene file that is wrong. what() is one line without the file's name.
+/// Error: a scene file is invalid. what() is one line without the file's name.
 class SceneFileError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

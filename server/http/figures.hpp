@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The table of figures that the HTTP port shows: /metrics and /status.json write it in their
-// formats. Thread: any.
+// Table of all figures (named values for operators) of the HTTP port. /metrics and /status.json
+// format this table. Thread: any.
 #pragma once
 
 #include <cstdint>
@@ -17,18 +17,18 @@ namespace hapticast::server {
 using FigureLabels = std::vector<std::pair<std::string_view, std::string>>;
 using FigureValue = std::variant<bool, std::uint64_t, double>;
 
-/// One figure. Figures of one family follow each other.
+/// One figure. Figures of one metric family are adjacent in the table.
 struct Figure {
-  std::string_view name;  ///< family in Prometheus, without hapticast_
+  std::string_view name;  ///< name of the metric family, without the prefix hapticast_
   std::string_view type;  ///< gauge, counter or summary
   std::string_view help;  ///< one sentence
   FigureLabels labels;
-  std::string_view suffix;   ///< of a summary's sum or count, else empty
-  std::string json_pointer;  ///< place in /status.json (RFC 6901); empty: it is not there
+  std::string_view suffix;   ///< suffix of a summary's sum or count, else empty
+  std::string json_pointer;  ///< place in /status.json (RFC 6901); empty: not in it
   FigureValue value;
 };
 
-/// Returns the figures of `metrics` that the server has.
+/// Returns the figures of `metrics`. Figures of parts that the server lacks (nullopt) are left out.
 [[nodiscard]] std::vector<Figure> listFigures(const Metrics& metrics);
 
 }  // namespace hapticast::server

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Answers of the HTTP port: which path shows what. Boost.Beast reads the requests and writes the
-// responses. Thread: any.
+// Requests and responses of the HTTP port: maps each path to its content. Boost.Beast parses the
+// requests and writes the responses. Thread: any.
 #pragma once
 
 #include <boost/beast/core/flat_buffer.hpp>
@@ -26,20 +26,20 @@ struct HttpRequest {
   bool keep_alive = false;  ///< whether the client wants to send another request
 };
 
-/// Parses the request at the begin of `bytes`, removes it and returns it. Returns any
-/// request with `error` if the bytes are no request, or more than kMaxHead_bytes. Returns nullopt
-/// if the request has not arrived completely. Each call parses the bytes anew, so the result cannot
-/// depend on the portions in which they arrive. (Beast's own loops forget the limit for each
-/// portion.) Requires: bytes.max_size() is kMaxHead_bytes.
+/// Parses the request at the begin of `bytes`, removes it and returns it. If the bytes are no valid
+/// request, or exceed kMaxHead_bytes, sets `error`; the returned request is then meaningless.
+/// Returns nullopt if the request has not arrived completely. Each call parses the bytes from the
+/// begin, so the result does not depend on how the bytes were split on arrival. (Beast's own loops
+/// apply the limit to each part alone.) Requires: bytes.max_size() is kMaxHead_bytes.
 [[nodiscard]] std::optional<HttpRequest> readRequest(boost::beast::flat_buffer& bytes,
                                                      boost::system::error_code& error);
 
 using HttpResponse = boost::beast::http::response<boost::beast::http::string_body>;
 
-/// Returns the response to `request`, or to bytes that are no request because of
-/// `error`. The connection stays open if the request asks for it and
-/// `may_stay_open` is true: see HttpResponse::keep_alive(). Calls `metrics` if the path needs the
-/// figures.
+/// Returns the response to `request`, or an error response if `error` is set. The connection stays
+/// open if the client requested it, `may_stay_open` is true, and there is neither an error nor a
+/// body. HttpResponse::keep_alive() of the result states whether it stays open. Calls `metrics` if
+/// the path needs the figures.
 [[nodiscard]] HttpResponse respond(const HttpRequest& request,
                                    const boost::system::error_code& error, bool may_stay_open,
                                    const std::function<Metrics()>& metrics);

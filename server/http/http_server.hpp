@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// HTTP port for operators (--http): /metrics, /health and /status.json. It only reads figures. It
-// shares the network thread with the viewers, so connections, requests and times are limited.
-// Thread: the network's, except for functions with "Thread: any".
+// HTTP port for operators (--http): /metrics, /health and /status.json. It changes no state of the
+// server. It shares the network thread with the viewers, so connections, requests and times are
+// limited. Thread: the network's, except for functions with "Thread: any".
 #pragma once
 
 #include <cstddef>
@@ -21,21 +21,22 @@ namespace hapticast::server {
 /// Listens on one port and answers requests.
 class HttpServer {
  public:
-  /// Largest number of connections. A further one replaces the one that has waited longest.
+  /// Largest number of connections. One more connection replaces the one that has waited longest.
   static constexpr std::size_t kMostConnections = 16;
   /// Number of requests after which a connection is closed.
   static constexpr std::size_t kMostRequests = 100;
-  /// Longest time for a whole request to arrive, and for its response to leave.
+  /// Longest time in which a whole request must arrive, and in which its response must be sent.
   static constexpr Duration kTimeout = std::chrono::seconds(5);
-  /// Least time between two turns. A turn is an accepted connection, or the parsing of bytes
-  /// with the response. It bounds what a flood of requests costs the viewers.
+  /// Least time between two turns. A turn is an accepted connection, or the parsing of bytes with
+  /// the response. So a flood of requests can use only a bounded share of the network thread's
+  /// time.
   static constexpr Duration kTurnEvery = std::chrono::milliseconds(5);
-  /// Age up to which figures are shown again. To collect them costs time for each viewer.
+  /// Largest age of figures that a response may reuse. Their collection costs time for each viewer.
   static constexpr Duration kFreshFor = std::chrono::milliseconds(100);
 
-  /// Opens the port of `address` as openPort() does. `collect` returns the figures of the moment;
-  /// thread: the network's. One thread runs `io`; it must end before this object's destruction.
-  /// `clock` must outlive this object.
+  /// Opens the port of `address` as openPort() does. `collect` returns the present figures; thread:
+  /// the network's. One thread runs `io`; it must end before this object's destruction. `clock`
+  /// must outlive this object.
   HttpServer(asio::io_context& io, const Clock& clock, const Endpoint& address,
              std::function<Metrics()> collect);
 
@@ -57,8 +58,8 @@ class HttpServer {
   /// Returns the next request, or any request with `error`; nullopt at the end of the connection.
   asio::awaitable<std::optional<HttpRequest>> awaitRequest(Connection& connection,
                                                            boost::system::error_code& error);
-  /// Ends the own side, then reads what the client still sends. A close with unread bytes would
-  /// reset the connection, and the client could lose the response.
+  /// Shuts down the sending side, then reads the bytes that the client still sends. A close with
+  /// unread bytes would reset the connection, and the client could lose the response.
   asio::awaitable<void> finish(Connection& connection);
   void add(asio::ip::tcp::socket socket);
   /// Waits for the next turn, in order of the calls.

@@ -12,7 +12,7 @@
 
 namespace hapticast::server {
 
-/// All figures of one moment.
+/// All figures at one time.
 struct Metrics {
   std::string version;      ///< of the program
   std::string name;         ///< of the stream; from an author or an origin, so any bytes
@@ -26,8 +26,8 @@ struct Metrics {
   std::optional<RelayCounts> relay;               ///< nullopt: neither an origin nor an edge
 };
 
-/// Returns nullopt if the server publishes frames, or waits as it should. Otherwise returns why it
-/// does not, in one line.
+/// Health check: returns nullopt if the server publishes frames, or is in a phase in which it needs
+/// not publish (scan, wait for a viewer, pause). Otherwise returns the problem in one line.
 [[nodiscard]] std::optional<std::string> findProblem(const Metrics& metrics);
 /// Returns the figures in the text format 0.0.4 of Prometheus.
 [[nodiscard]] std::string writePrometheus(const Metrics& metrics);

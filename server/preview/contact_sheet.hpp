@@ -21,14 +21,14 @@ namespace hapticast::server {
 [[nodiscard]] cv::Mat drawRelief(const PreviewFrame& frame, const Workspace& workspace);
 /// Returns one picture. It shows panels of 480 to 960 px side by side, and the text `lines` below
 /// them. The first panel is the outlined frame with pixel axes. Small objects have a close-up
-/// beside it, with axes too. The last panel is the relief. Both pictures have the points of
+/// beside it, with axes too. The last panel is the relief. Frame and close-up show the points of
 /// `settings` that belong to the first frame: --object as a green cross, --not as a red tilted one.
 [[nodiscard]] cv::Mat drawFirst(const PreviewFrame& frame, const Workspace& workspace,
                                 const VisionSettings& settings,
                                 const std::vector<std::string>& lines);
 /// Returns a picture of all frames in rows, each with outlines and its time. All frames show the
 /// same part of the picture, a close-up if the objects stay in a small part. Each point of
-/// `settings` is in the frame whose time is nearest to it. Requires at least one frame.
+/// `settings` is drawn in the frame that is nearest in time. Requires at least one frame.
 [[nodiscard]] cv::Mat drawContactSheet(const std::vector<PreviewFrame>& frames,
                                        const VisionSettings& settings);
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Hints for the author: finds the --not that would most improve the score of an object's mask. It
-// proposes places by simple heuristics, and the places that the candidates for a first mask
-// exclude. It makes the correction at each place, and compares the scores (objectness) before and
-// after. Thread: any.
+// Hints for the author: finds the place where a negative point (--not) would most improve the score
+// of an object's mask. It tries places from simple heuristics, and places that candidates for the
+// first mask exclude. It computes the correction at each place, and compares the scores
+// (objectness) before and after. Thread: any.
 #pragma once
 
 #include <opencv2/core.hpp>

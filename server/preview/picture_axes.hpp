@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Pixel axes and close-ups of the --preview pictures, so that the author can read a pixel's place.
-// Each function leaves its arguments unchanged. Thread: any.
+// Pixel axes and close-ups of the --preview pictures, so that the author can read the coordinates
+// of a pixel. Each function leaves its arguments unchanged. Thread: any.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -10,15 +10,16 @@
 namespace hapticast::server {
 
 /// Returns the part of a picture of size `picture` that shows the objects in `box` with a margin.
-/// It has the sides' ratio of the picture. Returns the whole picture if `box` is empty, or if that
-/// part would be wider than half of the picture.
+/// The part has the aspect ratio of the picture. Returns the whole picture if `box` is empty, or if
+/// that part would be wider than half of the picture.
 [[nodiscard]] cv::Rect selectCloseUp(const cv::Rect& box, const cv::Size& picture);
 
 /// Returns the distance of two ticks, px: 1, 2 or 5 times a power of ten. `scale`: drawn px for
 /// each px of the picture.
 [[nodiscard]] int tickStep_px(double scale);
 
-/// Returns where a picture of `part`, drawn with `scale`, shows the pixel `at_px`.
+/// Returns the position of the pixel `at_px` in a drawing of `part`. `scale`: drawn px for each px
+/// of the picture.
 [[nodiscard]] cv::Point computePixelPlace(const cv::Point& at_px, const cv::Rect& part,
                                           double scale);
 

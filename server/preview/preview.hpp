@@ -9,8 +9,8 @@
 namespace hapticast::server {
 
 /// Writes the preview to settings.preview: one picture if that is FILE.png, or first.png, clip.png
-/// and scene.json if it is a folder. Of a live source it processes the first seconds only. Throws
-/// SourceError with a message of one line if the source or the output path is at fault.
+/// and scene.json if it is a folder. For a live source it processes only the first seconds. Throws
+/// SourceError with a message of one line if the source fails or the output path is not usable.
 void writePreview(Settings settings, const Clock& clock);
 
 }  // namespace hapticast::server

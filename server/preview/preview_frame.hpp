@@ -37,8 +37,8 @@ struct ObjectFacts {
   double share = 0.0;                  ///< share of the picture's pixels, 0..1
   double near = 0.0, far = 0.0;        ///< 2 and 98 % quantiles of its depths, in the source's unit
   double low_mm = 0.0, high_mm = 0.0;  ///< 2 and 98 % quantiles of its heights, nominal
-  /// Mapped range (depths that become heights 30 and 0), in the source's unit. It is a fit to the
-  /// object's depths and heights; nullopt if the object is too flat.
+  /// Mapped range (depths that become heights 30 and 0), in the source's unit. It is estimated by a
+  /// fit to the object's depths and heights; nullopt: the object is too flat.
   std::optional<DepthRange> mapped;
 };
 /// Returns the facts about object `id` of `frame`.

@@ -8,11 +8,12 @@
 
 namespace hapticast::server {
 
-/// Returns settings.scene with a named object for each start point of the author. If the author
-/// marked no object, there is one for each object that vision found in `first`, the clip's first
-/// frame, with its innermost pixel as its point (px of the clip's own pictures). A source with
-/// masks of its own gets no object. The files of key masks are relative to the folder
-/// settings.preview. `info`: that of the source.
+/// Returns settings.scene, completed with named objects. If the scene names no object, each point
+/// of the author in the first frame becomes a named object. If the author marked no object at all,
+/// each object that vision found in `first`, the clip's first frame, becomes one. Its point is the
+/// pixel farthest from the edge of its mask (px of the clip's own pictures). If the source has key
+/// masks, no objects are added. The files of key masks become relative to the folder
+/// settings.preview. `info`: properties of the source.
 [[nodiscard]] Scene completeScene(const Settings& settings, const PreviewFrame& first,
                                   const SourceInfo& info);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Pinhole camera model and the depth range of a clip. Plain values without OpenCV, so that all code
-// can use the truth of the synthetic scenes. Thread: any.
+// Pinhole camera model and the depth range of a clip. Plain values without OpenCV, so that code
+// without OpenCV can use the ground truth of the synthetic scenes. Thread: any.
 #pragma once
 
 #include <cmath>
@@ -24,14 +24,15 @@ struct CameraModel {
   double fx_px = 0.0, fy_px = 0.0, cx_px = 0.0, cy_px = 0.0;
   bool operator==(const CameraModel&) const = default;
 
-  /// Returns a camera with square pixels, whose axis meets the picture's middle. `fov_deg`:
-  /// horizontal field of view, degrees.
+  /// Returns a camera with square pixels and the principal point in the picture's middle.
+  /// `fov_deg`: horizontal field of view, degrees.
   [[nodiscard]] static CameraModel ofFieldOfView(double fov_deg, double width_px,
                                                  double height_px) {
     const double focal_px = 0.5 * width_px / std::tan(fov_deg * std::numbers::pi / 360.0);
     return {focal_px, focal_px, 0.5 * width_px, 0.5 * height_px};
   }
-  /// Returns the horizontal field of view that `width_px` pixels around the axis cover, degrees.
+  /// Returns the horizontal field of view of a picture `width_px` wide that is centred on the axis,
+  /// degrees.
   [[nodiscard]] double degreesAcross(double width_px) const {
     return 360.0 / std::numbers::pi * std::atan(0.5 * width_px / fx_px);
   }

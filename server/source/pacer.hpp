@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Real-time pacing of a recorded clip: computes when each frame is due, and its media time. If the
-// server is late, frames are skipped, so that the newest is processed. Times are arguments: no
-// thread, no clock, no waiting. Thread: one.
+// server is late, frames are skipped, so that the newest is processed. Callers pass all times as
+// arguments: the class has no thread and no clock, and never waits. Thread: one.
 #pragma once
 
 #include <cstdint>
@@ -33,8 +33,8 @@ class Pacer {
   [[nodiscard]] Plan plan(MediaTime now);
 
   /// Returns the media time of the frame that was read for the last plan. `epoch`, `index`: those
-  /// of the frame. Frames that the source itself skipped have slots too, so they delay the later
-  /// frames.
+  /// of the frame. Frames that the source itself skipped occupy slots too, so later frames keep
+  /// their times.
   MediaTime frameRead(std::uint32_t epoch, std::uint64_t index);
 
   /// Continues after a time without playback until `now`: the next frame is due now at the
@@ -61,9 +61,9 @@ class Pacer {
 };
 
 /// Skips `skip` frames of `source` and returns the next one, or nullopt at the end of the clip. If
-/// `loop` is true, the clip begins again at its end, in a new epoch. The first frame after that is
-/// never skipped, because the author's points mark the objects in it. Throws SourceError. Thread:
-/// the source's.
+/// `loop` is true, the clip begins again at its end, in a new epoch. It never skips the first frame
+/// after that, because the author's points mark the objects in this frame. Throws SourceError.
+/// Thread: the source's.
 std::optional<RgbdFrame> readSkipping(RgbdSource& source, std::uint64_t skip, bool loop);
 
 }  // namespace hapticast::server

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Interface of a source of frames with colour and depth, which a clip or a camera delivers. Depth
-// is registered to colour: one pixel of both shows the same point. There is one implementation for
-// each kind of source. Thread: one for each source.
+// Interface of a source of RGB-D frames (colour and depth), such as a clip or a camera. Depth is
+// registered to colour: one pixel of both shows the same point. There is one implementation for
+// each kind of source. Thread: any; at most one at a time for each source.
 #pragma once
 
 #include <cstdint>
@@ -43,7 +43,7 @@ struct SourceInfo {
 };
 
 /// One frame of a source. Its images are read-only for all code: a source makes new ones for each
-/// frame and never writes to them again. So code shares them without copies.
+/// frame and never writes to them again. So stages can share them without copies.
 struct RgbdFrame {
   std::uint64_t index = 0;  ///< number of the frame in the clip; skipped frames count too
   /// Incremented each time the clip begins again, or a live source after a gap.
@@ -58,8 +58,8 @@ struct RgbdFrame {
   Duration age{};  ///< of a live source: time from the capture to the return of read()
 };
 
-/// Reports a problem with the source that its user must solve. what() is one line with the file and
-/// the remedy.
+/// Error: a source has a problem that the user must solve. what() is one line with the file and the
+/// remedy.
 class SourceError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -87,9 +87,9 @@ std::string fileName(const std::filesystem::path& path);
 
 /// Opens the source that `spec` names, the value of --source: synthetic:NAME, DIR, COLOR,DEPTH,
 /// FILE, camera:N,M, openni:DEVICE, v4l2:COLOR,DEPTH or the address of a live stream. `fps` > 0
-/// overrides its rate, frames/s.
-/// `to_and_fro`: the images of a folder play forwards, then backwards. `layout`: how videos hold
-/// their depth. Throws SourceError, also if the source is none that can do that.
+/// overrides its rate, frames/s. `to_and_fro`: the images of a folder play forwards, then
+/// backwards. `layout`: place and code of the depth in videos. Throws SourceError, also if this
+/// kind of source does not support an argument.
 std::unique_ptr<RgbdSource> openSource(const std::string& spec, double fps, bool to_and_fro = false,
                                        const VideoLayout& layout = {});
 

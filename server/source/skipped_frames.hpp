@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Frames that a source leaves out because they are unusable. Each run of them gives one warning: a
-// clip that plays again does not repeat it, and a live source logs the first run and every
-// doubling. Thread: one.
+// Logs the unusable frames that a source skips. Each run of successive unusable frames causes one
+// warning. A clip that plays again does not repeat the warning. A live source logs the runs number
+// 1, 2, 4, 8 and so on. Thread: one.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ namespace hapticast::server {
 /// The unusable frames of one source.
 class SkippedFrames {
  public:
-  /// `live`: the source never comes back to a frame.
+  /// `live`: true if the source never delivers a frame again (no rewind).
   explicit SkippedFrames(bool live = false) : live_(live) {}
 
   /// Adds frame `index` with `problem`, a phrase with the name of the file or device. Frames of one

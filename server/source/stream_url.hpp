@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Addresses of live streams (rtsp://, srt://, http:// and others), and what of them people may see.
+// Addresses of live streams (rtsp://, srt://, http:// and others), and their texts without secrets.
 // Thread: any.
 #pragma once
 
@@ -20,7 +20,7 @@ inline constexpr const char* kStreamSchemes =
 /// Returns the scheme of an address in small letters, for example "rtsp".
 [[nodiscard]] std::string findScheme(std::string_view url);
 /// Returns `spec` without secrets if it is an address: without user, password, query and fragment.
-/// Where it is not clear what the password is, the whole host and path are left out. Other texts
+/// If the end of the password is ambiguous, it also removes the whole host and path. Other texts
 /// are unchanged.
 [[nodiscard]] std::string hideCredentials(std::string_view spec);
 /// Returns the name of a stream for viewers, without secrets: the last part of the path, else the

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// How a video holds its depth: where in the picture, and in which code. Thread: any.
+// Layout of a video with depth: the place of the depth and its code. Thread: any.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ enum class DepthCode : std::uint8_t {
   kHue,      ///< mm = 3000 * hue (HSV, 0..1), as Record3D writes it; 100..2800 mm are valid
 };
 
-/// What the flags --layout and --depth-code say.
+/// Values of the flags --layout and --depth-code.
 struct VideoLayout {
   Layout layout = Layout::kSeparate;
   DepthCode code = DepthCode::kGrey;

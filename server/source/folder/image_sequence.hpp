@@ -19,15 +19,15 @@ namespace hapticast::server {
 class ImageSequence final : public RgbdSource {
  public:
   /// Finds the files in `folder` and checks the first frame. `fps` > 0 overrides the folder's rate,
-  /// frames/s. If `to_and_fro` is true, the images follow again from the last but one back to the
-  /// second. So a loop has no jump. `code`: kGrey or kInverse, the code of 8-bit depth. Throws
-  /// SourceError, also for kInverse and depth in mm.
+  /// frames/s. If `to_and_fro` is true, the clip plays forwards, then backwards from the last but
+  /// one image to the second, so that a loop has no jump. `code`: code of 8-bit depth, kGrey or
+  /// kInverse. Throws SourceError, also if `code` is kInverse and the depth is in mm.
   ImageSequence(const std::filesystem::path& folder, double fps, bool to_and_fro = false,
                 DepthCode code = DepthCode::kGrey);
 
   [[nodiscard]] const SourceInfo& info() const override { return info_; }
   /// Returns the next frame, as in RgbdSource. Throws SourceError if no frame of the whole clip is
-  /// readable, because the files vanished.
+  /// readable, for example because the files were deleted.
   std::optional<RgbdFrame> read() override;
   bool skip() override;
   void rewind() override;

@@ -15,10 +15,10 @@ namespace hapticast::server {
 class KeyMaskSource final : public RgbdSource {
  public:
   /// Checks `masks` against `source`. A mask belongs to the frame that is nearest to its time. Each
-  /// picture has the size of the clip's own pictures, and is white (or not black) on the object. It
-  /// is read again with its frame. Throws SourceError if a mask is unreadable, shows nothing, is
-  /// after the end of the clip or has another size. Also throws it if the source is live or has
-  /// masks for all its frames.
+  /// mask picture has the size of the clip's own pictures, and is white (or not black) on the
+  /// object. read() decodes it again with its frame. Throws SourceError if a mask is unreadable, is
+  /// empty, has a time after the end of the clip, or has another size. Also throws it if the source
+  /// is live or has masks for all its frames.
   KeyMaskSource(std::unique_ptr<RgbdSource> source, const std::vector<KeyMaskFile>& masks);
 
   [[nodiscard]] const SourceInfo& info() const override { return info_; }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Estimates when the frames of a network stream were captured. Their time stamps have the pace of
-// the sender without the jitter of the network, but another zero. Thread: one.
+// Estimates when the frames of a network stream were captured. Time stamps of a stream follow the
+// sender's clock, without the jitter of the network. But their offset to the local clock is
+// unknown. The frame with the shortest delay determines this offset. Thread: one.
 #pragma once
 
 #include <optional>
@@ -9,15 +10,16 @@
 
 namespace hapticast::server {
 
-/// Clock of the captures of one stream. The quickest frame counts as captured when it arrived.
+/// Capture times of one stream. The frame with the shortest delay counts as captured at its
+/// arrival.
 class CaptureClock {
  public:
   /// Returns the time of capture of the frame with the time stamp `stamp_s` that arrived at
-  /// `arrived`. It is at most `arrived`, and never before that of an earlier frame. Returns nullopt
-  /// if the frame must be left out: it is the first one, or it belongs to a burst. In a burst,
-  /// frames come by more than kEarly too early or by more than kLate too late, because they waited
-  /// somewhere. What lasts longer than kPatience is no burst but the sender's new pace. A stamp
-  /// that is not finite counts as one of `arrived`.
+  /// `arrived`. The result is at most `arrived`, and never decreases. Returns nullopt if the caller
+  /// must drop the frame, because it is the first one or belongs to a burst. Frames of a burst
+  /// arrive more than kEarly too early or more than kLate too late, because a buffer delayed some
+  /// frames. If this lasts longer than kPatience, it is no burst, and the clock uses the new
+  /// offset. If `stamp_s` is not finite, the frame counts as captured at `arrived`.
   [[nodiscard]] std::optional<LocalTime> capture(double stamp_s, LocalTime arrived);
 
   static constexpr Duration kEarly = std::chrono::milliseconds(10);  ///< chosen: beyond jitter
@@ -25,7 +27,8 @@ class CaptureClock {
   static constexpr Duration kPatience = std::chrono::seconds(1);     ///< chosen
 
  private:
-  /// Returns whether a frame belongs to a burst. `offset`: from its time stamp to local time.
+  /// Returns whether a frame belongs to a burst. `offset`: local time of its arrival minus its time
+  /// stamp.
   bool isOfBurst(Duration offset, LocalTime arrived);
 
   std::optional<Duration> offset_;        // from time stamps to local time

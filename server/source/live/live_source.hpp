@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Live source from a device that may go away and come back: a camera or a network stream. A thread
-// reads the device and keeps the newest frame only, so a slow reader never builds up a delay. After
-// a loss it opens the device again each second. Thread: one, beside the thread that it owns.
+// Live source from a device that may disconnect and return: a camera or a network stream. A thread
+// reads the device and stores only the newest frame, so a slow reader causes no growing delay.
+// After a loss the thread tries to open the device again each second. Thread: one, beside the
+// thread that it owns.
 #pragma once
 
 #include <condition_variable>
@@ -21,7 +22,7 @@
 
 namespace hapticast::server {
 
-/// Without a frame for so long there is a gap in the stream.
+/// Time without a frame after which the stream has a gap.
 inline constexpr Duration kGap = std::chrono::seconds(1);
 
 /// Colour and depth of one moment.
@@ -31,20 +32,20 @@ struct LiveFrame {
   LocalTime captured;  ///< when the frame was captured, at most now
 };
 
-/// An open device that delivers frames, which belong to the caller. Thread: one.
+/// An open device that delivers frames. The caller owns their images. Thread: one.
 class LiveDevice {
  public:
   virtual ~LiveDevice() = default;
   /// Returns the name, the size of the frames, the rate, the kind of depth and the camera model.
   [[nodiscard]] virtual const SourceInfo& info() const = 0;
-  /// Returns what the user must know about this device, one line each.
+  /// Returns warnings about this device for the log, one line each.
   [[nodiscard]] virtual std::vector<std::string> warnings() const { return {}; }
-  /// Waits for the next frame and returns it. Returns nullopt if none came for a while. Throws
-  /// SourceError if the device is gone.
+  /// Waits for the next frame and returns it. Returns nullopt if no frame arrived within some time.
+  /// Throws SourceError if the device is lost.
   virtual std::optional<LiveFrame> read() = 0;
 };
 
-/// What an open device may ask and report while it waits.
+/// Callbacks of an open device while it waits.
 struct LiveWatch {
   std::function<bool()> must_stop;  ///< whether a wait must end
   /// Logs that frames are missing, once in a gap. The line describes why.
@@ -54,7 +55,7 @@ struct LiveWatch {
 /// Source whose frames are those of a live device.
 class LiveSource final : public RgbdSource {
  public:
-  /// Opens the device and waits until it delivers. Throws SourceError.
+  /// Function that opens the device and waits for its first frame. Throws SourceError.
   using Open = std::function<std::unique_ptr<LiveDevice>(const LiveWatch& watch)>;
 
   /// Opens the device and logs its warnings. Throws SourceError.
@@ -65,9 +66,10 @@ class LiveSource final : public RgbdSource {
   LiveSource& operator=(const LiveSource&) = delete;
 
   [[nodiscard]] const SourceInfo& info() const override { return info_; }
-  /// Returns the newest frame that was not read yet. Returns nullopt if none arrives within 50 ms.
-  /// After a gap the epoch is incremented, and clip_time_s begins at 0. Throws SourceError if the
-  /// device came back with frames of another size or another kind of depth.
+  /// Returns the newest frame that was not read yet. Returns nullopt if no frame arrives within 50
+  /// ms, or if the frame is older than kGap. After a gap the epoch is incremented, and clip_time_s
+  /// begins at 0. Throws SourceError if the device returned with frames of another size or another
+  /// kind of depth.
   std::optional<RgbdFrame> read() override;
   /// Reads a frame. Returns true, because a live source has no end.
   bool skip() override;
@@ -83,7 +85,7 @@ class LiveSource final : public RgbdSource {
 
   /// The thread: delivers frames and opens the device again.
   void run(const std::stop_token& stop);
-  /// Delivers the frames of `device_` until it is gone.
+  /// Delivers the frames of `device_` until the device is lost.
   void play(const std::stop_token& stop);
   /// Hands a frame over to read().
   void deliver(LiveFrame live);

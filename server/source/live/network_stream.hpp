@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Network stream with colour and depth as a live source. Time stamps of the stream become times of
-// capture (CaptureClock). Short silence keeps the connection, longer silence ends it.
-// Thread: one.
+// Network stream with colour and depth as a live source. CaptureClock converts time stamps of the
+// stream to capture times. The connection remains during a short silence. After a longer silence
+// the source reconnects. Thread: one.
 #pragma once
 
 #include <memory>
@@ -13,7 +13,7 @@
 namespace hapticast::server {
 
 /// Connects to `url`, decodes the first frame and returns the source. `fps` > 0 states the rate of
-/// the stream, frames/s. Throws SourceError. No message has a password of `url`.
+/// the stream, frames/s. Throws SourceError. No error message contains a password of `url`.
 std::unique_ptr<RgbdSource> openNetworkStream(const std::string& url, const VideoLayout& layout,
                                               double fps);
 

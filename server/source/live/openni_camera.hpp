@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Live source from a camera that OpenNI2 knows (Kinect, Xtion, Astra and others). The camera's own
-// processor registers depth to colour where it can. Thread: one; OpenNI2 has threads of its own.
+// Live source from a camera that OpenNI2 supports (Kinect, Xtion, Astra and others). The camera's
+// own processor registers depth to colour if it has this function. Thread: one; OpenNI2 has threads
+// of its own.
 #pragma once
 
 #include <memory>
@@ -11,7 +12,7 @@
 namespace hapticast::server {
 
 /// Opens a camera with OpenNI2. `device`: empty for the first one, its number from 0 on, or its
-/// URI. `fps` > 0: wanted rate, frames/s. Colour is RGB888, depth has units of 1 mm or 0.1 mm.
+/// URI. `fps` > 0: requested rate, frames/s. Colour is RGB888, depth has units of 1 mm or 0.1 mm.
 /// Registration and synchronisation are on where the camera has them, and mirroring is off. Throws
 /// SourceError, also if this build has no OpenNI2.
 [[nodiscard]] std::unique_ptr<RgbdSource> openOpenniCamera(const std::string& device, double fps);

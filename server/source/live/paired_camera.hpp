@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Camera whose pictures of colour and of depth come one by one: makes a live source of it. Two
-// pictures that were captured at most half a frame apart are a frame.
-// Thread: one.
+// Live source from a camera that delivers colour and depth as separate pictures. A colour and a
+// depth picture form a frame if their capture times differ by at most half a frame. Thread: one.
 #pragma once
 
 #include <functional>
@@ -24,7 +23,7 @@ struct LivePicture {
   std::string problem;  ///< why the picture is unusable, with the name of the camera; else empty
 };
 
-/// An open camera that delivers pictures of colour and of depth, which belong to the caller.
+/// An open camera that delivers pictures of colour and of depth. The caller owns their images.
 /// Thread: one.
 class PictureCamera {
  public:
@@ -33,9 +32,9 @@ class PictureCamera {
   [[nodiscard]] virtual const SourceInfo& info() const = 0;
   /// As LiveDevice::warnings().
   [[nodiscard]] virtual std::vector<std::string> warnings() const = 0;
-  /// Waits for the next picture, at most `longest`, and returns it. Returns nullopt if none came.
-  /// Leaves out pictures that are older than another one of the same kind. Throws SourceError if
-  /// the camera is gone.
+  /// Waits for the next picture, at most `longest`, and returns it. Returns nullopt if no picture
+  /// arrived. Skips a picture if a newer one of the same kind has arrived. Throws SourceError if
+  /// the camera is lost.
   virtual std::optional<LivePicture> read(Duration longest) = 0;
 };
 
@@ -52,7 +51,7 @@ class PicturePairer {
   /// `fps`: frames/s of the colour; a pair is at most half a frame apart.
   explicit PicturePairer(double fps);
 
-  /// Adds a picture. Returns it with the last one of the other kind if both are of one moment. No
+  /// Adds a picture. Returns it with the last picture of the other kind if both form a pair. No
   /// picture is in two pairs.
   std::optional<LivePair> push(LivePicture picture);
 
@@ -63,7 +62,7 @@ class PicturePairer {
 };
 
 /// Opens a camera with `open`, waits for its first frame, at most 5 s, and returns the source. A
-/// camera without a frame for a second counts as gone. Smaller depth of the same aspect ratio is
+/// camera without a frame for a second counts as lost. Smaller depth of the same aspect ratio is
 /// scaled to the size of the colour. Throws SourceError, also if there is no frame.
 std::unique_ptr<RgbdSource> openPairedCamera(std::function<std::unique_ptr<PictureCamera>()> open);
 

@@ -11,8 +11,8 @@
 namespace hapticast::server {
 
 /// Opens the nodes `color` and `depth`, paths such as /dev/video2. The formats are those of
-/// v4l2_picture.hpp. Both are asked for 640x480; depth of the same shape is scaled to the
-/// colour. `fps` > 0: wanted rate, frames/s. Throws SourceError.
+/// v4l2_picture.hpp. It requests 640x480 from both; depth of the same aspect ratio is scaled to the
+/// size of the colour. `fps` > 0: requested rate, frames/s. Throws SourceError.
 [[nodiscard]] std::unique_ptr<RgbdSource> openV4l2Camera(const std::string& color,
                                                          const std::string& depth, double fps);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Pictures as Video4Linux2 devices deliver them: raw bytes and a format. The format comes from a
-// device and is not trusted. Thread: any.
+// device, so all functions check it. Thread: any.
 #pragma once
 
 #include <cstdint>
@@ -26,7 +26,8 @@ struct V4l2Format {
   std::uint32_t row_bytes = 0;  ///< from row to row; 0: the rows have no gaps
 };
 
-// The formats that are read, best first: uncompressed before compressed, mm before height.
+// The supported formats, best first: uncompressed before compressed, depth in mm before 8-bit
+// depth.
 inline constexpr std::uint32_t kColorCodes[] = {fourCc("YUYV"), fourCc("UYVY"), fourCc("NV12"),
                                                 fourCc("YU12"), fourCc("BGR3"), fourCc("RGB3"),
                                                 fourCc("MJPG"), fourCc("JPEG")};

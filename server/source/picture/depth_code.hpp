@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Takes colour and depth from the pictures of a video. Thread: any.
+// Separates and decodes the colour and the depth in the pictures of a video. Thread: any.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -16,17 +16,17 @@ struct PictureHalves {
 };
 
 /// Returns the halves of `picture` (views of it). Colour is the left or upper half, but with
-/// DepthCode::kHue the right or lower one. A column or row in the middle that is left over is in
-/// neither. `layout.layout` is not kSeparate.
+/// DepthCode::kHue the right or lower one. If the width or height is odd, the middle column or row
+/// is in neither half. Requires `layout.layout` not to be kSeparate.
 [[nodiscard]] PictureHalves splitPicture(const cv::Mat& picture, const VideoLayout& layout);
 
-/// Returns a depth picture of a video (`raw`) as toDepth() expects it. Hue becomes CV_32FC1 in mm,
-/// with 0 where a pixel has no clear hue. Inverse becomes grey with near white. Other pictures stay
-/// as they are.
+/// Decodes the depth picture `raw` of a video, and returns it in a form that toDepth() accepts.
+/// kHue becomes CV_32FC1 in mm, with 0 where a pixel has no clear hue. kInverse becomes grey with
+/// near white. Other pictures are unchanged.
 [[nodiscard]] cv::Mat decodeDepth(const cv::Mat& raw, DepthCode code);
 
-/// Returns what the halves of `picture` (CV_8UC3) look like, with the flags for it; "" if nothing
-/// is likely.
+/// Guesses the layout of `picture` (CV_8UC3). Returns it as a phrase with the matching flags; "" if
+/// no layout is likely.
 [[nodiscard]] std::string guessLayout(const cv::Mat& picture);
 
 }  // namespace hapticast::server

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Registers the depth of a Kinect to its colour: finds for each pixel of the colour the depth of
-// the point that it shows. Thread: one.
+// Registers the depth of a Kinect to its colour by forward warping with a z-buffer: computes for
+// each pixel of the colour picture the depth of the point that it shows. Thread: one.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -22,13 +22,13 @@ class DepthRegistration {
   [[nodiscard]] cv::Size size() const { return size_; }
 
   /// Returns `depth` (CV_16UC1, mm, of the depth camera) as the colour camera sees it: CV_16UC1, mm
-  /// along its axis, of size(). The nearest surface hides others. 0: not measured, or hidden from
-  /// the depth camera.
+  /// along its axis, of size(). Where several points fall on a pixel, the nearest one counts. 0:
+  /// not measured, or hidden from the depth camera.
   [[nodiscard]] cv::Mat run(const cv::Mat& depth) const;
 
  private:
-  /// Writes a point of the colour camera's axes to the pixels that the pixel of the depth covers.
-  /// `half_mm`: half its width.
+  /// Writes the depth of a point to all pixels of `out` that its depth pixel covers. `at_mm`: the
+  /// point in the colour camera's frame. `half_mm`: half the width of the depth pixel there.
   void splatDepth(const cv::Vec3d& at_mm, double half_mm, cv::Mat& out) const;
 
   LensCamera color_;

@@ -12,12 +12,12 @@ namespace hapticast::server {
 /// Returns whether both sizes have the same aspect ratio, within 1 %.
 [[nodiscard]] bool isSameAspect(cv::Size a, cv::Size b);
 
-/// Returns `depth` (CV_32FC1) at the size of `color` (CV_8UC3). Each pixel has the value of a pixel
-/// of `depth`. So no value at an edge is a mixture of near and far, or of a depth and "not
-/// measured". It is the nearest pixel, except where depth is enlarged near a depth edge. There the
-/// colours decide on which side of the edge a pixel is (joint bilateral upsampling, Kopf et al.
-/// 2007, as a choice between the sides). A pixel whose nearest pixel is not measured stays so.
-/// Returns `depth` itself if it has this size.
+/// Returns `depth` (CV_32FC1) at the size of `color` (CV_8UC3). It interpolates no values, because
+/// a mean of near and far, or of a depth and "not measured", is no valid depth. Each pixel has the
+/// value of the nearest pixel of `depth`, except where depth is enlarged near a depth edge. There
+/// the colours decide on which side of the edge a pixel is (a variant of joint bilateral
+/// upsampling, Kopf et al. 2007, that selects one side). A pixel whose nearest pixel is not
+/// measured is not measured either. Returns `depth` itself if it has this size.
 [[nodiscard]] cv::Mat scaleDepth(const cv::Mat& depth, DepthKind kind, const cv::Mat& color);
 
 /// Logs that the depth in `place` has the size `from` and is scaled to `to`.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Reads image files and depth pictures from outside. It checks limits before it decodes. A problem
-// is described by a phrase that follows the file's name in a message. Thread: any.
+// Reads image files and depth pictures from outside. It checks limits before it decodes. Functions
+// describe a problem by a phrase that follows the file's name in a message. Thread: any.
 #pragma once
 
 #include <cstdint>

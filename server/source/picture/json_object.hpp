@@ -25,16 +25,17 @@ inline constexpr int kMaxJsonDepth = 32;  ///< deepest nesting of objects and ar
 /// Range-checked members of one object of a file.
 class Members {
  public:
-  /// `object` and `name` (the file's) must outlive Members; null has no members. `prefix`: the
-  /// object's name in messages.
+  /// `object` (null: no members) and `name`, the file's name, must outlive Members. `prefix`: the
+  /// object's name in error messages.
   Members(const Json& object, const std::string& name, std::string prefix);
 
   /// Returns null if the member is missing.
   [[nodiscard]] const Json& at(const char* key) const;
-  /// Returns a number; nullopt if it is missing. Throws SourceError if it is none from `low` to
-  /// `high`.
+  /// Returns the number `key`; nullopt if it is missing. Throws SourceError if the member is no
+  /// number from `low` to `high`.
   [[nodiscard]] std::optional<double> number(const char* key, double low, double high) const;
-  /// Returns an array of at least `count` numbers. Throws SourceError for any other member.
+  /// Returns the array `key` of at least `count` numbers from `low` to `high`. Throws SourceError
+  /// if the member is anything else.
   [[nodiscard]] std::vector<double> numbers(const char* key, std::size_t count, double low,
                                             double high) const;
 

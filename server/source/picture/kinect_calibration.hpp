@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Calibration of an Azure Kinect or Orbbec, as recorders attach it to their files: lenses of the
-// depth and the colour camera, and the way from one to the other. Thread: any.
+// Calibration of an Azure Kinect or Orbbec, as recorders attach it to their files: intrinsics of
+// the depth and the colour camera, and the rigid transform between them. Thread: any.
 #pragma once
 
 #include <array>
@@ -14,16 +14,16 @@ namespace hapticast::server {
 
 inline constexpr std::size_t kMaxCalibration_bytes = 1U << 20U;
 
-/// Camera with the lens model of Brown and Conrady (rational, 6 parameters). `matrix` and the
-/// points count from the middle of the first pixel, as in OpenCV.
+/// Camera with the lens model of Brown and Conrady (rational, 6 parameters). Pixel coordinates
+/// follow OpenCV's convention: the centre of the first pixel is (0, 0).
 struct LensCamera {
   cv::Matx33d matrix = cv::Matx33d::eye();
   std::array<double, 8> distortion{};  ///< k1, k2, p1, p2, k3, k4, k5, k6: OpenCV's order
   cv::Size size;                       ///< of the picture, px
 };
 
-/// What calibration.json states. Both cameras are normalised: focal lengths and centres are shares
-/// of the sensor's width and height, counted from the corner of the first pixel.
+/// Content of calibration.json. Both cameras are normalised: focal lengths and centres are shares
+/// of the sensor's width and height, and the origin is the corner of the first pixel.
 struct KinectCalibration {
   struct Camera {
     double cx = 0.0, cy = 0.0, fx = 0.0, fy = 0.0;
@@ -32,12 +32,13 @@ struct KinectCalibration {
   };
   Camera depth;
   Camera color;
-  cv::Matx33d rotation;        ///< a point of the depth camera in the axes of the colour camera
+  cv::Matx33d rotation;        ///< from the depth camera's frame to the colour camera's
   cv::Vec3d translation_mm{};  ///< likewise
 };
 
 /// Returns the calibration in the text of a calibration.json, a JSON object of at most
-/// kMaxCalibration_bytes. Throws SourceError with one line that begins with `name` if it is none.
+/// kMaxCalibration_bytes. Throws SourceError if the text is none. The message is one line that
+/// begins with `name`.
 [[nodiscard]] KinectCalibration parseKinectCalibration(std::string_view text,
                                                        const std::string& name);
 

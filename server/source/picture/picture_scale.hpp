@@ -31,7 +31,7 @@ void setSize(SourceInfo& info, cv::Size own, const std::string& place);
 /// Returns `mask` (CV_8UC1) at `size`, each pixel with the value of its nearest pixel.
 [[nodiscard]] cv::Mat scaleMask(const cv::Mat& mask, cv::Size size);
 
-/// Returns the camera of the frames of `info`, for `camera` of the clip's own pictures.
+/// Converts `camera` from the clip's own pictures to the frames of `info`, and returns it.
 [[nodiscard]] CameraModel scaleCamera(const CameraModel& camera, const SourceInfo& info);
 
 }  // namespace hapticast::server

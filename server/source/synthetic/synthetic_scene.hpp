@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Synthetic scenes with exact ground truth at any instant: an ellipsoid moves before a pinhole
-// camera on a path with a formula. This file has only the mathematics; synthetic_source draws the
+// Synthetic scenes with exact ground truth at any instant: an ellipsoid moves in front of a pinhole
+// camera on an analytic path. This file has only the mathematics; synthetic_source renders the
 // pictures. Scenes are immutable. Thread: any. Camera frame: X right, Y down, Z forward, mm.
 // Nominal and image frames: common/geometry.hpp. Times are seconds since the start of the clip. Any
 // finite value is valid, because scenes are periodic.
@@ -70,7 +70,7 @@ struct SceneImpact {
   Vec3 delta_velocity_mm_s = Vec3::Zero();
 };
 
-/// How a scene is converted from the camera frame to nominal units; constant.
+/// Conversion of a scene from the camera frame to the nominal frame; constant.
 struct SceneView {
   Workspace workspace;
   CameraModel camera;
@@ -104,8 +104,8 @@ class SceneInstant {
   /// Returns height (mm) and gradient (mm/mm) of the surface at a nominal point; nullopt outside
   /// the object. Towards the silhouette the gradient grows without bound.
   [[nodiscard]] std::optional<SurfaceSample> surface(const Vec2& nominal_mm) const noexcept;
-  /// Returns the motion of the body's centre in the nominal frame. Its z is the height that belongs
-  /// to the depth of the centre. The angle is about the +z axis of that frame.
+  /// Returns the motion of the body's centre in the nominal frame. Its z is the height of the
+  /// centre's depth. The angle is about the +z axis of that frame.
   [[nodiscard]] Motion motion() const noexcept;
   /// Returns the nominal motion of that point of the body which is visible at `nominal_mm`; nullopt
   /// outside the object.

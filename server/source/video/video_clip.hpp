@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Source from video: colour and depth are each a track of a file. A pair is two files, whose frames
-// are paired by number. A single file or stream has two tracks, paired by time, or one track whose
-// picture has two halves. Depth of 8 bits is height (near is white), more bits are mm. Thread: one.
+// Source from video, in one of three forms. A pair has two files, whose frames are paired by
+// number. A file or stream with two tracks has frames that are paired by time. A file or stream
+// with one track has colour and depth in the halves of its pictures. 8-bit depth is height (near is
+// white). Depth with more bits is in mm. Thread: one.
 #pragma once
 
 #include <cstddef>
@@ -29,27 +30,26 @@ struct VideoChannel {
   [[nodiscard]] const VideoTrack& facts() const { return file->tracks()[track]; }
 };
 
-/// Source whose frames are those of one or two files, or of one stream. It leaves out damaged
-/// frames.
+/// Source whose frames are those of one or two files, or of one stream. It skips damaged frames.
 class VideoClip final : public RgbdSource {
  public:
   /// Opens a pair of files and decodes their first frames. `fps` > 0 overrides the colour video's
   /// rate, frames/s. The clip ends with the shorter file. Throws SourceError if the files' aspect
   /// ratios differ, or if their frame counts differ by more than five. It also throws if both are
-  /// one file, and for depth in colours that `code` does not explain.
+  /// one file, or if the depth is in false colours and `code` is not kHue.
   VideoClip(const std::string& color_file, const std::string& depth_file, double fps,
             DepthCode code = DepthCode::kGrey);
-  /// Decodes the first frame of `video`, of which no track has started. `fps` as above. With
-  /// Layout::kSeparate the depth is the track of an Azure Kinect's depth, else the one whose title
-  /// has the word depth, else the only grey one. Its frames belong to the colour frames that are
-  /// nearest in time. Throws SourceError. For one track without a layout the error says what the
-  /// picture looks like. Of a stream the source begins with the second frame, it cannot be rewound,
+  /// Decodes the first frame of `video`, of which no track may have started. `fps`: as above. With
+  /// Layout::kSeparate the depth track is an Azure Kinect's depth track, else the track with the
+  /// word depth in its title, else the only grey track. Each colour frame has the depth frame that
+  /// is nearest in time. Throws SourceError. If there is one track and no layout, the error message
+  /// has the likely layout. A stream cannot be rewound, so its source begins with the second frame,
   /// and RgbdFrame::clip_time_s is the stream's own time.
   VideoClip(std::unique_ptr<VideoFile> video, const VideoLayout& layout, double fps);
 
   [[nodiscard]] const SourceInfo& info() const override { return info_; }
-  /// Returns the next frame. Throws SourceError if no frame of the whole clip is readable, because
-  /// the files vanished or changed.
+  /// Returns the next frame. Throws SourceError if no frame of the whole clip is readable, for
+  /// example because the files were deleted or changed.
   std::optional<RgbdFrame> read() override;
   bool skip() override { return grab(); }
   void rewind() override;
@@ -64,7 +64,7 @@ class VideoClip final : public RgbdSource {
   void describe(const cv::Mat& color, const cv::Mat& raw, double fps);
   /// Chooses the tracks of a single file. Throws SourceError if they are not clear.
   void chooseTracks();
-  /// Throws SourceError that says what the file with a single track looks like.
+  /// Throws the SourceError for a file with a single track; its message has the likely layout.
   [[noreturn]] void throwOneTrack();
   /// Throws SourceError if the pictures are too large.
   void requireSizes() const;

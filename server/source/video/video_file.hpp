@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Reads the pictures of video files and network streams, with FFmpeg's libraries. One pass over the
-// file serves all of its tracks. Files come from outside: sizes, numbers of tracks and waiting
-// packets are limited. Thread: one.
+// Reads the pictures of video files and network streams, with FFmpeg's libraries. It reads the file
+// once for all of its tracks. Files come from outside, so it limits sizes, the number of tracks and
+// the number of waiting packets. Thread: one.
 #pragma once
 
 #include <cstddef>
@@ -30,7 +30,7 @@ struct VideoTrack {
   bool operator==(const VideoTrack&) const = default;
 };
 
-/// Reports a file that holds no video.
+/// Error: a file has no video.
 class NoVideoError : public SourceError {
  public:
   using SourceError::SourceError;
@@ -38,10 +38,10 @@ class NoVideoError : public SourceError {
 
 /// A stream that another machine or program sends.
 struct NetworkStream {
-  std::string url;   ///< as FFmpeg reads it; may have a password, so no message has it
+  std::string url;   ///< address for FFmpeg; it may contain a password, so no message shows it
   std::string name;  ///< its name in messages
-  /// Returns true to end what waits for the network: VideoFile then behaves as at the end of the
-  /// stream. Called in the thread of VideoFile, about ten times a second or more often.
+  /// Returns true to interrupt a wait for the network. VideoFile then behaves as at the end of the
+  /// stream. VideoFile calls it in its own thread, at least about ten times a second.
   std::function<bool()> give_up;
 };
 
@@ -60,17 +60,17 @@ class VideoFile {
 
   /// Returns the path of the file, or the name of the stream.
   [[nodiscard]] const std::string& file() const;
-  /// Returns whether it is a stream, which has one pass only.
+  /// Returns whether it is a stream, which can be read only once.
   [[nodiscard]] bool isLive() const;
   [[nodiscard]] const std::vector<VideoTrack>& tracks() const;
   /// Returns the bytes of the file that is attached under `name`; "" if there is none.
   [[nodiscard]] std::string attachment(const std::string& name) const;
   /// Begins to decode `track`, before its first grab(). Throws SourceError if that is impossible.
   void start(std::size_t track);
-  /// Moves `track` to its next frame. Returns false at its end. A frame that is damaged counts as
-  /// one. Throws SourceError if too many packets of another started track wait.
+  /// Moves `track` to its next frame. Returns false at its end. A damaged frame counts as a frame.
+  /// Throws SourceError if too many packets of another started track wait.
   bool grab(std::size_t track);
-  /// Returns the time of the frame of `track`, s, on the clock that all tracks share. A negative
+  /// Returns the time of the frame of `track`, s, on the clock that all tracks share. Negative
   /// infinity: the file states no time.
   [[nodiscard]] double time_s(std::size_t track) const;
   /// Returns the frame of `track` as new CV_8UC3 (BGR); empty if it is damaged.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Opens files and network streams with FFmpeg's libraries, with limits on what they may cause.
-// Thread: one.
+// Opens files and network streams with FFmpeg's libraries, with limits on their size and number of
+// tracks. Thread: one.
 #pragma once
 
 extern "C" {
