@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Rate limiter: the generic cell rate algorithm, which admits what a token bucket admits. Each
-// event delays the time at which all tokens are back by `refill`. An event is admitted if that time
-// is then at most `burst` x `refill` away. So `burst` events may come at once, and one more after
+// Rate limiter: the generic cell rate algorithm, which is equivalent to a token bucket. Each event
+// delays the time at which all tokens are back by `refill`. An event is admitted if that time is
+// then at most `burst` x `refill` away. So it admits `burst` events at once, and one more after
 // each `refill`. The default arguments limit the log lines about a peer. Thread: one.
 #pragma once
 
@@ -15,6 +15,7 @@
 
 namespace hapticast {
 
+/// Limiter for one kind of event.
 class RateLimiter {
  public:
   /// Limit of log lines about a peer. Chosen: at most 10 lines in a minute.

@@ -14,6 +14,7 @@
 
 namespace hapticast::server {
 
+/// Sends reports about this server to its service manager.
 class ServiceManager {
  public:
   /// Reads the watchdog's period from the environment. `clock` must outlive this object.

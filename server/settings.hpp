@@ -33,9 +33,8 @@ struct Settings {
   std::optional<MulticastChoice> multicast;
   std::uint64_t multicast_hops = 1;
   std::size_t max_clients = 64;
-  std::optional<Endpoint> http;  ///< port for operators; nullopt: none
-  std::optional<NatsAddress>
-      publish;  ///< channel on which edges receive the stream; nullopt: no edges
+  std::optional<Endpoint> http;        ///< port for operators; nullopt: none
+  std::optional<NatsAddress> publish;  ///< channel that edges receive; nullopt: no edges
   NatsCredentials nats;
   std::vector<KeyBytes> origin_keys;  ///< verifying keys that (other) origins may have; empty: any
   std::string signing_key_file;       ///< file of the signing key; empty: a new key in each run

@@ -68,7 +68,7 @@ struct Control {
   Material material;             ///< its values replace those of all objects
   bool operator==(const Control&) const = default;
 };
-/// Request of a client: how it wants to receive frames from now on.
+/// Request of a client: transport and redundancy of its frames from now on.
 struct Delivery {
   bool on_tcp = true;
   bool datagrams = true;  ///< true: send datagrams once the client has returned its token (echo)

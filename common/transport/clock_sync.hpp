@@ -45,9 +45,9 @@ class ClockSync {
   [[nodiscard]] Duration errorBound() const;
 
  private:
-  /// Two measurements of media minus local clock by one ping. `there` comes from the request and is
-  /// too large by the request's delay. `back` comes from the answer and is too small by the
-  /// answer's delay.
+  /// Two measurements of media minus local clock by one ping. The request yields `there`, which is
+  /// too large by the request's delay. The answer yields `back`, which is too small by the answer's
+  /// delay.
   struct Sample {
     LocalTime time;  // middle of the ping
     Duration there;

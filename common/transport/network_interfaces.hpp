@@ -20,7 +20,8 @@ struct NetworkInterface {
   [[nodiscard]] bool hasName(const std::string& text) const;
 };
 
-/// Returns the addresses of all interfaces that are up. Those of the loopback interface are last.
+/// Returns the addresses of all interfaces that are up. The addresses of the loopback interface are
+/// last.
 [[nodiscard]] std::vector<NetworkInterface> networkInterfaces();
 
 }  // namespace hapticast

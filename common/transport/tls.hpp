@@ -47,11 +47,11 @@ struct Free {
 /// TLS settings of a server or of a client. Copies share one OpenSSL context.
 class TlsContext {
  public:
-  /// Returns the context of a server. Returns an error in one line if the texts hold no certificate
-  /// with its key.
+  /// Returns the context of a server. Returns an error in one line if the texts contain no
+  /// certificate with its key.
   [[nodiscard]] static Result<TlsContext> ofServer(const TlsIdentity& identity);
   /// Returns the context of a client that trusts the authorities in `ca_pem`. Returns an error in
-  /// one line if the text holds no certificate.
+  /// one line if the text contains no certificate.
   [[nodiscard]] static Result<TlsContext> ofClient(const std::string& ca_pem);
   /// Returns the context of a client that checks the server's fingerprint only.
   [[nodiscard]] static TlsContext ofPinningClient();
@@ -86,7 +86,7 @@ class TlsEngine {
                                              std::vector<std::uint8_t>& plain);
   /// Encrypts `plain` for output(). Returns false if the handshake is not complete, or failed.
   [[nodiscard]] bool send(std::span<const std::uint8_t> plain);
-  /// Announces the end of the connection (close_notify) in output().
+  /// Adds the announcement of the connection's end (close_notify) to output().
   void finish();
 
   /// Returns the encrypted bytes that the caller has to send. The caller removes the bytes that it

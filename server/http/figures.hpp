@@ -28,7 +28,7 @@ struct Figure {
   FigureValue value;
 };
 
-/// Returns the figures of `metrics`. Figures of parts that the server lacks (nullopt) are left out.
+/// Returns the figures of `metrics`, except those of parts that the server lacks (nullopt).
 [[nodiscard]] std::vector<Figure> listFigures(const Metrics& metrics);
 
 }  // namespace hapticast::server

@@ -23,7 +23,7 @@ struct HttpRequest {
   boost::beast::http::verb method = boost::beast::http::verb::unknown;
   std::string path;         ///< target without its query
   bool has_body = false;    ///< a body follows; the server reads none
-  bool keep_alive = false;  ///< whether the client wants to send another request
+  bool keep_alive = false;  ///< the client asks to keep the connection open
 };
 
 /// Parses the request at the begin of `bytes`, removes it and returns it. If the bytes are no valid

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Connection to a NATS system, with libnats. It reconnects automatically to any server of the
 // system. It drops messages that it cannot send at once, because late frames are useless. Only the
-// .cpp of this header includes libnats. Thread: any, except where a function says otherwise.
+// .cpp of this header includes libnats. Thread: any, except where a function states another one.
 #pragma once
 
 #include <cstddef>

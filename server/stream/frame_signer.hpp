@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Signs the frames of one run of the server (Ed25519), each once for all receivers: as datagrams,
 // and as a message for TCP. A server with TLS also seals the datagrams. Thread: any, except where a
-// function says otherwise.
+// function states another one.
 #pragma once
 
 #include <atomic>

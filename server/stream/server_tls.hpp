@@ -19,9 +19,9 @@ struct TlsFiles {
   [[nodiscard]] bool wanted() const { return automatic || !certificate.empty(); }
 };
 
-/// Returns the context of a server with these files; nullopt if no TLS is wanted. With `automatic`
-/// it reads hapticast/tls.pem in the state folder, or creates it. Logs a warning if other users may
-/// read the key. Throws KeyFileError.
+/// Returns the context of a server with these files; nullopt if the flags request no TLS. With
+/// `automatic` it reads hapticast/tls.pem in the state folder, or creates it. Logs a warning if
+/// other users may read the key. Throws KeyFileError.
 [[nodiscard]] std::optional<TlsContext> loadServerTls(const TlsFiles& files);
 
 }  // namespace hapticast::server

@@ -39,7 +39,7 @@ class SessionHost {
   /// Writes the key of the stream into `welcome`, and the parameters for datagrams, if datagrams
   /// are available to the client of `channel`.
   virtual void completeWelcome(const Channel& channel, Welcome& welcome) = 0;
-  /// Sets how the client with this token wants its frames (transport and redundancy).
+  /// Sets transport and redundancy of the frames for the client with this token.
   virtual void deliver(std::uint64_t datagram_token, const Delivery& delivery) = 0;
   /// The session calls this after its welcome: its client is a viewer now.
   virtual void onJoined(Session& session) = 0;

@@ -45,7 +45,7 @@ class UdpSubscribers {
   struct Viewer {
     asio::ip::address peer;   ///< remote address of its TCP connection
     asio::ip::address local;  ///< local address of its TCP connection; source of its datagrams
-    bool wanted = true;       ///< whether it wants datagrams; it receives them after its echo
+    bool wanted = true;       ///< it requested datagrams, which it receives after its echo
     std::uint32_t copies = 1;
     /// Whether it receives the multicast group's datagrams.
     bool by_group = false;

@@ -64,7 +64,7 @@ class Vision {
   /// Makes the next frame begin a new epoch, even if no object has changed. Call it after flush().
   void beginAnew();
 
-  /// Returns the name that the author's scene gives to object `id`; empty if it gives none.
+  /// Returns the name of object `id` in the author's scene; empty if it has no name there.
   [[nodiscard]] std::string name(std::uint32_t id) const;
 
   /// Returns the mapped range: the depths that become heights 30 and 0. Returns nullopt before it

@@ -96,8 +96,8 @@ struct VisionSettings {
     const bool known = number >= 1 && static_cast<std::size_t>(number) <= objects.size();
     return known ? objects[static_cast<std::size_t>(number) - 1].material : material;
   }
-  /// Returns the stiffness for estimates of force, N/mm: the largest one that the author gave to an
-  /// object. Returns kUsualStiffness_N_mm if the author gave none.
+  /// Returns the stiffness for estimates of force, N/mm: the largest stiffness of an object in
+  /// these settings. Returns kUsualStiffness_N_mm if none is set.
   [[nodiscard]] double stiffness_N_mm() const {
     double largest = material.stiffness_N_mm.value_or(objects.empty() ? kUsualStiffness_N_mm : 0.0);
     for (const AuthorObject& object : objects) {

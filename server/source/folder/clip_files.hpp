@@ -57,8 +57,8 @@ struct ClipFiles {
 /// images of the same names.
 [[nodiscard]] ClipFiles findClipFiles(const std::filesystem::path& folder);
 
-/// Returns whether name `a` comes before name `b`. Numbers in names are compared by value: frame2 <
-/// frame10.
+/// Natural sort order: returns whether name `a` precedes name `b`. It compares numbers in names by
+/// value: frame2 < frame10.
 [[nodiscard]] bool precedesNaturally(const std::string& a, const std::string& b);
 
 }  // namespace hapticast::server

@@ -11,8 +11,7 @@
 
 namespace hapticast::server {
 
-/// What the author declared about a clip in its meta.json. A member is nullopt if it is not
-/// declared.
+/// The author's declarations in the meta.json of a clip; nullopt: not declared.
 struct ClipMeta {
   std::optional<double> fps;          ///< from "fps", 1..240 frames/s
   std::optional<double> mm_per_unit;  ///< from "depth_scale_m_per_unit", 1e-6..1 m/unit

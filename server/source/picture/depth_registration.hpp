@@ -21,9 +21,9 @@ class DepthRegistration {
   /// resolution of the depth. It has the aspect ratio of the colour.
   [[nodiscard]] cv::Size size() const { return size_; }
 
-  /// Returns `depth` (CV_16UC1, mm, of the depth camera) as the colour camera sees it: CV_16UC1, mm
-  /// along its axis, of size(). Where several points fall on a pixel, the nearest one counts. 0:
-  /// not measured, or hidden from the depth camera.
+  /// Converts `depth` (CV_16UC1, mm) from the depth camera's view to the colour camera's, and
+  /// returns it: CV_16UC1, mm along the colour camera's axis, of size(). Where several points fall
+  /// on a pixel, the nearest one counts. 0: not measured, or hidden from the depth camera.
   [[nodiscard]] cv::Mat run(const cv::Mat& depth) const;
 
  private:

@@ -33,7 +33,7 @@ struct KinectCalibration {
   Camera depth;
   Camera color;
   cv::Matx33d rotation;        ///< from the depth camera's frame to the colour camera's
-  cv::Vec3d translation_mm{};  ///< likewise
+  cv::Vec3d translation_mm{};  ///< from the depth camera's frame to the colour camera's
 };
 
 /// Returns the calibration in the text of a calibration.json, a JSON object of at most

@@ -57,7 +57,7 @@ class VideoClip final : public RgbdSource {
  private:
   [[nodiscard]] bool isPair() const { return color_.file != depth_.file; }
   [[nodiscard]] bool hasHalves() const { return layout_.layout != Layout::kSeparate; }
-  /// Decodes the first frame and describes the source. Then goes back to that frame, if possible.
+  /// Decodes the first frame and describes the source. Then rewinds to that frame, if possible.
   void begin(double fps);
   /// Sets the sizes and the kind of depth from the first frame, and logs if depth is scaled. Throws
   /// SourceError if the pictures cannot be a source.

@@ -41,7 +41,8 @@ struct NetworkStream {
   std::string url;   ///< address for FFmpeg; it may contain a password, so no message shows it
   std::string name;  ///< its name in messages
   /// Returns true to interrupt a wait for the network. VideoFile then behaves as at the end of the
-  /// stream. VideoFile calls it in its own thread, at least about ten times a second.
+  /// stream. VideoFile calls it in the thread that uses VideoFile, at least about ten times a
+  /// second.
   std::function<bool()> give_up;
 };
 

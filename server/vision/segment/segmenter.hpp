@@ -22,8 +22,8 @@ struct Segment {
   cv::Mat mask;  ///< CV_8UC1, 0/255, image size; read-only
   /// 1: decided by this frame's pixels; less: only moved from the last frame.
   double quality = 1.0;
-  /// Number of the object for the author, from 1: see AuthorPoint. The object keeps it when it is
-  /// found again.
+  /// Number of the object for the author, from 1: see AuthorPoint. It is the same after the object
+  /// was lost and found again.
   int number = 0;
 };
 

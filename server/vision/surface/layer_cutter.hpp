@@ -11,12 +11,12 @@
 namespace hapticast::server {
 
 /// Splits one object into layers frame by frame, with persistent names. Each pixel has a vote for
-/// each name: the share of the last 8 or so frames in which findLayers() gave the pixel this name
-/// (a running mean). The votes move with the object. A layer of this frame receives the name for
-/// which its pixels have most votes. A pixel changes its name when another name leads by a third of
-/// the votes. That happens after nine successive frames, or later if some frames disagree. It
-/// changes at once if it is at most 2 px from pixels that had the new name, and its measured depth
-/// is clearly that of the new name. Layers stay separate until the step between them is below 0.7
+/// each name: the share of the last 8 or so frames in which the pixel's layer had this name (a
+/// running mean). The votes move with the object. A layer of this frame receives the name for which
+/// its pixels have most votes. A pixel changes its name when another name leads by a third of the
+/// votes. That happens after nine successive frames, or later if some frames disagree. It changes
+/// at once if it is at most 2 px from pixels that had the new name, and its measured depth is
+/// clearly that of the new name. Layers stay separate until the step between them is below 0.7
 /// `step_mm`. A surface with a reduction is split at the reduced size.
 class LayerCutter {
  public:

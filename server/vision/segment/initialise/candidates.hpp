@@ -32,7 +32,7 @@ struct Click {
 /// Candidates for the object at a click. All images are CV_8UC1, 0/255, size of the image.
 struct Candidates {
   std::vector<cv::Mat> masks;  ///< different masks that contain the click
-  cv::Mat hand;                ///< colours of the hand that holds the object; empty: unknown
+  cv::Mat hand;                ///< pixels with the colours of the holding hand; empty: unknown
 };
 /// Returns the candidates for `click`.
 Candidates computeCandidates(const FrameContext& scene, const Click& click);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Interactive segmentation (Boykov and Jolly 2001): corrects a mask with one minimum cut. The input
 // is a set of points that the author of the clip placed on the object and beside it. Far from the
-// points, the cut mostly keeps the old mask. It may still remove small pieces, and pixels with the
+// points, the cut prefers the old mask. It may still remove small pieces, and pixels with the
 // colours of negative points. Thread: the one that runs Vision.
 #pragma once
 
