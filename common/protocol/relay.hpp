@@ -63,6 +63,7 @@ struct RelayFrame {
   std::shared_ptr<const std::vector<std::vector<std::uint8_t>>> datagrams;
   bool too_many_datagrams = false;
 };
+
 /// A picture, encoded for all viewers.
 struct RelayPicture {
   std::uint64_t id = 0;

@@ -29,7 +29,7 @@ inline constexpr Duration kGap = std::chrono::seconds(1);
 struct LiveFrame {
   cv::Mat color;       ///< CV_8UC3, BGR
   cv::Mat depth;       ///< CV_32FC1, same size
-  LocalTime captured;  ///< when the frame was captured, at most now
+  LocalTime captured;  ///< capture time, never in the future
 };
 
 /// An open device that delivers frames. The caller owns their images. Thread: one.

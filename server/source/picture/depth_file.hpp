@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Formats of depth beside PNG and JPEG: TIFF, OpenEXR, PGM, and NumPy's NPY. It reads the size of a
-// picture from its header before a decoder allocates memory. A problem is a phrase that follows the
-// file's name in a message. Thread: any.
+// Depth files other than PNG and JPEG: TIFF, OpenEXR, PGM, and NumPy's NPY. Functions read the size
+// of a picture from its header before a decoder allocates memory. They describe a problem by a
+// phrase that follows the file's name in a message. Thread: any.
 #pragma once
 
 #include <cstdint>

@@ -22,7 +22,7 @@ struct Observation {
   const cv::Mat& gray;     ///< whole picture, CV_8UC1
   const Surface& surface;  ///< surface of the object in this frame
   bool repeated = false;   ///< the source repeated the last frame's depth, but the colour is new
-  bool at_rest = false;    ///< the whole surface is at rest: the pose remains exactly the same
+  bool at_rest = false;    ///< the whole surface is at rest: the pose does not change
   double visible_fraction = 1.0;  ///< visible share of the whole object, 0..1
 };
 

@@ -47,8 +47,8 @@ Layers findLayers(const Surface& surface, double step_mm,
 /// that differ by more than `step_mm`.
 cv::Mat findSteps(const Surface& surface, double step_mm);
 
-/// Does the same as the function above, for a surface and its steps (CV_8UC1, 0/255) that are
-/// sampled every `reduction` px.
+/// Splits a downsampled surface as the other findLayers() does. `surface` and `step`, the pixels at
+/// depth steps (CV_8UC1, 0/255), are sampled every `reduction` px.
 Layers findLayers(const Surface& surface, const cv::Mat& step, double step_mm,
                   const DepthRange& mapped_range, int reduction = 1);
 

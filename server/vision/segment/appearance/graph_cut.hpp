@@ -41,17 +41,19 @@ cv::Mat logDensities(const ColorMixture& mixture, const cv::Mat& lab);
 /// kind of cut does not use the evidence. Unless marked "chosen", the values were tuned on drawn
 /// scenes of objects in hands.
 struct CutWeights {
-  double most_px = 0.0;        ///< largest number of pixels; chosen for time
-  int rounds = 1;              ///< iterations of colour model and cut; chosen
-  float color = 1.0F;          ///< factor of the evidence of colour
-  float most_color = 0.0F;     ///< limit of the evidence of colour
-  float far_color = 0.0F;      ///< factor of the negative points' colours, far from points
-  float plane = 0.0F;          ///< evidence of a pixel on or behind a supporting plane
-  float skin = 0.0F;           ///< evidence of a pixel of skin, unless the object is skin
-  float other_depth = 0.0F;    ///< evidence of a pixel outside the object's depths
-  float own_depth = 0.0F;      ///< evidence of a pixel inside them
-  float hole = 0.0F;           ///< for a pixel without depth: factor of the share of its
-  float beside_object = 0.0F;  ///< neighbours with the component's depth, minus this share
+  double most_px = 0.0;      ///< largest number of pixels; chosen for time
+  int rounds = 1;            ///< iterations of colour model and cut; chosen
+  float color = 1.0F;        ///< factor of the evidence of colour
+  float most_color = 0.0F;   ///< limit of the evidence of colour
+  float far_color = 0.0F;    ///< factor of the negative points' colours, far from these points
+  float plane = 0.0F;        ///< evidence of a pixel on or behind a supporting plane
+  float skin = 0.0F;         ///< evidence of a pixel of skin, unless the object is skin
+  float other_depth = 0.0F;  ///< evidence of a pixel outside the object's depths
+  float own_depth = 0.0F;    ///< evidence of a pixel inside them
+  /// Evidence of a pixel without depth: hole * (share - beside_object). `share` is the share of the
+  /// object's depth component among the nearest measured pixels in the four directions.
+  float hole = 0.0F;
+  float beside_object = 0.0F;  ///< high, because a shadow has background on one side
   float per_px = 0.0F;         ///< evidence per px inside the old contour; negative outside it
   float farthest_px = 0.0F;    ///< limit of that distance
   float old_mask = 0.0F;       ///< evidence of the old mask, far from the author's points

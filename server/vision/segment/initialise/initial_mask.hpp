@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Initial mask of an object: finds the connected component of depth at a point, after it removed
-// supporting planes. GrabCut then refines it by colour (Rother, Kolmogorov and Blake 2004). Runs
+// Initial mask of an object: finds the connected component of depth at a point, without the pixels
+// of supporting planes. GrabCut then refines it by colour (Rother, Kolmogorov and Blake 2004). Runs
 // once for each object and lasts up to 0.3 s. Thread: the one that runs Vision.
 #pragma once
 
