@@ -12,7 +12,8 @@ inline constexpr std::string_view kServerProgram = "hapticast-server";
 inline constexpr std::string_view kClientProgram = "hapticast-client";
 
 /// Returns the names, without "--", of the flags that `program` has and the other program lacks.
-/// `program`: kServerProgram or kClientProgram. Flags of optional parts are in the list, too.
+/// `program`: kServerProgram or kClientProgram. The list includes the flags of optional parts that
+/// this build lacks.
 [[nodiscard]] std::span<const std::string_view> ownFlags(std::string_view program);
 
 /// Returns the name of the other program if that program has the flag `flag` and `program` lacks

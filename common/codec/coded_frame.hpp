@@ -39,8 +39,8 @@ ObjectOf<To> replaceRelief(const ObjectOf<From>& from, std::shared_ptr<const To>
           from.motion, from.grid,  from.impacts,          from.material};
 }
 
-/// Codes the frames of a stream. A relief that did not change since the frame before is not coded
-/// again.
+/// Codes the frames of a stream. It reuses the coded form of a relief that did not change since the
+/// previous frame.
 class FrameCoder {
  public:
   /// Returns `frame` with coded reliefs. An object whose mask is empty has no relief in the result.

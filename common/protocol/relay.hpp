@@ -35,8 +35,8 @@ inline constexpr std::size_t kRelayPieceHeadBytes = 16;
 /// Identifies a message and its origin.
 struct RelayHead {
   std::uint64_t term = 0;  ///< the highest term of a channel determines its active origin
-  /// Number of one run of an origin: a random number whose low 32 bits are the stream's. It decides
-  /// between equal terms.
+  /// Number of one run of an origin: a random number whose low 32 bits are the stream's. Of two
+  /// origins with equal terms, the one with the higher number counts.
   std::uint64_t origin = 0;
   std::uint64_t number = 0;  ///< increases with each message of the origin
   bool operator==(const RelayHead&) const = default;

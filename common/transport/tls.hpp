@@ -116,8 +116,8 @@ class TlsEngine {
   bool ended_ = false;
 };
 
-/// Returns whether a connection whose first bytes are `first` begins with TLS. Requires 3 bytes. A
-/// length prefix of a small message never has these values.
+/// Returns whether a connection whose first bytes are `first` begins with TLS. Requires 3 bytes.
+/// The length prefix of a small message never begins with the same bytes.
 [[nodiscard]] bool beginsWithTls(std::span<const std::uint8_t> first);
 
 }  // namespace hapticast

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Writes the log of --explain: which stages are off for each object, with the reason, the saved
+// Writes the log of --explain: for each object, the stages that are on or off, with the reason, the
 // time and the change of force. Thread: the pipeline's.
 #pragma once
 

@@ -16,8 +16,8 @@ class SkippedFrames {
   /// `live`: true if the source never delivers a frame again (no rewind).
   explicit SkippedFrames(bool live = false) : live_(live) {}
 
-  /// Adds frame `index` with `problem`, a phrase with the name of the file or device. Frames of one
-  /// run are added in order.
+  /// Adds the unusable frame `index`. `problem`: its cause, a phrase with the name of the file or
+  /// device. Add the frames of a run in order.
   void add(std::uint64_t index, const std::string& problem);
   /// Ends the run, if there is one: logs its first problem, unless an earlier playback of the clip
   /// logged all of its frames.

@@ -68,8 +68,8 @@ class Broadcaster final : public StreamSink, private SessionHost {
   /// Sends `share`, the completed share of the clip's scan (0..1), to all viewers. Viewers that
   /// join before the first frame receive the newest share. Thread: any.
   void prepare(double share);
-  /// Sends the description of another stream to all viewers. If the workspace differs from that of
-  /// the present stream, frames that still wait are removed. Thread: any.
+  /// Sends the description of another stream to all viewers. If the workspace changes, removes all
+  /// waiting frames and pictures. Thread: any.
   void describe(const StreamDescription& description) override;
   /// Sends a new key of the sealed datagrams to all viewers to which datagrams were offered.
   /// Thread: any.

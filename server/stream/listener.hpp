@@ -34,8 +34,8 @@ asio::ip::tcp::acceptor openPort(asio::io_context& io, const Endpoint& address,
 class Listener {
  public:
   /// Opens the port of `address` as openPort() does; connections wait until start(). `tls`:
-  /// certificate of the server; nullopt: plain TCP only. With it, each connection uses TLS if its
-  /// client begins so.
+  /// certificate of the server; nullopt: plain TCP only. With a certificate, each connection uses
+  /// TLS if its client begins with TLS.
   Listener(asio::io_context& io, const Endpoint& address, Broadcaster& broadcaster,
            std::optional<TlsContext> tls = std::nullopt);
 

@@ -31,8 +31,8 @@ using FormatPtr =
 
 /// Opens the file and reads its header. Throws as VideoFile's constructor.
 [[nodiscard]] FormatPtr openFormat(const std::string& file);
-/// Opens the stream and reads its begin. `stream.give_up` must outlive the result. Throws as
-/// VideoFile's constructor.
+/// Opens the stream and reads as much as its description needs. `stream.give_up` must outlive the
+/// result. Throws as VideoFile's constructor.
 [[nodiscard]] FormatPtr openFormat(const NetworkStream& stream);
 
 /// Throws the NoVideoError of a file or stream with this name.

@@ -41,8 +41,8 @@ class Segmenter {
   [[nodiscard]] virtual bool hasAnnotation(const FramePair& /*frames*/) const { return false; }
 };
 
-/// Area below which an object counts as lost, px. The value is a choice: in a usual picture, a
-/// square of this area is 1.6 nominal mm wide.
+/// Area below which an object counts as lost, px. The value is a choice: in a picture 640 px wide,
+/// a square of this area is 1.6 nominal mm wide.
 inline constexpr int kSmallestObject_px = 40;
 
 /// Throws a SourceError whose message says that no object is at the author's point `point_px`.

@@ -21,7 +21,7 @@ inline constexpr int kGateReach_px = 15;
 cv::Mat foregroundPixels(const cv::Mat& depth, const cv::Mat& mask, const cv::Mat& known,
                          const DepthNoise& noise, int reduction = 1);
 
-/// Returns whether `mask` and the object's depth end at the same contour. That is so if nearly all
+/// Returns whether `mask` and the object's depth end at the same contour. It is true if nearly all
 /// pixels at the rim of the mask continue the object's surface.
 bool contoursAgree(const cv::Mat& depth, const cv::Mat& mask, const cv::Mat& known,
                    const DepthNoise& noise);

@@ -24,9 +24,9 @@ struct KnownObject {
 /// an empty mask if nothing was found.
 cv::Mat redetect(const FrameContext& scene, const KnownObject& known);
 
-/// Returns how likely `mask` is the object `known`: a score of about 4 for a good mask, higher is
-/// better. The score adds up objectness(), similarity to the object's first colours, and similarity
-/// to its usual area.
+/// Returns the score of the hypothesis that `mask` is the object `known`: about 4 for a good mask,
+/// higher is better. The score is the sum of objectness(), the similarity to the object's first
+/// colours, and the similarity to its usual area.
 double reidentificationScore(const FrameContext& scene, const KnownObject& known,
                              const cv::Mat& mask);
 

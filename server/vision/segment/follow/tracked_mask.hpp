@@ -49,10 +49,9 @@ class TrackedMask {
   /// Default of `most_rounds`. In measurements, the mask needed 5 to 19 repetitions.
   static constexpr int kSettleRounds = 25;
 
-  /// Stores the score of the present mask, with which later masks are compared
-  /// (see reidentificationScore()).
+  /// Stores the reidentificationScore() of the present mask. search() compares later masks with it.
   void rememberAppearance(const FrameImages& images, const SceneContext& scene);
-  /// Returns how likely `mask` is this object; see reidentificationScore().
+  /// Returns the reidentificationScore() of `mask` for this object.
   [[nodiscard]] double computeLikeness(const FrameImages& images, const SceneContext& scene,
                                        const cv::Mat& mask) const;
   /// Corrects the mask by the author's points: pixels around positive points belong to the object,

@@ -12,10 +12,10 @@
 
 namespace hapticast::server {
 
-/// Returns an image of labels (CV_32S, 0: none): pixels of one component have one label.
-/// Neighbouring pixels connect if their depths differ by at most DepthNoise::step_mm. Holes up to
-/// 24 px wide are interpolated if the depths on both sides agree. Pixels of `excluded` (0/255) have
-/// no label.
+/// Labels the connected components of depth, and returns the image of labels (CV_32S, 0: no
+/// component). Neighbouring pixels are connected if their depths differ by at most
+/// DepthNoise::step_mm. Holes up to 24 px wide are interpolated if the depths on both sides agree.
+/// Pixels of `excluded` (0/255) have no label.
 cv::Mat depthComponents(const cv::Mat& depth, const cv::Mat& excluded, const DepthNoise& noise);
 
 /// Returns the number of pixels of `mask` at the picture's border. It counts corners twice.
