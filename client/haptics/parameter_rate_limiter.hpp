@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Rate limiter for a parameter of a material (stiffness, damping, friction). In contact it spreads
-// a change of the parameter over 0.3 s. So a stream can neither strike the hand nor pump energy
-// with the parameter.
+// a change of the parameter over 0.3 s. So a stream cannot use the parameter to strike the hand or
+// to pump energy into the hand.
 // Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 

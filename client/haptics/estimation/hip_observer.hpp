@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Observer of the HIP (Smith predictor). It estimates position and velocity of the HIP from the
 // measured positions and the sent forces. It then predicts both for the time when a force sent now
-// acts. The observer receives the wall's own force as an input. So its filter can be slow, and a
-// slow filter makes single encoder counts imperceptible. The law and its measurements are in
-// client/haptics/stability.md.
+// acts. The sent force is an input of the observer, so the observer need not derive the effect of
+// the wall from the positions. So its filter can be slow, and a slow filter hides single encoder
+// counts from the hand. The law and its measurements are in client/haptics/stability.md.
 // Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 
@@ -47,6 +47,7 @@ class EffectiveMassEstimator {
   /// Processes one tick, which ended at the position `measured_mm`. The force `acting_N` acted in
   /// this tick.
   void update(const Vec3& measured_mm, const Vec3& acting_N) noexcept;
+  /// Returns the share of each axis, 0.04..1.
   [[nodiscard]] const Vec3& value() const noexcept { return share_; }
 
  private:

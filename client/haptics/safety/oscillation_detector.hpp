@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Oscillation detection at a wall. It recognises swings and bounces of the HIP that no hand causes.
-// They show that the device answers later than its profile declares.
-// client/haptics/safety/README.md, "Delay longer than declared", has the measurements.
+// Oscillation detection at a wall. Swings and bounces that no hand can cause show that the delay of
+// the device is longer than its profile declares. Two detectors recognise them: by twelve reversals
+// of the HIP in a row, and by three bounces in a row. client/haptics/safety/README.md, "Delay
+// longer than declared", has the measurements.
 // Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 

@@ -27,9 +27,9 @@ struct PortWork {
   [[nodiscard]] double user_mJ() const noexcept { return relative_mJ + surface_mJ + object_mJ; }
 };
 
-/// Remembers the surface's motion of the last ticks. The contact is computed for the predicted HIP,
-/// so its surface is some ticks ahead of the measured position. The meters need the motion at the
-/// measured position.
+/// Stores the motion of the surface in the last ticks. The contact is computed for the predicted
+/// HIP, so its surface is some ticks ahead of the measured position. The meters need the motion at
+/// the measured position.
 class SurfaceHistory {
  public:
   /// Adds the surface's motion in one tick (mm), `ticks_ahead` ticks before it happens.
