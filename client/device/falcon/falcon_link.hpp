@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Connection to a Falcon. It opens the device, loads its firmware, and passes the device's replies
-// to the loop. It detects the loss of the device and then opens it again.
+// to the loop. If it loses the device, it opens the device again.
 //
-// The connection leaves the motors without force. Before it closes the device, it sends requests
-// for zero force and waits for their replies. It does so at the end of the program and after a
-// loss. If the device does not answer, the last request cannot reach it.
+// The connection never leaves a device with a force. Before it closes the device, it sends requests
+// for zero force and waits for their replies, at the end of the program as after a loss. It cannot
+// do so if the device does not answer.
 // Threads: loop, main, and one of its own for USB; each function states its own.
 #pragma once
 
