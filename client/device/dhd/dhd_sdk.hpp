@@ -23,9 +23,9 @@ struct DhdSdk {
   /// Opens the device with this serial number (null: the first device) and returns its number.
   /// Throws std::runtime_error (one line).
   [[nodiscard]] char openDevice(const char* serial) const;
-  /// Returns the serial number of an opened device, or "" if the library does not know it.
+  /// Returns the serial number of an opened device, or "" if the library does not have it.
   [[nodiscard]] std::string readSerial(char number) const;
-  /// Returns the name of an opened device in lower case, or "" if the library does not know it.
+  /// Returns the name of an opened device in lower case, or "" if the library does not have it.
   [[nodiscard]] std::string readName(char number) const;
   /// Returns one bit for each button that is down.
   [[nodiscard]] unsigned readButtons(char number) const;

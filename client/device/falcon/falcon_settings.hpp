@@ -11,9 +11,9 @@
 
 namespace hapticast::client {
 
-/// Default gain: motor counts for each N m at the arm. The value was measured: the motor counts of
-/// the manufacturer's driver correspond to 3500. Other drivers send three times as many counts, and
-/// devices differ slightly.
+/// Default gain: motor counts for each N m at the arm. The value was measured: recorded motor
+/// counts of an unmodified driver correspond to 3500. Other drivers send three times as many
+/// counts, and devices differ slightly.
 inline constexpr double kFalconGain = 3500.0;
 // Range of the gain. Chosen: far below the default, and twice the largest gain of other drivers.
 inline constexpr double kLeastFalconGain = 100.0;
