@@ -105,9 +105,10 @@ class Connection {
   /// Runs one session after the other, with pauses, until stop() or an error after which a retry is
   /// useless.
   asio::awaitable<void> run();
-  /// Returns true if a retry is useless. It is useless if the server has another protocol version,
-  /// or another key than expected. Before the first welcome of a server, two more causes make it
-  /// useless: the host name does not exist, or the peer uses another protocol.
+  /// Returns true if a retry is useless: the server has another protocol version, shows an
+  /// unexpected key or certificate, or refuses the access token. Before the first welcome of a
+  /// server, two more causes make a retry useless: the host name does not exist, or the peer uses
+  /// another protocol.
   [[nodiscard]] bool isPermanent(const CloseReason& ending) const;
   asio::awaitable<CloseReason> runSession();
   asio::awaitable<CloseReason> readAll(ConversationPtr session);

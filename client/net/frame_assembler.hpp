@@ -105,8 +105,8 @@ class FrameAssembler {
   /// Returns the media time of the last frame that left. The next frame is due when play time
   /// reaches that time.
   [[nodiscard]] std::optional<MediaTime> findLastLeft() const;
-  /// Returns the arrival time of the newest fragment of the oldest waiting frame. Returns nullopt
-  /// if no frame waits.
+  /// Returns the arrival time of the oldest waiting frame, or of its newest fragment if fragments
+  /// are missing. Returns nullopt if no frame waits.
   [[nodiscard]] std::optional<LocalTime> oldestCame() const;
   /// Returns the next frame in order that may leave, or nullopt if none may leave. If `due` is
   /// true, waiting frames are due now, so they may leave incomplete.

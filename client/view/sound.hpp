@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The view of --sound. It plays the force on SDL's sound device. SDL requests the samples in a
-// thread of its own.
+// The view of --sound. It plays the force as sound on SDL's audio device. SDL requests the samples
+// in a thread of SDL.
 // Thread: main, except the mixer.
 #pragma once
 
