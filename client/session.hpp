@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The session with one server. It finds and dials the server, receives and decodes its stream, and
-// logs the events of the connection. It owns the network thread and the decode thread. Thread: that
-// of start(), except where a function states another one.
+// logs the events of the connection. It owns the network thread and the decode thread.
+// Thread: that of start(), except where a function states another one.
 #pragma once
 
 #include <functional>

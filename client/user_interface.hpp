@@ -22,6 +22,7 @@ namespace hapticast::client {
 
 class UserInterface {
  public:
+  /// `settings` has the initial controls and the policy of re-arming.
   UserInterface(const Settings& settings, Views views);
 
   /// Returns the target of the pointer. A view writes it, and only the device may read it. Returns
@@ -35,6 +36,7 @@ class UserInterface {
     buttons_.emplace(profile);
     state_.pointer_is_device = follows_pointer;
   }
+  /// Returns true if a view needs the stream's pictures.
   [[nodiscard]] bool wantsVideo() const;
   [[nodiscard]] const RearmPolicy& rearm() const { return rearm_; }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Finds a server by the name that the server announces on the LAN (DNS-SD over mDNS). The client
-// connects only to a server that the user has named: any host can announce itself, and a server
-// moves the user's hand.
+// never selects an announced server by itself. The user has to name it, because any host can
+// announce itself, and a server moves the user's hand.
 #pragma once
 
 #include <functional>

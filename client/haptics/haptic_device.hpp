@@ -26,7 +26,7 @@ struct DeviceProfile {
   double mass_kg = 0.045;
   /// Largest force that the safety chain sends.
   double peak_N = 3.3;
-  /// Force that the motors can exert for ever.
+  /// Force that the motors can exert without a time limit.
   double continuous_N = 0.88;
   double count_mm = 0.055;  ///< smallest change of the position that the encoders measure
   /// Delay: the number of ticks from the reading of a position to the begin of its force, 0..5. A
@@ -89,8 +89,8 @@ class HapticDevice {
   /// Returns a description for the log, such as "virtual device (omni) in a hand that does: press".
   /// Thread: any.
   [[nodiscard]] virtual std::string description() const = 0;
-  /// Returns the kind and the serial number of a device with a driver of its own, such as "falcon
-  /// FT0TEST1". Returns an empty text for other devices. Thread: any.
+  /// Returns the name of the driver and the serial number of the device, such as "falcon FT0TEST1".
+  /// Returns an empty text for a device without a driver (virtual, mouse, gamepad). Thread: any.
   [[nodiscard]] virtual std::string id() const { return ""; }
   /// Blocks until the next tick is due. A device that determines the times of the ticks itself may
   /// end the wait before `deadline`. Otherwise the wait ends at about `deadline`. Thread: loop,

@@ -13,9 +13,9 @@ struct RealtimeGrant {
   bool mlock = false;
 };
 
-/// Requests SCHED_FIFO and locked memory from the system, for the calling thread. Returns what the
-/// system granted. A refusal is no error. The priority is that of the client's loop plus `above`.
-/// Call it when the thread begins.
+/// Requests SCHED_FIFO and locked memory from the system, for the calling thread. Returns the
+/// properties that the system granted. A refusal is no error. The priority is that of the client's
+/// loop plus `above`. Call it when the thread begins.
 RealtimeGrant requestRealtime(int above = 0) noexcept;
 
 /// Makes the calling thread, and the threads that it starts, treat numbers below 2.2e-308 as zero.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Second stage of reception: decodes the reliefs of a frame, prepares them as height fields, and
-// publishes the frame to the loop. To prepare a frame takes milliseconds. A separate thread does
-// it, so that the network thread can process pings and record arrival times meanwhile.
+// publishes the frame to the loop. The preparation of a frame lasts milliseconds. A separate thread
+// does it, so that the network thread can process pings and record arrival times meanwhile.
 // Thread: each function states its own.
 #pragma once
 
@@ -50,6 +50,7 @@ class FrameQueue {
   /// count as preparation time.
   void holdBack(Duration duration);
   [[nodiscard]] bool empty() const { return frames_.empty(); }
+  /// Removes all frames and all kept reliefs.
   void clear();
 
  private:

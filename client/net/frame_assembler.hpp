@@ -79,8 +79,9 @@ class FrameAssembler {
   /// signs both contradicts itself, so the client can use neither. No more frames leave until
   /// restart().
   [[nodiscard]] bool contradicted() const { return contradicted_; }
-  /// Returns the present client-side epoch. A next frame that continues the server's epoch gets
-  /// this value. A next frame that begins a new epoch of the server gets this value plus one.
+  /// Returns the present client-side epoch. If the next frame continues the server's epoch, its
+  /// client-side epoch has this value. If it begins a new epoch of the server, its client-side
+  /// epoch is one higher.
   [[nodiscard]] std::uint32_t epoch() const { return epoch_; }
   /// Adds a whole frame that arrived over TCP and returns true. If the frame is a duplicate or
   /// older than the last frame that left, drops it and returns false. If the step of the id exceeds
@@ -140,7 +141,8 @@ class FrameAssembler {
   /// reliefs. Call it before the first frame left.
   void dropBeforeTcp();
   /// Returns true if a frame by datagrams follows the last one that left. The first frame of a
-  /// connection has to have all reliefs: its unchanged reliefs came before the connection.
+  /// connection must have all reliefs, because the server sent its unchanged reliefs before the
+  /// connection.
   [[nodiscard]] bool follows(const Reassembly& joined) const;
   /// Marks a frame as finished: it needs no more fragments.
   void abandon(std::uint64_t id);

@@ -10,8 +10,7 @@
 
 namespace hapticast::client {
 
-/// Estimates how far play time has to lie behind the media clock, so that frames arrive before they
-/// are due.
+/// Estimates the smallest playout delay with which frames arrive before they are due.
 class JitterEstimator {
  public:
   static constexpr Duration kWindow = std::chrono::seconds(5);
@@ -26,6 +25,7 @@ class JitterEstimator {
   static constexpr Duration kMargin = std::chrono::milliseconds(5);
   static constexpr Duration kMaxDelay = std::chrono::seconds(2);
 
+  /// Removes all stored frames.
   void reset() { samples_.clear(); }
 
   /// Adds a frame that arrived at `arrival`. `needed` is the playout delay with which the frame

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Log lines about the connection, the stream and the force. There is one line for each change. A
-// rate limit prevents that a server fills the log.
+// rate limit prevents a server from filling the log.
 // Thread: network (ConnectionLog, StreamErrorLog), main (HapticStatusLog).
 #pragma once
 
@@ -20,7 +20,7 @@ namespace hapticast::client {
 std::string greeting(const StreamDescription& stream, Method method);
 
 /// Log lines about the connection. Each function returns the line to log, or nullopt if there is
-/// nothing new. The object stores what was logged last, in order to detect changes.
+/// nothing new. To detect changes, the object stores the last logged values.
 class ConnectionLog {
  public:
   /// `server` is the name of the server (nameServer()).
@@ -83,7 +83,7 @@ class WorkMeter {
 };
 
 /// Log lines about the force during a run: a halt and its cause, the return of the force, a softer
-/// wall. The object compares each report with what it logged last, and returns a line only for a
+/// wall. The object compares each report with the last logged values, and returns a line only for a
 /// change.
 class HapticStatusLog {
  public:

@@ -17,7 +17,7 @@ using Reliefs = std::vector<std::shared_ptr<const HeightField>>;
 /// Returns the edges of the relief's mask as closed lines, in px of the picture.
 [[nodiscard]] std::vector<std::vector<cv::Point2f>> traceOutline(const HeightField& relief);
 
-/// A mesh of quadrilateral cells. The light comes from the upper left.
+/// A mesh of quadrilateral cells. Its brightness is that of a light from the upper left.
 struct ReliefMesh {
   /// Largest number of cells of all objects together. The value is a choice: the software renderer
   /// draws them within some milliseconds.

@@ -5,7 +5,7 @@
 // The connection never leaves a device with a force. Before it closes the device, it sends requests
 // for zero force and waits for their replies, at the end of the program as after a loss. It cannot
 // do so if the device does not answer.
-// Threads: loop, main, and one of its own for USB; each function states its own.
+// Threads: loop, main, and a thread of the link for USB. Each function states its thread.
 #pragma once
 
 #include <semaphore.h>
@@ -36,7 +36,7 @@ struct FalconNews {
   std::uint32_t life = 0;
 };
 
-/// The connection to one Falcon. It runs a thread of its own until its destructor.
+/// The connection to one Falcon. It runs a thread for USB until its destructor.
 class FalconLink {
  public:
   using LogLine = std::function<void(const std::string& line)>;

@@ -11,8 +11,8 @@
 
 namespace hapticast::client {
 
-/// Largest force of a device without a watchdog of its own, until the user gives a --profile. It is
-/// the peak of an Omni.
+/// Largest force of a device that has no watchdog, unless the user sets --profile. It is the peak
+/// of an Omni.
 inline constexpr double kPeakWithoutWatchdog_N = 3.3;
 
 /// Returns the profile in which all values are unknown. A driver fills it.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Messages of the helper process to the client, over a socket that keeps message boundaries. When
-// one side ends, the system closes its socket. The other side detects the end by that.
+// Messages of the helper process to the client, over a socket that preserves message boundaries
+// (SOCK_SEQPACKET). When one side ends, the system closes its socket. The other side detects the
+// end by that.
 // Thread: any.
 #pragma once
 

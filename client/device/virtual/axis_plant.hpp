@@ -32,11 +32,12 @@ struct Hand {
 };
 
 /// Simulates one axis. The first two values of the state are position and velocity of the device.
-/// The last two are those of the hand. All are in SI units. A hand that is rigid or absent has no
-/// motion of its own, so its two values do not change.
+/// The last two are those of the hand. All are in SI units. If the hand is rigidly connected or
+/// absent, its two values do not change.
 class AxisPlant {
  public:
   using State = Eigen::Vector4d;
+  /// `profile` has mass, damping and friction of the device.
   AxisPlant(const PlantProfile& profile, const Hand& hand) noexcept;
 
   /// Sets position and velocity of device and hand.

@@ -125,6 +125,7 @@ class FramePool {
     }
     return sum;
   }
+  /// Returns an acquired slot, for the decode thread to fill.
   [[nodiscard]] Slot& slot(Index index) noexcept { return slots_[index]; }
   /// Passes a filled slot to the loop. The call cannot fail, because the ring has room for all
   /// slots.
@@ -134,6 +135,7 @@ class FramePool {
 
   /// Writes the index of the oldest filled slot to `index`. Returns false if there is none.
   [[nodiscard]] bool pop(Index& index) noexcept { return filled_.tryPop(index); }
+  /// Returns the frame in a filled slot. It is valid until release().
   [[nodiscard]] const PlayFrame& frame(Index index) const noexcept { return slots_[index].frame; }
   /// Returns a slot to the decode thread, which may fill it again.
   void release(Index index) noexcept { (void)free_.tryPush(index); }

@@ -48,6 +48,7 @@ class Playout {
                     const UserControls& user = {}) noexcept;
   /// Makes play time start again at the next tick with a connection, as for a new connection.
   void resync() noexcept { resync_ = true; }
+  /// Returns the playout delay in use.
   [[nodiscard]] Duration delay() const noexcept { return delay_; }
 
  private:

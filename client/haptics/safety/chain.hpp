@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // The safety chain computes the force for the device from the displacement and the dynamic force.
-// The result is safe for device and hand, whatever the stream sends. No force bypasses the chain.
-// In each tick it checks the numbers, meters the energy and detects oscillations. It computes the
-// force by the wall law and adds the dynamic force. Then it fades the force, limits its magnitude
-// (peak, heat, energy tank) and its step, and updates trust. client/haptics/safety/README.md has
-// all eleven steps, their laws and their constants.
+// The result is safe for device and hand, for every possible input from the stream. No force
+// bypasses the chain. In each tick it checks the numbers, meters the energy and detects
+// oscillations. It computes the force by the wall law and adds the dynamic force. Then it fades the
+// force, limits its magnitude (peak, heat, energy tank) and its step, and updates trust.
+// client/haptics/safety/README.md has all eleven steps, their laws and their constants.
 // Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 
@@ -94,8 +94,8 @@ class SafetyChain {
   /// Copies the limits out of `profile`. The object does not need `profile` afterwards.
   explicit SafetyChain(const DeviceProfile& profile, const SafetyLinks& links = {}) noexcept;
 
-  /// Runs all steps of the chain for one tick. Returns the force for the device and a report of
-  /// what the chain did.
+  /// Runs all steps of the chain for one tick. Returns the force for the device, and a report of
+  /// the actions of the chain.
   SafetyOutput step(const SafetyInput& input) noexcept;
   /// Returns true if the force of the last tick was not zero.
   [[nodiscard]] bool acts() const noexcept { return last_.force_N != Vec3::Zero(); }

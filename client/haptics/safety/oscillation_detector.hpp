@@ -19,6 +19,7 @@ namespace hapticast::client {
 /// less than half of the swing meanwhile.
 class OscillationDetector {
  public:
+  /// `count_mm` is the size of an encoder count.
   explicit OscillationDetector(double count_mm) noexcept : least_swing_mm_(3.0 * count_mm) {}
 
   /// Processes one tick. `moved_mm` and `surface_mm` are the motions of HIP and surface along the
@@ -68,6 +69,7 @@ class BounceDetector {
     bool acts;  ///< true if a force acts in this tick
     bool jump;  ///< the position does not continue that of the tick before
   };
+  /// `mass_kg` is the mass of the bare device.
   explicit BounceDetector(double mass_kg) noexcept : mass_kg_(mass_kg) {}
 
   /// Processes one tick. `delay_ticks` is the result of SafetyChain::delayTicks(). Returns true if

@@ -75,6 +75,7 @@ class TransportSelector {
 
   /// Registers that a probe (a datagram of full size) has arrived.
   void probed() { probed_ = true; }
+  /// Returns true if a probe has arrived by the present transport.
   [[nodiscard]] bool wasProbed() const { return probed_; }
   /// Registers a complete frame that arrived by the present transport.
   void onCompleteFrame(std::uint64_t id, LocalTime now);

@@ -56,8 +56,8 @@ class DatagramVerifier {
 
   using IsWanted = std::function<FrameAssembler::Want(const DatagramHeader&)>;
   /// Returns the datagram in `bytes` if the server has signed it and it is new. Otherwise returns
-  /// nullopt and counts the reason. `want` returns the class of a fragment, such as a duplicate. A
-  /// probe always counts as new. The payload is valid until the next call.
+  /// nullopt and counts the reason. The function calls `want` to classify a fragment, for example
+  /// as a duplicate. A probe always counts as new. The payload is valid until the next call.
   std::optional<Datagram> verify(std::span<const std::uint8_t> bytes, LocalTime now,
                                  const IsWanted& want);
 
