@@ -89,8 +89,9 @@ class HapticDevice {
   /// Returns a description for the log, such as "virtual device (omni) in a hand that does: press".
   /// Thread: any.
   [[nodiscard]] virtual std::string description() const = 0;
-  /// Returns the name of the driver and the serial number of the device, such as "falcon FT0TEST1".
-  /// Returns an empty text for a device without a driver (virtual, mouse, gamepad). Thread: any.
+  /// Returns the name of the driver and, if it is known, the serial number of the device, such as
+  /// "falcon FT0TEST1". Returns an empty text for a device without a driver (virtual, mouse,
+  /// gamepad). Thread: any.
   [[nodiscard]] virtual std::string id() const { return ""; }
   /// Blocks until the next tick is due. A device that determines the times of the ticks itself may
   /// end the wait before `deadline`. Otherwise the wait ends at about `deadline`. Thread: loop,

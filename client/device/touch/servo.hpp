@@ -16,7 +16,7 @@
 
 namespace hapticast::client {
 
-/// Reading of one frame.
+/// Reading of one frame. The counters count since the start.
 struct ServoReading {
   std::uint64_t frames = 0;   ///< frames without an error of the device
   std::uint64_t faults = 0;   ///< frames with an error of the device

@@ -96,9 +96,9 @@ TangentPlane tangentPlane(double depth_mm, const Vec2& gradient) noexcept;
 Contact computeObjectContact(SurfaceKind kind, const InterpolatedObject& object, const Vec3& hip_mm,
                              const Workspace& workspace) noexcept;
 
-/// Returns the contact of the HIP with the object in which it is deepest along the normal. An
-/// object has no contact if the HIP lies outside its mask, or if its relief never arrived. `kind`
-/// is kNormal or kPerturbed.
+/// Returns the contact of the HIP with one object: that with the largest depth of the HIP along its
+/// normal. An object has no contact if the HIP lies outside its mask, or if its relief never
+/// arrived. `kind` is kNormal or kPerturbed.
 Contact findContact(SurfaceKind kind, const Scene& scene, const Vec3& hip_mm,
                     const Workspace& workspace) noexcept;
 

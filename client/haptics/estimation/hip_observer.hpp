@@ -34,9 +34,9 @@ class SentForces {
 /// acceleration under a force, divided by that of the bare device. 1 is the bare device. At 0.05,
 /// device and hand together have twenty times the mass of the device.
 ///
-/// The force and the measured position pass the same high-pass filters, with a cut-off at about 30
-/// Hz. Deliberate motion of a hand is slower. The share follows from a regression between the two
-/// filtered signals.
+/// Filters remove the content below about 30 Hz from the force and from the measured position,
+/// because deliberate motion of a hand is slower. They also account for the double integration from
+/// force to position. The share follows from a regression between the two filtered signals.
 class EffectiveMassEstimator {
  public:
   /// `mass_kg` is the mass of the bare device.

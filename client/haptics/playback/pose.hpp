@@ -29,8 +29,7 @@ double secondsBetween(MediaTime a, MediaTime b) noexcept;
 /// two possible rotations.
 double rotationBetween(const Motion& from, const Motion& to) noexcept;
 
-/// Returns the pose that the frame states for an object, with its acceleration, but with velocities
-/// of 0.
+/// Returns the position, the angle and the acceleration of `motion`, with velocities of 0.
 Pose restingPose(const Motion& motion) noexcept;
 /// Returns the pose by linear interpolation of position, angle and acceleration. `interval_s` is
 /// the time from the frame of `from` to that of `to`, and it must be above 0. `time_s` is the time

@@ -13,8 +13,8 @@ namespace hapticast::client {
 inline constexpr double kDamperSpeed_mm_s =
     300.0;  ///< the wall's damper uses at most this speed; the value is a choice
 
-/// Bounds the motion of the HIP by the measured positions of the last ticks. The limit must not use
-/// the filtered velocity, because a single encoder count changes that velocity by 56 mm/s.
+/// Bounds the motion of the HIP by the measured positions of the last ticks. The slew limit must
+/// not use the filtered velocity, because a single encoder count changes that velocity by 56 mm/s.
 class CountedMotion {
  public:
   /// `count_mm` is the size of an encoder count.

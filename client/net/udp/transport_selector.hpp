@@ -57,6 +57,7 @@ class TransportSelector {
   /// A suspected transport counts as failed if frames arrive only over TCP for this time. The value
   /// is a choice: the largest difference between the delays of two working transports.
   static constexpr Duration kRace = std::chrono::milliseconds(200);
+  /// Time from a failure until the selector tries the first transport again.
   static constexpr Duration kTryAgain = std::chrono::seconds(30);
   /// A transport counts as failed if it delivers frames for this time, but no probe. A probe is a
   /// datagram of full size. The value is a choice: the time in which a multicast group sends four
