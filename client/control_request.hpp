@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Text of an operator's request (--control). Thread: main, at start-up.
+// Parser for the text of an operator's request (--control). Thread: main, at start-up.
 #pragma once
 
 #include <optional>
@@ -9,9 +9,9 @@
 
 namespace hapticast::client {
 
-/// Returns the request in `text`: `pause`, `play`, `seek=SECONDS`, or `NAME=VALUE` of a material
-/// (stiffness, damping, texture-depth, mass, friction=STATIC:DYNAMIC). Several are joined by
-/// commas. Returns nullopt for other texts.
+/// Returns the request in `text`. It is a list, separated by commas, of `pause`, `play`,
+/// `seek=SECONDS`, and `NAME=VALUE` for a property of the material: stiffness, damping,
+/// texture-depth, mass, or friction=STATIC:DYNAMIC. Returns nullopt for other texts.
 [[nodiscard]] std::optional<Control> parseControl(const std::string& text);
 
 }  // namespace hapticast::client

@@ -11,13 +11,13 @@ namespace hapticast::client {
 
 /// Prints the kinds of devices and the connected devices.
 void printDevices(const Settings& settings);
-/// Checks with the user that the device of --check-device moves as it is commanded, and stores the
-/// result. Returns the exit code. Throws like openDevice() and checkDevice().
+/// Runs the check of --check-device (device/check_device.hpp) with the user, and stores the result.
+/// Returns the exit code. Throws like openDevice() and checkDevice().
 int runDeviceCheck(const Settings& settings);
 /// Calibrates the Falcon's motors. Returns the exit code. Throws like openDevice() and calibrate().
 int runFalconCalibration(const Settings& settings);
 
-/// Throws DeviceAbsent (one line) if the last check of `device` refused it.
+/// Throws DeviceAbsent (one line) if the last stored check of `device` found a fault.
 void requireNotRefused(const HapticDevice& device);
 
 }  // namespace hapticast::client

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
-// How the client trusts its server, and shows that it may connect: TLS with an authority or with
-// the key of the first connection, and the access token. Thread: main, at start-up.
+// Authentication of the server and of the client. The client authenticates the server by TLS: by a
+// certificate authority (--tls-ca), or by the key of the first connection (known_origins.hpp). The
+// server authenticates the client by the access token.
+// Thread: main, at start-up.
 #pragma once
 
 #include <string>
@@ -13,13 +15,14 @@ namespace hapticast::client {
 /// Returns the name of the server: [hapticasts://]HOST:PORT, or mdns:NAME.
 [[nodiscard]] std::string nameServer(const Settings& settings);
 
-/// Returns the dial function for the server of `settings`, whose name in messages and in the file
-/// of known servers is `server`. It uses TLS for hapticasts:// and for an announced server with
-/// TLS. Throws std::runtime_error (one line) if a file cannot be used.
+/// Returns the dial function for the server of `settings`. `server` is the result of nameServer().
+/// The function uses TLS for hapticasts://, for a server that announces TLS, and for an announced
+/// server that once had TLS. Throws std::runtime_error (one line) if a file cannot be used.
 [[nodiscard]] Dial chooseDial(const Settings& settings, const std::string& server);
 
-/// Returns the access token in `file`, without white space around it; empty if `file` is. Throws
-/// std::runtime_error (one line) if the file has no token of 1 to 256 bytes.
+/// Returns the access token in `file`, without the white space around it. Returns an empty text if
+/// `file` is an empty name. Throws std::runtime_error (one line) if the file has no token of 1 to
+/// 256 bytes.
 [[nodiscard]] std::string loadToken(const std::string& file);
 
 }  // namespace hapticast::client

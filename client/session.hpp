@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The session with one server. It finds and dials the server, receives and decodes its stream, and
-// logs the events of the connection. It owns the network thread and the decode thread. All
-// functions belong to the thread that calls start(), except where another thread is named.
+// logs the events of the connection. It owns the network thread and the decode thread.
+// Thread: that of start(), except where a function states another one.
 #pragma once
 
 #include <functional>
@@ -26,26 +26,29 @@ class Session {
   };
 
   /// Prepares a session that writes frames to `pool` and the timing to `stream`. Both must outlive
-  /// the session. `wants_video` is true if a view needs pictures.
+  /// the session. `wants_video` is true if a view needs pictures. Throws std::runtime_error (one
+  /// line) if a file of `settings` cannot be used.
   Session(const Settings& settings, const Clock& clock, FramePool& pool,
           LatestValue<StreamTiming>& stream, bool wants_video, Events events);
   ~Session();
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
+  /// Starts the threads and the search for the server.
   void start();
+  /// Ends the connection and joins the threads.
   void stop();
   /// Returns the newest statistics of the connection. Thread: one.
   [[nodiscard]] const ConnectionStats& stats();
-  /// Sets the contact flag that the reports to the server have: whether the HIP is in contact.
+  /// Sets the contact flag of the reports to the server. It is true if the HIP is in contact.
   void setInContact(bool contact);
   /// Returns a text with the servers on the LAN, for the log. It does so only while three
   /// conditions hold: the user named no server, no server answers, and the list has changed.
   /// Otherwise returns nullopt.
   std::optional<std::string> listServers(LocalTime now);
-  /// Returns the name of the server: HOST:PORT, or mdns:NAME.
+  /// Returns the name of the server (nameServer()).
   [[nodiscard]] std::string serverName() const;
-  /// Returns true if the server cannot be used, so that no retry follows. Thread: any.
+  /// Returns true if the session has ended with an error after which no retry follows. Thread: any.
   [[nodiscard]] bool failed() const;
   /// Returns the reason why no server was ever connected. Returns nullopt if one was connected.
   /// Call it after stop().

@@ -27,12 +27,12 @@ struct Settings {
   Endpoint server{"localhost", kDefaultPort};
   std::string announced;               ///< name of the server from mdns:NAME; empty: use `server`
   bool server_given = false;           ///< the user named a server
-  bool tls = false;                    ///< the user named it as hapticasts://
-  std::string tls_ca_file;             ///< authorities of servers; empty: the first key counts
-  std::string token_file;              ///< file with the access token; empty: none
+  bool tls = false;                    ///< the address begins with hapticasts://
+  std::string tls_ca_file;             ///< certificate authorities; empty: trust on first use
+  std::string token_file;              ///< file with the access token; empty: no token
   std::optional<Control> control;      ///< request of --control; nullopt: no such request
-  bool insecure = false;               ///< the token may travel without TLS
-  std::vector<OriginKey> origin_keys;  ///< keys that the server may show; empty: any key or none
+  bool insecure = false;               ///< the client may send the token without TLS
+  std::vector<OriginKey> origin_keys;  ///< accepted keys; empty: any key or none
   bool list_servers = false;
   std::string device = "auto";
   std::string profile;  ///< name of a built-in profile, or a file; empty: the default of the device
@@ -64,8 +64,8 @@ struct Settings {
 /// Checks before a run that `file` can be written after the run. An empty name is always valid.
 /// Throws std::runtime_error with one line, which names `flag` and `file`.
 void requireWritable(const char* flag, const std::string& file);
-/// Checks before a run that --hand has a device to move. Throws std::runtime_error with one line if
-/// the command line names another device than the virtual one.
+/// Checks before a run that --hand applies to the device. Throws std::runtime_error with one line
+/// if the command line requests another device than the virtual one.
 void requireVirtualHand(const Settings& settings);
 /// Checks before a run that each output has a file of its own. Throws std::runtime_error with one
 /// line, which names both flags and the file.

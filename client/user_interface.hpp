@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The user's side of the client. It has the views and the controls that the user changes, in the
-// views or by the device's buttons. It also has the policy that re-arms the force. Thread: main,
-// except where another one is named.
+// User interface of the client. It owns the views, the user's controls (which the views and the
+// device's buttons change), and the policy that re-arms the force.
+// Thread: main, except where a function states another one.
 #pragma once
 
 #include <optional>
@@ -22,19 +22,21 @@ namespace hapticast::client {
 
 class UserInterface {
  public:
+  /// `settings` has the initial controls and the policy of re-arming.
   UserInterface(const Settings& settings, Views views);
 
-  /// Returns the target of the pointer, which a view writes. Returns null if no view has a pointer.
-  /// Only the device may read it.
+  /// Returns the target of the pointer. A view writes it, and only the device may read it. Returns
+  /// null if no view has a pointer.
   [[nodiscard]] LatestValue<PointerTarget>* pointer() { return has_pointer_ ? &pointer_ : nullptr; }
   /// Returns the controls of the user, which the renderer reads.
   [[nodiscard]] LatestValue<UserControls>& controls() { return controls_; }
-  /// Sets which buttons of the device have a function, by its profile. `follows_pointer` is true if
-  /// the pointer moves the device.
+  /// Assigns the functions of the device's buttons according to `profile`. `follows_pointer` is
+  /// true if the pointer moves the device.
   void setDevice(const DeviceProfile& profile, bool follows_pointer) {
     buttons_.emplace(profile);
     state_.pointer_is_device = follows_pointer;
   }
+  /// Returns true if a view needs the stream's pictures.
   [[nodiscard]] bool wantsVideo() const;
   [[nodiscard]] const RearmPolicy& rearm() const { return rearm_; }
 

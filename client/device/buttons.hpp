@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Buttons of a device: detects which buttons the user has newly pressed. The enabling button
-// (dead-man's switch) has no action here.
+// Buttons of a device: detects new presses and converts them to actions (pause, re-arm). A press of
+// the enabling button (dead-man's switch) causes no action here; the loop reads that button itself.
 // Thread: main.
 #pragma once
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Calibration of a Falcon's motors (--falcon-calibrate) with a known weight. A position controller
-// moves the grip to the middle and holds it there, first without the weight and then with it. The
-// force of the controller has to increase by exactly the weight. The ratio of the weight to the
-// measured increase corrects the gain. Thread: one, which runs the ticks of the device.
+// moves the grip to the middle and holds it there, first without the weight and then with it. With
+// the right gain, the force of the controller increases by exactly the weight. So the corrected
+// gain is the present gain, multiplied by the ratio of the measured increase to the weight. Thread:
+// one, which runs the ticks of the device.
 #pragma once
 
 #include <atomic>
@@ -20,8 +21,8 @@ class GripHolder {
  public:
   /// Returns the force (N) that moves the grip from `position_mm` to the middle.
   Vec3 hold(const Vec3& position_mm) noexcept;
-  /// Returns the mean force of the last two seconds. Returns nullopt if the grip was not at rest in
-  /// the middle for that time.
+  /// Returns the mean force since the grip came to rest in the middle. Returns nullopt until it has
+  /// rested there for two seconds.
   [[nodiscard]] std::optional<Vec3> restForce_N() const noexcept;
   /// Starts a new measurement of two seconds.
   void begin() noexcept { rest_ticks_ = 0; }

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Check of a device (--check-device) with its user: a driver can render another force than the
-// commanded one, and only the motion shows that. The check pushes with 0.3 N for 0.1 s along each
-// axis, both ways, while a hand holds the grip loosely. The motion has to follow in sign, axis and
-// rough size. Half of the difference between the two ways cancels the drift of the hand.
+// Check of a device (--check-device) with its user. A faulty driver can render another force than
+// the commanded one, and only the motion of the grip shows that. While the user holds the grip
+// loosely, the check pushes it along each axis with 0.3 N for 0.1 s, once in each direction. The
+// measured motion must have the right sign, axis and rough size. Half of the difference between the
+// motions of the two pushes is free of the drift of the hand.
 // Thread: one, which runs the ticks of the device.
 #pragma once
 
@@ -17,22 +18,24 @@ namespace hapticast::client {
 
 /// Result of a check.
 struct DeviceCheck {
-  /// Column i is the motion in mm after a push along axis i.
+  /// Column i belongs to axis i: half of the difference between the motions (mm) of the push in the
+  /// positive direction and of the push in the negative direction.
   Eigen::Matrix3d response_mm = Eigen::Matrix3d::Zero();
-  std::string fault;  ///< what does not follow; empty: the device passed
+  std::string fault;  ///< the wrong motion, for the user; empty: the device passed
 };
 
-/// Judges the motion of a check. The motion along the pushed axis has to be 0.2 to 40 mm, and the
-/// motion aside smaller than that.
+/// Compares the motions of a check with the pushes. In each column the motion along the pushed axis
+/// must be 0.2 to 40 mm, and the motion across that axis must be smaller.
 DeviceCheck judgeDevice(const Eigen::Matrix3d& response_mm);
 
 /// Runs the check. `log_line` receives instructions. Returns nullopt if `stop` becomes true. Throws
-/// std::runtime_error (one line) if the device is lost, or is not held still within a minute.
+/// std::runtime_error (one line) if the device is lost, or if the user does not hold the grip still
+/// within a minute.
 std::optional<DeviceCheck> checkDevice(HapticDevice& device, const Clock& clock,
                                        const std::atomic<bool>& stop,
                                        const std::function<void(const std::string&)>& log_line);
 
-/// Stores the result for the device `id` in the file `file`, and replaces an earlier one. Throws
+/// Stores the result for the device `id` in the file `file`, in place of an earlier result. Throws
 /// std::runtime_error (one line).
 void storeCheck(const std::string& file, const std::string& id, const DeviceCheck& check);
 /// Returns the fault that storeCheck() stored for the device `id`. Returns an empty text if the

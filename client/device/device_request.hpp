@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What a device is opened with, and the type of the functions that open one.
+// Arguments for opening a device, and the type of the functions that open one.
 // Thread: main, before the loop.
 #pragma once
 
@@ -18,22 +18,23 @@ namespace hapticast::client {
 
 /// Arguments for opening a device. All references must outlive the device.
 struct DeviceRequest {
-  std::string kind = {};  ///< name of the kind; openDevice() and its like set it
+  std::string kind = {};  ///< name of the kind; the functions of open_device.hpp set it
   /// --profile: a built-in name or a file; empty: the default of the kind.
   std::string profile = {};
   std::string hand = "press";  ///< --hand: name of a script, or a CSV file
   const Clock& clock;
   /// Target of the window's pointer, or null if there is no window. Only the device may read it.
   LatestValue<PointerTarget>* pointer = nullptr;
-  /// --device-option: settings of the driver. A key DRIVER.KEY is for the driver of this name only.
+  /// --device-option: settings of drivers. A key without a dot is for every driver. A key
+  /// DRIVER.KEY is only for the driver named DRIVER.
   std::map<std::string, std::string> options = {};
   std::string helper_program = {};  ///< path of hapticast-device; empty: findHelperProgram()
   /// Receives lines about the progress while the device opens.
   std::function<void(const std::string& line)> log = [](const std::string& /*line*/) {};
 };
 
-/// Returns those of DeviceRequest::options that are for `driver`, with the keys that the driver
-/// knows. An option for this driver only replaces one for all.
+/// Returns the entries of `options` (DeviceRequest::options) for the driver `driver`, with keys
+/// without the prefix DRIVER. An entry with that prefix replaces the entry without it.
 std::map<std::string, std::string> selectDriverOptions(
     const std::map<std::string, std::string>& options, const std::string& driver);
 

@@ -25,23 +25,23 @@ struct DeviceKind {
 };
 
 /// Returns all kinds of this build. For --device auto the client uses the device that findDevice()
-/// returns. If that is null, it opens the mouse if there is a window, else the first kind.
+/// returns. If that is null, the client opens the mouse if there is a window, else the first kind.
 std::span<const DeviceKind> deviceKinds() noexcept;
 
-/// Returns the names for --device, without `auto`: those of deviceKinds(), and those of drivers in
-/// files of their own.
+/// Returns the names for --device, without `auto`: the kinds of deviceKinds(), and the drivers that
+/// are installed as files (helper/driver_files.hpp).
 std::vector<std::string> deviceNames();
 
 /// Opens a device of the kind `name` and returns it. If `name` is "auto", it opens the mouse if
-/// request.pointer is not null, else the first kind. It then detects no devices. Throws like
-/// OpenDevice, and also for an unknown name.
+/// request.pointer is not null, else the first kind; it does not search for connected devices.
+/// Throws like OpenDevice, and also for an unknown name.
 std::unique_ptr<HapticDevice> openDevice(const std::string& name, const DeviceRequest& request);
 
-/// Returns true if `device` follows DeviceRequest::pointer: it is a mouse.
+/// Returns true if `device` is the mouse, whose HIP follows DeviceRequest::pointer.
 [[nodiscard]] bool followsPointer(const HapticDevice& device);
 
-/// Opens the first detected device that answers, and returns it. Returns null if no detected device
-/// answers. Logs detected devices that do not answer.
+/// Searches for connected devices, opens the first one that answers, and returns it. Returns null
+/// if there is none. Logs each connected device that cannot be opened.
 std::unique_ptr<HapticDevice> findDevice(const DeviceRequest& request);
 
 /// Returns the text of --list-devices. It has one line for each kind and for each driver in a file,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// A virtual device in a light hand that follows a pointer or a stick. The position of such an input
-// changes in steps. So the hand's target follows the input with critical damping.
+// A simulated device in a simulated light hand. A pointer or a stick moves the hand. The position
+// of such an input changes in steps, so the target of the hand follows the input with critical
+// damping.
 // Thread: loop.
 #pragma once
 

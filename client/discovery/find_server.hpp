@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// How a client finds its server: by address, or by the name under which the server announces itself
-// on the LAN (DNS-SD). The client never connects to a server that the user did not name. Any host
-// can announce itself, and the server moves the user's hand.
+// Finds a server by the name that the server announces on the LAN (DNS-SD over mDNS). The client
+// never selects an announced server by itself. The user has to name it, because any host can
+// announce itself, and a server moves the user's hand.
 #pragma once
 
 #include <functional>
@@ -14,12 +14,13 @@
 
 namespace hapticast::client {
 
-/// Returns the dial function for a server that was found.
+/// Type of a function that returns the dial function for a found server.
 using DialFound = std::function<Dial(const FoundServer&)>;
 
 /// Returns a dial function for the server that is announced as `name`. Each call of that function
-/// waits up to 2 s for the announcement. It returns an error if no server, or more than one,
-/// announces `name`. Thread of its calls: network.
+/// waits up to 2 s for the announcement. It then dials the server with the result of `dial_found`.
+/// It returns an error if no server, or more than one, announces `name`. Thread of its calls:
+/// network.
 [[nodiscard]] Dial dialAnnounced(std::string name, DialFound dial_found);
 
 /// Lists the servers on the LAN, as long as no server answers at the default address. Thread: main.

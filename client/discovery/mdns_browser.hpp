@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Search for servers that are announced on the LAN. The object searches by Avahi during its whole
-// lifetime.
+// Search for servers that announce themselves on the LAN by DNS-SD. The object searches through the
+// Avahi daemon during its whole lifetime. Without Avahi it finds nothing.
 // Thread: any; the search runs in a thread of the library.
 #pragma once
 

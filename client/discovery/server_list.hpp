@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The servers that mDNS found on the LAN. Any host can announce names and texts, so toText() limits
-// their length and replaces control characters. All functions are pure.
+// The servers that the search on the LAN has found. Any host can announce names and texts, so
+// toText() limits their length and replaces control characters.
+// Thread: any (pure functions).
 #pragma once
 
 #include <cstdint>
@@ -13,7 +14,7 @@
 namespace hapticast::client {
 
 struct FoundServer {
-  std::string name;  ///< name as received, not cleaned
+  std::string name;  ///< name as received; may have control characters
   std::string host;
   Endpoint address;
   std::string interface_name;

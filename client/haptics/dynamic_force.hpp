@@ -27,7 +27,7 @@ class DynamicForce {
   /// Returns the dynamic force of this tick in N, device frame. The force is zero if `object` is
   /// null, if there is no contact, or if the result is not finite.
   ///
-  /// `penetration_mm` is the penetration. Below 0.2 mm the force is proportional to it.
+  /// If `penetration_mm` is below 0.2 mm, the force is proportional to it.
   /// `cursor_acceleration_m_s2` is the acceleration of the HIP in device m/s². `scale` converts
   /// nominal mm to device mm. `contact_mm` (nominal) is the point where the object's rotation and
   /// motion grid are evaluated. If it is null, that point is the object's reference point.
@@ -51,10 +51,10 @@ class DynamicForce {
   [[nodiscard]] const Vec3& inertia_N() const noexcept { return inertia_N_; }
 
   /// Returns m_object in kg, finite and at least 0. It is the author's mass of an object with
-  /// `material`, or else the author's mass of the stream. It is 0.5 kg if the
-  /// author states none. It is at most 5 kg, and at least 10 times m_cursor. One further bound may
-  /// lower it below that: the continuous force of the device, divided by the largest acceleration
-  /// of the stream.
+  /// `material`, or else the author's mass of the stream. It is 0.5 kg if the author states none.
+  /// It is at most 5 kg, and at least 10 times m_cursor. One further bound may lower it below that:
+  /// the continuous force of the device, divided by the largest acceleration of the stream. `scale`
+  /// converts that acceleration to device mm.
   [[nodiscard]] double objectMass_kg(const Material& material, const StreamTiming& stream,
                                      double scale) const noexcept;
 
@@ -64,8 +64,8 @@ class DynamicForce {
                              double kg_m_per_mm) noexcept;
 
   const DeviceProfile& profile_;
-  // The latest impact that caused a pulse. A pulse continues in frames that no longer list its
-  // impact. A frame that lists the same impact a little later causes no second pulse.
+  // The latest impact that caused a pulse. Its pulse continues in later frames that do not list the
+  // impact. A frame that states a slightly later time for the same impact causes no second pulse.
   bool has_pulse_ = false;
   Impact pulse_;
   std::uint32_t pulse_object_ = 0;

@@ -23,8 +23,8 @@ class FlightRecorder {
   /// ignores the call. Thread: loop.
   void record(const TickReport& report) noexcept;
 
-  /// Returns true from a fault until rearm(). Only in that time may one reader thread call size()
-  /// and at(). Thread: any.
+  /// Returns true from a fault until rearm(). While it is true, one reader thread may call size()
+  /// and at(). At other times no thread may call them. Thread: any.
   [[nodiscard]] bool frozen() const noexcept { return frozen_.load(std::memory_order_acquire); }
   [[nodiscard]] std::size_t size() const noexcept { return count_; }
   /// Returns the report with the index `index`. Index 0 is the oldest report, and size() - 1 is the

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Splits the rendered force into a sustained and a transient component. Outputs with less bandwidth
-// than a haptic device (rumble and sound) use the components. A one-pole low-pass of 50 ms
-// separates them. A peak hold with the same time constant makes a short transient last longer.
+// than a haptic device (rumble and sound) use the components. A one-pole low-pass filter with a
+// time constant of 50 ms separates them. A peak hold with the same time constant makes a short
+// transient last longer.
 // Thread: any, one at a time.
 #pragma once
 
@@ -14,8 +15,9 @@ namespace hapticast::client {
 
 /// The two components of the force in one tick.
 struct ForceComponents {
-  double sustained_N = 0.0;
-  /// Dynamic force, impacts and the begin of a touch, after the peak hold.
+  double sustained_N = 0.0;  ///< rendered share of the static force
+  /// The larger of two values, after the peak hold: the fast change of the force (such as the begin
+  /// of a contact), and the rendered share of the dynamic force.
   double transient_N = 0.0;
 };
 

@@ -15,7 +15,7 @@
 
 namespace hapticast::client {
 
-inline constexpr int kMostDelay_ticks = 5;  ///< longest delay for which the wall law was measured
+inline constexpr int kMostDelay_ticks = 5;  ///< longest delay at which the wall law was measured
 
 /// Constants of a device class. The defaults are those of an Omni class. Its mass, count, peak and
 /// continuous force are from the data sheet. The other values are choices or were measured
@@ -26,7 +26,7 @@ struct DeviceProfile {
   double mass_kg = 0.045;
   /// Largest force that the safety chain sends.
   double peak_N = 3.3;
-  /// Force that the motors can exert for ever.
+  /// Force that the motors can exert without a time limit.
   double continuous_N = 0.88;
   double count_mm = 0.055;  ///< smallest change of the position that the encoders measure
   /// Delay: the number of ticks from the reading of a position to the begin of its force, 0..5. A
@@ -68,12 +68,12 @@ inline bool enabled(const DeviceProfile& profile, const DeviceState& state) noex
   return !profile.enable_button || (state.buttons >> *profile.enable_button & 1U) != 0;
 }
 
-/// Counters of a device with a request-reply protocol.
+/// Counters of a device that answers each request with a reply.
 struct DeviceTraffic {
   std::uint64_t round_trips = 0;
   std::uint64_t misses = 0;     ///< number of ticks in which no reply to the request arrived
   std::uint64_t resyncs = 0;    ///< number of damaged replies
-  std::uint64_t saturated = 0;  ///< ticks in which the motors could not make the force
+  std::uint64_t saturated = 0;  ///< ticks in which the motors could not exert the force
   std::uint64_t reduced = 0;    ///< ticks in which the helper process reduced the force
   std::uint64_t slow = 0;       ///< exchanges of the driver that lasted more than 0.5 ms
 };
@@ -89,17 +89,19 @@ class HapticDevice {
   /// Returns a description for the log, such as "virtual device (omni) in a hand that does: press".
   /// Thread: any.
   [[nodiscard]] virtual std::string description() const = 0;
-  /// Returns the kind and the serial number of a device with a driver of its own, such as "falcon
-  /// FT0TEST1". Returns an empty text for other devices. Thread: any.
+  /// Returns the name of the driver and, if it is known, the serial number of the device, such as
+  /// "falcon FT0TEST1". Returns an empty text for a device without a driver (virtual, mouse,
+  /// gamepad). Thread: any.
   [[nodiscard]] virtual std::string id() const { return ""; }
-  /// Blocks until the next tick is due. A device with a pace of its own may end the wait before
-  /// `deadline`. Otherwise the wait ends at about `deadline`. Thread: loop, outside the tick.
+  /// Blocks until the next tick is due. A device that determines the times of the ticks itself may
+  /// end the wait before `deadline`. Otherwise the wait ends at about `deadline`. Thread: loop,
+  /// outside the tick.
   virtual void waitForTick(LocalTime deadline) noexcept = 0;
   /// Sends `force_N` (device frame, finite) to the device and returns the newest reading. `report`
-  /// is the report of the tick before; a simulated hand reads it. The call does not block. Thread:
-  /// loop.
+  /// is the report of the tick before. Only a simulated hand uses it. The call does not block.
+  /// Thread: loop.
   virtual DeviceState exchange(const Vec3& force_N, const TickReport& report) noexcept = 0;
-  /// Sends the force of this tick at the end of the tick, before the next exchange() sends it
+  /// Sends `force_N`, the force of the tick that ends now. The next exchange() sends the same force
   /// again. So the device receives the force earlier. A device may ignore the call. The call does
   /// not block. Thread: loop.
   virtual void sendForceEarly(const Vec3& /*force_N*/) noexcept {}

@@ -52,8 +52,8 @@ void runLoop(HapticDevice& device, HapticRenderer& renderer, const Clock& clock,
              const std::atomic<bool>& stop, LoopStats& stats) noexcept;
 
 /// Runs the haptic loop in a thread of its own. The destructor ramps the force to zero and joins
-/// the thread. It does so as well when an exception leaves the owner's scope. Thread: the owner's,
-/// for all public functions.
+/// the thread, also when an exception unwinds the owner's scope. Thread: the owner's, for all
+/// public functions.
 class LoopThread {
  public:
   /// Starts runLoop() in a thread that requests real-time scheduling and flushes denormals. All

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Rate limiter for a parameter of a material (stiffness, damping, friction). In contact it spreads
-// a change of the parameter over 0.3 s. So a stream can neither strike the hand nor pump energy
-// with the parameter.
+// a change of the parameter over 0.3 s. So a stream cannot use the parameter to strike the hand or
+// to pump energy into the hand.
 // Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 
@@ -15,9 +15,9 @@ namespace hapticast::client {
 /// Limits how fast one parameter changes.
 class ParameterRateLimiter {
  public:
-  /// Returns the value to use in this tick for the requested value `wanted`. If `in_contact` is
-  /// false, the result is `wanted`. If `wanted` is not finite, the result is `wanted` too, and the
-  /// state does not change.
+  /// Returns the value for this tick. It approaches the requested value `wanted` at the limited
+  /// rate. If `in_contact` is false, the result is `wanted`. If `wanted` is not finite, the result
+  /// is `wanted` too, and the state does not change.
   double step(double wanted, bool in_contact) noexcept {
     if (!std::isfinite(wanted)) return wanted;  // the safety chain rejects it
     if (!in_contact) value_ = goal_ = wanted;

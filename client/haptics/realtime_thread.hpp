@@ -13,13 +13,14 @@ struct RealtimeGrant {
   bool mlock = false;
 };
 
-/// Requests SCHED_FIFO and locked memory from the system, for the calling thread. Returns what the
-/// system granted. A refusal is no error. `above` is added to the priority of the client's loop.
-/// Call it at the thread's begin.
+/// Requests SCHED_FIFO and locked memory from the system, for the calling thread. Returns the
+/// properties that the system granted. A refusal is no error. The priority is that of the client's
+/// loop plus `above`. Call it when the thread begins.
 RealtimeGrant requestRealtime(int above = 0) noexcept;
 
 /// Makes the calling thread, and the threads that it starts, treat numbers below 2.2e-308 as zero.
-/// Filters at rest decay to such numbers, and the processor needs a hundred times as long for them.
+/// Filters without input decay to such numbers, and the processor needs up to a hundred times as
+/// long to compute with them.
 void flushDenormals() noexcept;
 
 }  // namespace hapticast::client

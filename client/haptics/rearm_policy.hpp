@@ -11,7 +11,7 @@ namespace hapticast::client {
 /// Decides when to re-arm a halted force. It needs every tick report, in order.
 class RearmPolicy {
  public:
-  /// Time from a loss of trust to its automatic re-arming. The value is a choice.
+  /// Time from a loss of trust to the automatic re-arming. The value is a choice.
   static constexpr Duration kDelay = std::chrono::seconds(5);
   /// Largest number of automatic re-armings after a loss of trust, per run. The value is a choice.
   static constexpr int kMaxCount = 3;

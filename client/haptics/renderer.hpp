@@ -34,7 +34,8 @@ struct RendererSettings {
   /// contact in every tick. kThesis computes the displacement of the HIP at each frame and
   /// interpolates between these displacements (contact/thesis_interpolation.hpp).
   Method method = Method::kHapticast;
-  /// True: the device was detected automatically, so there is no force before a re-arming.
+  /// True: the client detected the device automatically, so there is no force until the user
+  /// re-arms it.
   bool unconfirmed = false;
   double stiffness_N_mm = 0.0;  ///< if above 0, it replaces the stiffness of author and profile
   /// Limit of the stiffness that an author requests. 0 selects three times the profile's stiffness.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Controls of the user: one of the two inputs of the loop from other threads. The other one is
-// StreamTiming.
+// Controls of the user. The main thread passes them to the loop. (The network thread passes
+// StreamTiming.)
 // Thread: main (writer), loop (reader of the latest value).
 #pragma once
 
@@ -25,8 +25,8 @@ enum class SurfaceKind : std::uint8_t {
 /// without a step, and it remains within the limits of the safety chain.
 struct UserControls {
   /// True: play time stops, so that the user can explore the current frame. After the pause the
-  /// loop starts with the stream as at a new connection. It drops the earlier frames, and the force
-  /// fades in from zero.
+  /// loop continues with the newest frames, as at a new connection. It drops the earlier frames,
+  /// and the force fades in from zero.
   bool paused = false;
   /// A new value re-arms the force, which then fades in. Re-arming is necessary after the return of
   /// a lost device, after a loss of trust, and for a device that the user has not confirmed.
@@ -51,7 +51,8 @@ struct UserControls {
 struct PointerTarget {
   bool known = false;  ///< false until the pointer was over the picture for the first time
   Vec3 position_mm = Vec3::Zero();  ///< nominal frame
-  double start_z_mm = 0.0;          ///< depth of the start, and the largest distance to the picture
+  /// Nominal z of the start position. It is also the largest z that the user can set.
+  double start_z_mm = 0.0;
 };
 
 }  // namespace hapticast::client

@@ -16,6 +16,7 @@ namespace hapticast::client {
 /// The gains and the choices of the user in the present tick.
 class UserForceMix {
  public:
+  /// `method` and `surface` hold as long as the user selects no others.
   UserForceMix(Method method, SurfaceKind surface) noexcept
       : own_method_(method), own_surface_(surface), method_(method), surface_(surface) {}
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Connection to a server by the protocol of proto/README.md. It dials, sends the hello, receives
-// the welcome, and exchanges pings and reports. After a loss it reconnects, with pauses that
-// double. A channel carries the bytes, and the Receiver processes the frames.
+// Connection to a server by the protocol of proto/README.md. It dials the server, sends the hello
+// message and receives the welcome message. Then it receives the stream, and it sends pings and
+// reports. After a loss it reconnects, with exponential backoff. A channel carries the bytes, and
+// the Receiver processes the frames.
 // Thread: network (the thread that runs `io`), except where a function says "any".
 #pragma once
 
@@ -28,24 +29,23 @@ struct ConnectionSettings {
   Endpoint server{"127.0.0.1", kDefaultPort};
   Dial dial = dialTcp;
   DeliverySettings delivery;
-  OriginPin origin;  ///< which servers the connection accepts
+  OriginPin origin;  ///< check of the server's key
   std::string client_name = "hapticast-client";
   std::string access_token;  ///< secret for the server; empty: none
-  /// Whether the token may travel to other machines without TLS.
+  /// True: the client may send the token to other machines without TLS.
   bool insecure = false;
   bool wants_video = false;
   /// Time limit for each of three steps: the look-up of the name, the connection, and the welcome.
   Duration connect_deadline = std::chrono::seconds(5);
-  /// Longest time without a message from the server. After it the connection counts as lost.
+  /// If no message from the server arrives for this time, the connection counts as lost.
   Duration silence_limit = std::chrono::seconds(3);
   /// First pause before a retry. Each further pause is twice as long, but at most last_retry.
   Duration first_retry = std::chrono::milliseconds(200);
   Duration last_retry = std::chrono::seconds(1);
-  /// A connection that delivered frames for this long was good. Only a good connection resets the
-  /// pause before the next retry. The value is a choice: a server that fails after every welcome is
-  /// retried once a second.
+  /// Only a connection that delivered frames for this time resets the pause to first_retry. Chosen
+  /// so that the client retries a server that fails after every welcome only once a second.
   Duration good_after = std::chrono::seconds(3);
-  /// Longest time after the welcome in which no ping is answered. After it the connection counts as
+  /// If the server answers no ping within this time after the welcome, the connection counts as
   /// lost.
   Duration pong_limit = std::chrono::seconds(5);
   Duration ping_interval = std::chrono::seconds(1);
@@ -55,11 +55,11 @@ struct ConnectionSettings {
 
 /// Callbacks. The connection calls them in the network thread. Each may be empty.
 struct ConnectionEvents {
-  /// The server's welcome arrived. A second one of the same session counts only if its description
-  /// is another one.
+  /// The server's welcome arrived. For a further welcome of the same session, the connection calls
+  /// this only if the description of the stream has changed.
   std::function<void(const StreamDescription&)> welcomed;
   std::function<void(VideoFrame)> video;
-  /// Share (0..1) of its clip that the server has scanned before the first frame.
+  /// The server scans its clip before the first frame; the argument is the scanned share (0..1).
   std::function<void(double)> preparing;
   /// The transport or the origin of the stream has changed; one line for the user.
   std::function<void(const std::string&)> delivery;
@@ -76,10 +76,10 @@ class Connection {
   Connection(asio::io_context& io, const Clock& clock, ConnectionSettings settings,
              Receiver& receiver, ConnectionEvents events);
 
-  /// Begins to connect. Call it once.
+  /// Starts to connect. Call it once.
   void start();
-  /// Ends the connection without a retry, so that `io` has no more work. A look-up that is running
-  /// may last some seconds longer. Thread: any.
+  /// Ends the connection without a retry, so that `io` has no more work. A running look-up of the
+  /// host name may continue for some seconds. Thread: any.
   void stop();
   /// Sets the contact flag that the next reports to the server have.
   void setInContact(bool in_contact) { in_contact_ = in_contact; }
@@ -105,13 +105,14 @@ class Connection {
   /// Runs one session after the other, with pauses, until stop() or an error after which a retry is
   /// useless.
   asio::awaitable<void> run();
-  /// Returns true if a retry is useless. It is useless if the server has another protocol version,
-  /// or another key than expected. Before the first welcome of a server, two more causes make it
-  /// useless: the host name does not exist, or the peer uses another protocol.
+  /// Returns true if a retry is useless: the server has another protocol version, shows an
+  /// unexpected key or certificate, or refuses the access token. Before the first welcome of a
+  /// server, two more causes make a retry useless: the host name does not exist, or the peer uses
+  /// another protocol.
   [[nodiscard]] bool isPermanent(const CloseReason& ending) const;
   asio::awaitable<CloseReason> runSession();
   asio::awaitable<CloseReason> readAll(ConversationPtr session);
-  /// Sends pings, reports and delivery requests. The only writer after the hello.
+  /// Sends pings, reports and delivery requests. After the hello only this coroutine writes.
   asio::awaitable<void> writeLoop(ConversationPtr session);
   asio::awaitable<bool> ping(ConversationPtr session, bool with_report);
   void openLink(Session& session, const Welcome& welcome);
@@ -121,10 +122,10 @@ class Connection {
   [[nodiscard]] static std::optional<WireError> checkSignature(const Session& session,
                                                                const Message& message,
                                                                std::span<const std::uint8_t> bytes);
-  /// Begins the stream of `welcome`. A second welcome in a session comes from another server that
-  /// makes the stream from then on: clock, key, numbering and datagrams begin anew.
+  /// Begins the stream of `welcome`. A second welcome in a session means that the edge receives the
+  /// stream from another origin from then on: clock, key, frame ids and datagrams start again.
   [[nodiscard]] std::optional<WireError> handleWelcome(Session& session, const Welcome& welcome);
-  /// Ends the stream of the welcome before, but not the session.
+  /// Ends the stream of the previous welcome, but not the session.
   void leaveOrigin(Session& session);
   [[nodiscard]] std::optional<WireError> handleKey(const DatagramKey& key);
   void handlePong(Session& session, const Pong& pong);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Second stage of reception: decodes the reliefs of a frame, prepares them as height fields, and
-// publishes the frame to the loop. A preparation lasts milliseconds. It has a thread of its own, so
-// that the network thread can answer pings and register arrival times meanwhile.
+// publishes the frame to the loop. The preparation of a frame lasts milliseconds. A separate thread
+// does it, so that the network thread can process pings and record arrival times meanwhile.
 // Thread: each function states its own.
 #pragma once
 
@@ -22,19 +22,20 @@
 
 namespace hapticast::client {
 
-/// Bounded queue between the network thread and the decode thread. If frames arrive faster than
-/// they are decoded, the queue drops the oldest frame. It stores the reliefs of a dropped frame,
-/// because later frames may declare them unchanged. Thread: one at a time; DecodeThread locks it.
+/// Bounded queue between the network thread and the decode thread. If frames arrive faster than the
+/// decode thread processes them, the queue drops the oldest frame. It keeps the coded reliefs of
+/// the dropped frame, because later frames may declare them unchanged. Thread: one at a time;
+/// DecodeThread locks it.
 class FrameQueue {
  public:
-  /// Largest number of queued frames. The loop can store as many, so the frames that arrive
-  /// together after a stall of the network are all played.
+  /// Largest number of queued frames. The frame pool has the same number of slots, so the loop
+  /// plays all frames that arrive together after a stall of the network.
   static constexpr std::size_t kMaxFrames = FramePool::kSlots;
   /// Limit of the bytes of all queued slices. The stored slices of dropped frames have the same
   /// limit. The value is a choice: a server can use at most 2 x 64 MB of memory here.
   static constexpr std::size_t kMaxBytes = std::size_t{64} << 20U;
 
-  /// A frame, and the reliefs of frames that were dropped before it.
+  /// A frame, and the reliefs of the frames that the queue dropped before it.
   struct Accepted {
     AssembledFrame assembled;
     std::vector<CodedObject> left_out;  ///< oldest first
@@ -44,11 +45,12 @@ class FrameQueue {
   std::size_t push(AssembledFrame assembled);
   /// Removes and returns the oldest frame; nullopt if the queue is empty.
   [[nodiscard]] std::optional<Accepted> pop();
-  /// Tells the queue that the decode thread deliberately took no frame for `duration`
-  /// (DecodeThread::holdsBack()). The queue adds `duration` to FramePlace::left of every queued
-  /// frame, so that this time does not count as preparation delay.
+  /// Adds `duration` to FramePlace::left of every queued frame. Call it after the decode thread has
+  /// deliberately paused for `duration` (DecodeThread::holdsBack()), so that the pause does not
+  /// count as preparation time.
   void holdBack(Duration duration);
   [[nodiscard]] bool empty() const { return frames_.empty(); }
+  /// Removes all frames and all kept reliefs.
   void clear();
 
  private:
@@ -64,9 +66,9 @@ class FrameQueue {
 struct PreparedFrame {
   FramePlace place;
   LocalTime ready;  ///< time when the frame was published to the loop
-  /// False: the frame was dropped, because the loop occupied every slot of the pool.
+  /// False: the decode thread dropped the frame, because the pool had no free slot.
   bool handed_over = false;
-  /// Objects without a relief, though no loss explains it.
+  /// Number of objects without a relief, although no loss explains that.
   std::uint64_t reliefs_missing = 0;
   std::uint64_t reliefs_rejected = 0;
   std::uint64_t slices_lost = 0;
@@ -74,12 +76,12 @@ struct PreparedFrame {
   PlayableReliefs playable;
 };
 
-/// Distinguishes a relief that was lost on the way from one that the server never sent. Thread:
-/// one.
+/// Distinguishes two causes of a missing relief: the network lost it, or the server never sent it.
+/// Thread: one.
 class LossWatch {
  public:
-  /// Registers the next frame of the stream, with the id `id`. `after_drop`: the queue dropped
-  /// frames before it.
+  /// Registers the next frame of the stream. `id` is its id. `after_drop` is true if the queue
+  /// dropped frames before it.
   void onFrame(const FramePlace& place, std::uint64_t id, bool after_drop);
   /// Returns true if the relief that changed in frame `changed_in_frame` may have been lost.
   [[nodiscard]] bool mayBeLost(std::uint64_t changed_in_frame) const {
@@ -92,12 +94,13 @@ class LossWatch {
   MediaTime lost_at_;  // of the last loss
 };
 
-/// The decode thread: it fills the frame pool.
+/// Runs the decode thread, which fills the frame pool.
 class DecodeThread {
  public:
-  /// Publishes frames to `pool`. Only this object may do so, because only its thread allocates or
-  /// frees the data of the slots. It calls `done` after every frame, in the thread of step().
-  /// `method` selects how heights are prepared. `pool` and `clock` must outlive this object.
+  /// The object publishes frames to `pool`. No other object may do so, because only the decode
+  /// thread allocates or frees the data of the slots. After every frame it calls `done`, in the
+  /// thread of step(). `method` selects how heights are prepared. `pool` and `clock` must outlive
+  /// this object.
   DecodeThread(FramePool& pool, const Clock& clock, Method method,
                std::function<void(const PreparedFrame&)> done);
   DecodeThread(const DecodeThread&) = delete;
@@ -116,12 +119,13 @@ class DecodeThread {
   /// wait for a preparation. Thread: network.
   std::size_t push(AssembledFrame assembled);
 
-  /// Limits of the prepared reliefs: while the pool has more bytes and at least so many frames, a
-  /// further frame waits in coded form. The loop needs three frames up to play time and two after
-  /// it. The number of bytes is a choice: three full-HD reliefs.
+  /// Memory limit of the prepared reliefs. While the pool has more than kMostPrepared_bytes and at
+  /// least kNeededFrames frames, the next frame stays in the queue in coded form. The loop needs
+  /// three frames up to play time and two after it. The limit is a choice: three full-HD reliefs.
   static constexpr std::size_t kMostPrepared_bytes = std::size_t{58} << 20U;
   static constexpr std::size_t kNeededFrames = 5;
-  /// Returns true if the next frame has to wait for that reason. Thread: the decode thread.
+  /// Returns true if the next frame has to stay in the queue because of that limit. Thread: the
+  /// decode thread.
   [[nodiscard]] bool holdsBack() {
     return pool_.occupied() >= kNeededFrames && pool_.bytes() > kMostPrepared_bytes;
   }
@@ -131,7 +135,7 @@ class DecodeThread {
 
  private:
   void run(const std::stop_token& stop);
-  /// Waits a moment for the loop to return a slot.
+  /// Sleeps for 2 ms, in which the loop may return a slot.
   void waitForSlot();
   /// Removes and returns the oldest frame. Updates the relief cache with the dropped frames before
   /// it.

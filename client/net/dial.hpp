@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Dialling: looks up the name of a server and connects to it over TCP, each within a time limit.
-// For another transport, write another function of the type `Dial`.
+// Dialling: looks up the host name of a server and connects to the server over TCP, with or without
+// TLS. Each step has a time limit. For another kind of connection, write another function of the
+// type `Dial`.
 // Thread: network.
 #pragma once
 
@@ -38,28 +39,28 @@ struct DialError {
   bool untrusted = false;       ///< the client does not trust the server's certificate
 };
 
-/// Result of a dial: a new channel or an error. The channel accepts small messages only, until the
-/// caller raises its read limit.
+/// Result of a dial: a new channel or an error. At first the channel accepts small messages only;
+/// the caller has to raise its read limit.
 using Dialled = Result<std::unique_ptr<Channel>, DialError>;
 using Dial = std::function<asio::awaitable<Dialled>(asio::io_context& io, const Endpoint& server,
                                                     Duration deadline, DialCancellation& stop)>;
 
 /// Looks up the server's name and connects over TCP. Each step lasts at most `deadline` of the
-/// steady clock. Returns the channel or an error. After a timeout or stop() the function returns an
-/// error without waiting for the look-up, which cannot be interrupted. The look-up then ends later,
-/// without effect. `stop` must outlive the call.
+/// steady clock. Returns the channel or an error. A running look-up cannot be interrupted. So after
+/// a timeout or stop() the function returns an error at once, and the look-up ends later without
+/// effect. `stop` must outlive the call.
 asio::awaitable<Dialled> dialTcp(asio::io_context& io, const Endpoint& server, Duration deadline,
                                  DialCancellation& stop);
 
-/// Returns whether an access token may be sent on `channel`: over TLS, to this machine, or if the
-/// user accepts that others read it (`insecure`).
+/// Returns true if the client may send an access token on `channel`. That is so if `channel` uses
+/// TLS or leads to this machine, or if the user permits an unencrypted token (`insecure`).
 [[nodiscard]] bool mayHaveToken(const Channel& channel, bool insecure);
 inline constexpr const char* kTokenUnprotected =
     "the access token would travel unencrypted: use hapticasts://HOST, or --insecure";
 
 /// Returns a dial function like dialTcp() that also completes a TLS handshake, within another
-/// `deadline`. `check` checks the server's fingerprint and may be empty. Its refusal, and a
-/// certificate that `context` does not trust, are errors with `untrusted`.
+/// `deadline`. `check` checks the server's fingerprint and may be empty. If `check` refuses the
+/// fingerprint, or if `context` does not trust the certificate, the error has `untrusted` set.
 [[nodiscard]] Dial makeTlsDial(TlsContext context, FingerprintCheck check);
 
 }  // namespace hapticast::client

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 // First stage of reception: joins the fragments of frames and puts the frames in order. TCP
 // delivers whole frames. Datagrams deliver fragments of several frames in any order, and some never
-// arrive. The assembler passes a fragmented frame on when it is complete, or when it is due. Frames
-// leave in the order of their ids. Times are arguments.
+// arrive. The assembler passes a fragmented frame on when it is complete, or when it is due for
+// play. It passes frames on in the order of their ids. A frame that it has passed on has *left*.
+// Times are arguments.
 // Thread: network.
 #pragma once
 
@@ -33,7 +34,7 @@ struct FramePlace {
   Duration gap{0};
   /// Time when the last fragment arrived. nullopt if fragments are missing.
   std::optional<LocalTime> arrived;
-  /// Time when the assembler passed the frame on. The time of FrameQueue::holdBack() is added.
+  /// Time when the frame left the assembler, plus the pauses that FrameQueue::holdBack() adds.
   LocalTime left{};
 };
 
@@ -43,8 +44,8 @@ struct AssembledFrame {
   CodedFrame frame;
 };
 
-/// A frame whose last fragment arrived too late: the assembler had already passed it on or dropped
-/// it.
+/// A frame whose last fragment arrived too late: the frame had already left, or the assembler had
+/// dropped it.
 struct LateFrame {
   MediaTime media_time;
   LocalTime arrived;
@@ -60,29 +61,32 @@ class FrameAssembler {
   [[nodiscard]] static constexpr bool jump(std::uint64_t a, std::uint64_t b) {
     return (a > b ? a - b : b - a) > kLargestJump;
   }
-  /// Age, in frames, of the oldest fragment that is accepted. The value is a choice: repeated sends
-  /// arrive at most three frames later, and a fragment that is reordered further is too late.
+  /// Age, in frames, of the oldest accepted fragment. The value is a choice: repeated sends arrive
+  /// at most three frames later, and a fragment that is much older is too late for play.
   static constexpr std::uint64_t kOldestPart = 64;
-  /// Limits of the frames that wait for fragments: their number and their bytes. Frames that were
-  /// passed on incomplete have the same limit of bytes. The values are a choice.
+  /// Limits for the frames that wait for fragments: their number and their bytes. The same limit of
+  /// bytes holds for the frames that left incomplete. The values are a choice.
   static constexpr std::size_t kMaxWaiting = 32;
   static constexpr std::size_t kMaxBytes = std::size_t{32} << 20U;
 
-  /// Number of the last frames that left and whose content is kept, to detect a second version. The
-  /// value is a choice: a second version of an older frame has no use.
+  /// Number of the last frames that left whose content is stored, to detect a second version that
+  /// differs. The value is a choice: a second version of an older frame has no effect.
   static constexpr std::size_t kMaxCompared = 8;
 
   /// Starts a connection, with a new numbering and a new epoch.
   void restart();
-  /// Returns true if the connection brought two versions of one frame that differ. A server that
-  /// signs both contradicts itself, so no version is right. No more frames leave until restart().
+  /// Returns true if two different versions of one frame arrived in this connection. A server that
+  /// signs both contradicts itself, so the client can use neither. No more frames leave until
+  /// restart().
   [[nodiscard]] bool contradicted() const { return contradicted_; }
-  /// Returns the present client-side epoch. A next frame that continues the server's epoch gets
-  /// this value. A next frame that begins a new epoch of the server gets this value plus one.
+  /// Returns the present client-side epoch. If the next frame continues the server's epoch, its
+  /// client-side epoch has this value. If it begins a new epoch of the server, its client-side
+  /// epoch is one higher.
   [[nodiscard]] std::uint32_t epoch() const { return epoch_; }
   /// Adds a whole frame that arrived over TCP and returns true. If the frame is a duplicate or
   /// older than the last frame that left, drops it and returns false. If the step of the id exceeds
-  /// kLargestJump, a new numbering and a new epoch begin. Frames that wait are then dropped.
+  /// kLargestJump, a new numbering and a new epoch begin. The assembler then drops all waiting
+  /// frames.
   bool add(CodedFrame frame, LocalTime arrived);
 
   /// Classes of a fragment, by the frames that arrived so far.
@@ -102,8 +106,8 @@ class FrameAssembler {
   /// Returns the media time of the last frame that left. The next frame is due when play time
   /// reaches that time.
   [[nodiscard]] std::optional<MediaTime> findLastLeft() const;
-  /// Returns the time of the last arrival for the oldest waiting frame. Returns nullopt if no frame
-  /// waits.
+  /// Returns the arrival time of the oldest waiting frame, or of its newest fragment if fragments
+  /// are missing. Returns nullopt if no frame waits.
   [[nodiscard]] std::optional<LocalTime> oldestCame() const;
   /// Returns the next frame in order that may leave, or nullopt if none may leave. If `due` is
   /// true, waiting frames are due now, so they may leave incomplete.
@@ -137,7 +141,8 @@ class FrameAssembler {
   /// reliefs. Call it before the first frame left.
   void dropBeforeTcp();
   /// Returns true if a frame by datagrams follows the last one that left. The first frame of a
-  /// connection has to have all reliefs: its unchanged reliefs came before the connection.
+  /// connection must have all reliefs, because the server sent its unchanged reliefs before the
+  /// connection.
   [[nodiscard]] bool follows(const Reassembly& joined) const;
   /// Marks a frame as finished: it needs no more fragments.
   void abandon(std::uint64_t id);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Check of the origin: the client accepts only servers whose public key it expects (--origin-key).
-// It has no files and no sockets. Thread: network; the creation: any.
+// Check of a server's public key (key pinning): the client accepts only servers with an expected
+// key, either the key of the origin's signatures (--origin-key) or the key of TLS. The code uses no
+// files and no sockets. Thread: network; the creation: any.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +17,8 @@ namespace hapticast::client {
 
 /// One value of --origin-key.
 struct OriginKey {
-  /// The expected key. Absent: the key that the server shows at the first connection.
+  /// The expected key. nullopt: the key that the server shows at the first connection (trust on
+  /// first use).
   std::optional<KeyBytes> key;
   bool operator==(const OriginKey&) const = default;
 };
@@ -34,19 +36,19 @@ enum class PinKind : std::uint8_t {
 /// Decides which servers the client accepts, by their keys.
 class OriginPin {
  public:
-  /// Stores the key that the server shows first. Returns the remedy for a later refusal, which
-  /// names the place of the key; or an error in one line.
+  /// Stores the first key that the server shows. Returns the remedy for a later refusal, which
+  /// states where the key is stored. Returns an error (one line) if the key cannot be stored.
   using Store = std::function<Result<std::string>(const KeyBytes&)>;
 
   /// Accepts every server.
   OriginPin() = default;
   /// Accepts servers with one of `keys`. If `store` is not empty, also accepts the first other key
   /// that the server shows, stores it, and from then on accepts that key. `server` names the server
-  /// in messages. `remedy` follows the text of a refusal.
+  /// in messages. `remedy` is appended to the text of a refusal.
   OriginPin(std::string server, std::vector<KeyBytes> keys, Store store = nullptr,
             std::string remedy = "", PinKind kind = PinKind::kOrigin);
 
-  /// Returns nullopt if the client accepts a server with `key` (absent: the server shows none).
+  /// Returns nullopt if the client accepts a server with `key` (nullopt: the server shows no key).
   /// Otherwise returns the reason in one line.
   [[nodiscard]] std::optional<std::string> refuse(const std::optional<KeyBytes>& key);
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Network side of the reception. It synchronises the clock, adapts the playout delay, counts
-// frames, and writes the StreamTiming for the loop. Frames pass the assembler and then the decode
-// thread. Their lateness is measured when they are ready for the loop.
+// frames, and writes the StreamTiming for the loop. It passes each frame to the assembler and then
+// to the decode thread. It measures the lateness of a frame when the frame is ready for the loop.
 // Thread: network; never blocks.
 #pragma once
 
@@ -28,15 +28,16 @@ struct ReceiverCounts {
   /// Number of lost frames before a frame that arrived in time for the interpolation.
   std::uint64_t concealed = 0;
   std::uint64_t duplicates = 0;  ///< frames that arrived twice or out of order: dropped
-  /// Connections with two versions of a frame that differ. Their frames were dropped.
+  /// Connections in which two different versions of one frame arrived. The client drops the frames
+  /// of such a connection.
   std::uint64_t contradictions = 0;
-  std::uint64_t malformed = 0;  ///< frames with contradicting fragments: dropped
+  std::uint64_t malformed = 0;  ///< frames whose fragments contradict each other: dropped
   std::uint64_t resyncs = 0;    ///< number of steps of the ids that no loss explains
-  std::uint64_t overrun = 0;    ///< frames that arrived faster than they were decoded: dropped
-  /// Frames that were dropped because the loop occupied every slot of the pool.
+  std::uint64_t overrun = 0;  ///< frames dropped because they arrived faster than they were decoded
+  /// Frames that were dropped because the pool had no free slot.
   std::uint64_t no_slot = 0;
   /// Reliefs that a frame declares unchanged but that the server never sent. Their objects have no
-  /// relief. A relief that may have been lost on the way does not count.
+  /// relief. A relief that the network may have lost does not count.
   std::uint64_t reliefs_missing = 0;
   std::uint64_t reliefs_rejected = 0;  ///< reliefs outside the picture of the stream, or too high
   std::uint64_t slices_lost = 0;       ///< slices that never arrived
@@ -46,9 +47,9 @@ struct ReceiverCounts {
 /// Processes the messages of one connection.
 class Receiver {
  public:
-  /// Passes frames to `decode_thread` and writes the timing of the stream to `stream`. No other
-  /// object may do so, and both must outlive this object. `lookahead_frames` is the number of frame
-  /// intervals that the interpolation needs in advance (Hermite: 1, the thesis's method: 2).
+  /// The object passes frames to `decode_thread` and writes the timing of the stream to `stream`.
+  /// No other object may do so. Both must outlive this object. `lookahead_frames` is the number of
+  /// frame intervals that the interpolation needs in advance (Hermite: 1, the thesis's method: 2).
   Receiver(DecodeThread& decode_thread, LatestValue<StreamTiming>& stream, int lookahead_frames);
 
   /// Starts a connection with this description of the stream. The clock is synchronised again, and
@@ -77,13 +78,14 @@ class Receiver {
   /// Processes the result of the decode thread for one frame. The frame is ready for the loop only
   /// now, so its lateness is measured here.
   void addPrepared(const PreparedFrame& frame);
+  /// Marks the connection as ended, in the timing for the loop.
   void disconnected(LocalTime now);
 
   [[nodiscard]] const ReceiverCounts& counts() const { return counts_; }
-  /// The timing that the loop received last.
+  /// Returns the StreamTiming that the loop received last.
   [[nodiscard]] const StreamTiming& stream() const { return latest_; }
-  /// Returns the largest error of the clock offset against the clock of the frames: the client's
-  /// own and the server's. Returns 0 without a synchronised clock.
+  /// Returns a bound on the error of the clock offset: the client's own error plus the error that
+  /// the server states for its clock. Returns 0 without a synchronised clock.
   [[nodiscard]] Duration clockErrorBound() const;
 
  private:

@@ -4,8 +4,8 @@
 // needs it. Then it decodes and prepares the relief once. So a dropped frame costs no decoding.
 //
 // The slices remain in the cache after the decoding. So if the server sends the same relief again,
-// no second preparation is necessary. Error concealment replaces lost slices by the previous
-// relief.
+// the client does not prepare it a second time. Error concealment replaces lost slices by the
+// previous relief.
 // Thread: decode thread (one at a time).
 #pragma once
 
@@ -21,8 +21,8 @@
 
 namespace hapticast::client {
 
-/// A relief, and the motion of its object in the frame of the relief. Moved
-/// with the object, it replaces lost slices of the next relief (error concealment). Thread: any.
+/// A relief, and the motion of its object in the frame of the relief. Error concealment moves it
+/// with the object, and uses it in place of lost slices of the next relief. Thread: any.
 struct PosedRelief {
   std::shared_ptr<const Relief> relief;
   Motion motion;
@@ -40,6 +40,7 @@ struct PosedRelief {
 void concealMissing(const PosedRelief& before, const Motion& now, const Workspace& workspace,
                     const std::vector<std::uint8_t>& have, Relief& to);
 
+/// The cache of one stream.
 class ReliefCache {
  public:
   /// Result of resolve().

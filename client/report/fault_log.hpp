@@ -15,7 +15,8 @@ namespace hapticast::client {
 /// 20261122T161500Z. No run overwrites the files of another run.
 class FaultLogWriter {
  public:
-  /// Largest number of files of one run. The value is a choice: more files show nothing new.
+  /// Largest number of files of one run. The value is a choice: further files rarely contain new
+  /// information.
   static constexpr int kMaxFiles = 10;
 
   /// Creates the folder `folder` (--fault-dir) at once. Throws std::runtime_error (one line) if no

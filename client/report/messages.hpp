@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Log lines about the connection, the stream and the force. There is one line for each change. A
-// rate limit keeps a server from filling the log. Thread: one for each object (network: connection
-// and stream; main: force).
+// rate limit prevents a server from filling the log.
+// Thread: network (ConnectionLog, StreamErrorLog), main (HapticStatusLog).
 #pragma once
 
 #include <array>
@@ -20,22 +20,22 @@ namespace hapticast::client {
 std::string greeting(const StreamDescription& stream, Method method);
 
 /// Log lines about the connection. Each function returns the line to log, or nullopt if there is
-/// nothing new. The object stores what was logged last, in order to detect changes.
+/// nothing new. To detect changes, the object stores the last logged values.
 class ConnectionLog {
  public:
-  /// `server` is HOST:PORT or mdns:NAME.
+  /// `server` is the name of the server (nameServer()).
   explicit ConnectionLog(std::string server) : server_(std::move(server)) {}
 
-  /// Call it when a connection exists. `greeting` is the line to log.
+  /// Call it when a connection begins. `greeting` is the line to log.
   std::optional<std::string> connected(const std::string& greeting, LocalTime now);
-  /// Call it when the server has scanned this share (0..1) of its clip. It returns a line for each
-  /// further quarter.
+  /// Call it when the server has scanned the share `share` (0..1) of its clip. It returns a line
+  /// for each further quarter.
   std::optional<std::string> preparing(double share, LocalTime now);
   /// Call it for an event of the present connection. `line` describes the event.
   std::optional<std::string> onMessage(const std::string& line, LocalTime now) {
     return limit_.admit(line, now);
   }
-  /// Call it when there is no connection, for the reason `why`, and a retry follows.
+  /// Call it when a connection or an attempt has failed for the reason `why`, and a retry follows.
   std::optional<std::string> logLoss(const std::string& why, LocalTime now);
 
   [[nodiscard]] bool everConnected() const { return ever_connected_; }
@@ -67,11 +67,12 @@ class StreamErrorLog {
 /// Measures the work of the force on the hand in the last 10 s, for a line to the user.
 class WorkMeter {
  public:
-  /// A stream that does more work in 10 s gets a line. Chosen: a press returns the work of the
-  /// hand, a ball that bounces on the hand at 1 m/s does 240 mJ.
+  /// Above this work in 10 s, the client logs a line. Chosen between two values: a press only
+  /// returns the work of the hand, and a ball that bounces on the hand at 1 m/s does 240 mJ.
   static constexpr double kReported_mJ = 100.0;
 
-  /// Adds the sum `work_mJ` of all work until `now`. Returns the work of the last 10 s, mJ.
+  /// Processes `work_mJ`, the work since the start of the run until `now`. Returns the work of the
+  /// last 10 s, mJ.
   double onWork(double work_mJ, LocalTime now);
 
  private:
@@ -82,7 +83,7 @@ class WorkMeter {
 };
 
 /// Log lines about the force during a run: a halt and its cause, the return of the force, a softer
-/// wall. The object compares each report with what it logged last, and returns a line only for a
+/// wall. The object compares each report with the last logged values, and returns a line only for a
 /// change.
 class HapticStatusLog {
  public:

@@ -28,8 +28,8 @@ class Reporter {
   /// changed. Sets `report.time` to the time since the first tick. Call it before `rearm` receives
   /// the report.
   void onReport(TickReport& report, const RearmPolicy& rearm);
-  /// Writes a fault file if a fault has frozen `recorder`. If the fault is in the first tick, it
-  /// does so only after the report of that tick.
+  /// Writes a fault file if a fault has frozen `recorder`. Does nothing before the first
+  /// onReport(), because the times in the file count from the first tick.
   void writeFaults(FlightRecorder& recorder);
   /// Closes the log file and writes the summary. Throws std::runtime_error with the name of the
   /// file.

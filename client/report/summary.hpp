@@ -34,7 +34,7 @@ struct RunResult {
 /// Writes `result` to `file` as one JSON object. A number that is not finite becomes null. Throws
 /// std::runtime_error with the name of the file if it cannot be written.
 void writeSummary(const std::string& file, const RunResult& result);
-/// Returns a few sentences for the user.
+/// Returns a summary of `result` in a few sentences, for the user.
 [[nodiscard]] std::string toText(const RunResult& result);
 
 }  // namespace hapticast::client

@@ -29,6 +29,7 @@ class LogFile {
   /// Opens `file`. For an empty name the object writes nothing. Throws std::runtime_error (one
   /// line) if the file cannot be written.
   explicit LogFile(std::string file);
+  /// Writes the row of one report.
   void write(const TickReport& report);
   [[nodiscard]] const std::string& file() const { return file_; }
   /// Closes the file. Throws std::runtime_error if not all rows could be written.

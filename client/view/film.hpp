@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The view of --film. It writes a film of 1280 x 720 px at the video's rate. A thread of its own
-// draws and encodes. Thread: onPicture() any, everything else main.
+// The view of --film. It writes a film of 1280 x 720 px at the video's rate. A separate thread
+// draws and encodes.
+// Thread: any (onPicture()), main (all others).
 #pragma once
 
 #include <condition_variable>
@@ -21,8 +22,8 @@ namespace hapticast::client {
 
 class FilmView final : public View {
  public:
-  /// Largest number of drawings that wait for the encoder. If the queue is full, the film shows its
-  /// last drawing for longer. The value is a choice: ten seconds.
+  /// Largest number of drawings that wait for the encoder. If the queue is full, the film repeats
+  /// its last drawing. The value is a choice: ten seconds.
   static constexpr std::size_t kMostWaiting = 256;
 
   /// Starts the thread that writes `file`.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The painter of the video with the HIP and the forces. Window, film and screenshot show its
-// drawings.
+// Drawing functions for the video with the HIP and the forces. Window, film and screenshot use
+// them.
 // Thread: any (pure functions).
 #pragma once
 
@@ -41,16 +41,16 @@ class ScenePlace {
   /// Returns width and height.
   [[nodiscard]] Vec2 size() const { return end() - corner_; }
   [[nodiscard]] bool contains(const Vec2& point) const;
-  /// Return the point of a position: nominal (x, y), or px of the stream's picture. The point is
-  /// finite, and at most 10,000 px away from the corner.
+  /// Return the point at which the image shows a position. The position is nominal (x, y), or in px
+  /// of the stream's picture. The point is finite, and at most 10,000 px away from the corner.
   [[nodiscard]] Vec2 fromNominal(const Vec2& nominal_mm) const;
   [[nodiscard]] Vec2 fromImage(const Vec2& image_px) const;
   /// Returns the nominal (x, y) of a point.
   [[nodiscard]] Vec2 toNominal(const Vec2& point) const;
   /// Returns the arrow for a force, px. Its length is the magnitude of the force: one newton has
   /// the same length in every direction. Its direction is that of the oblique projection: x to the
-  /// right, y up, z up and a little to the right. A force along the viewing direction has no such
-  /// direction, and its arrow has the one of z.
+  /// right, y up, z up and a little to the right. The projection of a force along the viewing
+  /// direction is a point; its arrow then has the direction of z.
   [[nodiscard]] Vec2 arrow(const Vec3& force_N) const;
   [[nodiscard]] double pixelsPerMm() const { return scale_ * workspace_.pixelsPerMm().x(); }
 
@@ -64,17 +64,17 @@ class ScenePlace {
 /// the HIP is below the surface, and empty if the HIP is not over an object.
 [[nodiscard]] std::optional<double> surfaceGap_mm(const TickReport& report);
 
-/// Returns the share of the static and the dynamic force that the device renders, 0..1. Both are
-/// forces before the safety chain.
+/// Returns the factor (0..1) between the rendered force and the sum of the static and the dynamic
+/// force before the safety chain.
 [[nodiscard]] double renderedShare(const TickReport& report);
 
-/// Returns `picture` (CV_8UC3) in the size `size`. If it is empty, returns a dark ground.
+/// Returns `picture` (CV_8UC3), scaled to `size`. Returns a dark background if `picture` is empty.
 [[nodiscard]] cv::Mat fitPicture(const cv::Mat& picture, cv::Size size);
 
 /// Draws the HIP as a cone and the contact as a ring into `image` (CV_8UC3). The force at the
 /// device is a solid arrow. The rendered shares of the static and the dynamic force are dashed
 /// arrows. Before contact, a line leads from the HIP to its shadow on the surface. Also draws the
-/// target of the pointer, if it is known. A HIP beside the picture is shown at the picture's edge.
+/// target of the pointer, if it is known. A HIP beside the picture is drawn at the picture's edge.
 void drawTouch(cv::Mat& image, const ScenePlace& place, const TickReport& report,
                const PointerTarget& pointer = {});
 
@@ -89,7 +89,7 @@ void drawOutlines(cv::Mat& image, const ScenePlace& place,
 struct Legend {
   const char* text;
   cv::Scalar color;         ///< BGR
-  bool of_pointer = false;  ///< true: only a pointer that moves the HIP has this mark
+  bool of_pointer = false;  ///< true: drawn only if a pointer moves the HIP
 };
 /// The legend of window, film and screenshot.
 inline const std::array<Legend, 7> kLegend{{{"yellow arrow: force at the device", kForceColor},

@@ -26,9 +26,9 @@ struct StreamPicture {
   Workspace workspace;
 };
 
-/// Buffer with the pictures of the last seconds. A picture arrives before the loop plays its frame,
-/// so a view requests a picture by its media time. The size of the buffer is bounded. Thread: any;
-/// a mutex guards the buffer for short times.
+/// Buffer with the pictures of the last seconds. A picture arrives before the loop plays its frame.
+/// So the buffer stores pictures, and a view requests one by its media time. The size of the buffer
+/// is bounded. Thread: any; a mutex guards the buffer for short times.
 class PictureBuffer {
  public:
   /// Largest number of pictures. It covers the longest playout delay: 2 s

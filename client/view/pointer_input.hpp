@@ -11,7 +11,8 @@
 
 namespace hapticast::client {
 
-/// Returns true if `report` belongs to a tick with the stream's mapping: the loop has a frame.
+/// Returns true if the loop had a frame in the tick of `report`. The report then has the mapping of
+/// the stream's workspace.
 [[nodiscard]] inline bool isMapped(const TickReport& report) {
   return report.lookup != Lookup::kEmpty;
 }
@@ -19,27 +20,28 @@ namespace hapticast::client {
 /// Converts pointer and wheel to the target of the HIP.
 class PointerInput {
  public:
-  /// Height of the start above the highest possible relief, which the depth of the workspace
-  /// limits; nominal mm. The value is a choice.
+  /// Distance of the start position above the highest possible relief (the depth of the workspace),
+  /// nominal mm. The value is a choice.
   static constexpr double kAboveRelief_mm = 5.0;
-  /// Farthest depth behind the picture, nominal mm.
+  /// Smallest z that the user can set, nominal mm: behind the picture's plane.
   static constexpr double kFarthest_mm = -5.0;
 
   /// Records that the pointer is at `point` over the picture, px of the window.
   void point(const Vec2& point) { waiting_ = point; }
-  /// Moves `target` to the recorded point. Before the first mapped tick, or while `place` has no
-  /// picture of the stream (`has_picture`), the point waits. The first target is at the depth of
-  /// the start, kAboveRelief_mm above the highest possible relief of the stream in `place`.
+  /// Moves `target` to the recorded point, in x and y. Does so only if `report` is mapped, and if
+  /// `place` is that of a picture of the stream (`has_picture`). Otherwise the point stays
+  /// recorded. The first target has the z of the start position, kAboveRelief_mm above the highest
+  /// possible relief of the stream in `place`.
   void update(const TickReport& report, const ScenePlace& place, bool has_picture,
               PointerTarget& target);
 
   /// Moves `target` into the picture by `by_mm` (nominal), or out of it if the value is negative.
   /// Does nothing before the first target, or if `by_mm` is not finite.
   static void press(double by_mm, PointerTarget& target);
-  /// Moves `target` by a turn of the wheel: out of the picture for positive `notches`. A touchpad
-  /// turns by fractions of a notch.
+  /// Moves `target` by 1 mm for each notch of the wheel: out of the picture for positive `notches`.
+  /// A touchpad reports fractions of a notch.
   static void turnWheel(double notches, PointerTarget& target);
-  /// Moves `target` back to the depth of the start, above the picture.
+  /// Moves `target` back to the z of the start position, above the picture.
   static void lift(PointerTarget& target);
 
  private:

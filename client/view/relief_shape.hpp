@@ -17,7 +17,7 @@ using Reliefs = std::vector<std::shared_ptr<const HeightField>>;
 /// Returns the edges of the relief's mask as closed lines, in px of the picture.
 [[nodiscard]] std::vector<std::vector<cv::Point2f>> traceOutline(const HeightField& relief);
 
-/// A mesh of quadrilateral cells. The light comes from the upper left.
+/// A mesh of quadrilateral cells. Its brightness is that of a light from the upper left.
 struct ReliefMesh {
   /// Largest number of cells of all objects together. The value is a choice: the software renderer
   /// draws them within some milliseconds.
@@ -31,13 +31,13 @@ struct ReliefMesh {
   std::vector<std::array<int, 4>> cells;
 };
 
-/// Returns a mesh of the reliefs, inside their masks only. The cells are larger if the reliefs
-/// cover more pixels. A cell has sides of at least `least_px` px of the picture.
+/// Returns a mesh of the reliefs, inside their masks only. The more pixels the reliefs cover, the
+/// larger are the cells. A cell has sides of at least `least_px` px of the picture.
 [[nodiscard]] ReliefMesh buildMesh(const Reliefs& reliefs, const Workspace& workspace,
                                    int least_px = 1);
 
-/// Returns true if the cell is a part of a wall: its heights differ by more than twice its width.
-/// At the edge of a mask such cells are the cut-off sides of the object.
+/// Returns true if `cell` is a part of a wall: its heights differ by more than twice its width. At
+/// the edge of a mask, such cells are the steep sides of the object.
 [[nodiscard]] bool isWall(const ReliefMesh& mesh, const std::array<int, 4>& cell);
 
 /// Returns `mesh` without its walls, and with a smooth rim. Corners inside the rim are unchanged.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The view of --sound. It plays the force on SDL's sound device. SDL requests the samples in a
-// thread of its own.
-// Thread: main, except the mixer.
+// The view of --sound. It plays the force as sound on SDL's audio device. SDL requests the samples
+// in a thread of SDL.
+// Thread: main; the mixer runs in SDL's thread.
 #pragma once
 
 #include <cstdint>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Converts the force to sound. The sustained component of the force is a low hum, and the transient
-// component is a high one. The amplitude never changes in a step, so only a blow sounds like a
-// click.
+// Converts the force to sound. The sustained component of the force (force_components.hpp) controls
+// the amplitude of a low tone, and the transient component that of a high tone. The amplitudes
+// change gradually, because a step of an amplitude is an audible click.
 // Thread: one at a time.
 #pragma once
 
@@ -18,6 +18,7 @@ struct SoundCue {
   std::uint64_t tick = 0;  ///< number of the tick that computed the force
 };
 
+/// Generates the samples of the two tones.
 class SoundMixer {
  public:
   static constexpr int kRate_Hz = 48000;

@@ -30,7 +30,7 @@ class TickStatus {
   [[nodiscard]] double mean_us() const { return mean_us_; }
   /// Returns true if the device has rendered a force in contact.
   [[nodiscard]] bool hasTouched() const { return has_touched_; }
-  /// Returns the safety actions of the last second as text.
+  /// Returns the safety actions of the last second as text, or "no action".
   [[nodiscard]] std::string chain() const;
 
  private:
@@ -52,12 +52,12 @@ class TickStatus {
 /// Returns a line about the touch such as "in contact, 1.2 N". If there is no force, the line
 /// states the reason and the remedy. Before contact it states the distance to the surface.
 [[nodiscard]] std::string touchLine(const TickReport& report, const UserControls& user);
-/// Returns a line for the user: the state of connection and stream as far as they stop the force,
-/// else touchLine().
+/// Returns a line for the user. If the connection or the stream prevents a force, the line states
+/// that. Otherwise the line is touchLine().
 [[nodiscard]] std::string statusLine(const TickReport& report, const UiState& ui_state);
 
-/// Returns a hint for a user who has not touched anything yet: what the client waits for, or how to
-/// touch. Returns an empty text after the first touch, and if the status line says what to do.
+/// Returns a hint for the time before the first touch: the event for which the client waits, or how
+/// to touch. Returns an empty text after the first touch, and if the status line states the remedy.
 [[nodiscard]] std::string hintLine(const TickStatus& ticks, const UiState& ui_state);
 
 }  // namespace hapticast::client

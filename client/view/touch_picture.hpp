@@ -14,8 +14,8 @@ inline const cv::Size kTouchPicture_px(1280, 720);
 inline const cv::Size kTouchPlot_px(1280, 164);  ///< size of the plot, at the lower edge
 
 /// Returns a new picture of kTouchPicture_px, CV_8UC3. `picture` is CV_8UC3 and belongs to the play
-/// time of `report`. If it is empty, a dark ground replaces it. `caption` stands above it. `plot`
-/// is CV_8UC3 of the size kTouchPlot_px.
+/// time of `report`. If `picture` is empty, a dark background replaces it. `caption` is written
+/// above the picture. `plot` is CV_8UC3 of the size kTouchPlot_px.
 [[nodiscard]] cv::Mat drawTouchPicture(const cv::Mat& picture, const TickReport& report,
                                        const Workspace& workspace, const std::string& caption,
                                        const cv::Mat& plot);

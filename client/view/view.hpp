@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Interface of a view. A view shows or stores a run for the user: screenshot, film, window, sound.
-// A further kind needs one file beside this one and a line in openViews()
+// To add a kind of view, add a file in this folder and a line in openViews()
 // (client/user_interface.cpp).
 // Thread: each function states its own.
 #pragma once
@@ -33,10 +33,10 @@ struct ConnectionStats {
 /// State that the client and its views share.
 struct UiState {
   UserControls user;               ///< controls of the user; a view may change them
-  PointerTarget pointer;           ///< only the view with points() writes it
+  PointerTarget pointer;           ///< only the view whose points() is true writes it
   bool pointer_is_device = false;  ///< true: the pointer moves the HIP (mouse)
   ConnectionStats stream;          ///< state of the connection; views only read it
-  bool record = false;    ///< a view sets it; while it is true, the client logs into a new file
+  bool record = false;             ///< a view sets it; while true, the client logs into a new file
   std::string recording;  ///< name of that log file, or an error; empty before the first one
 };
 
@@ -52,7 +52,7 @@ class View {
   /// Receives the report of a tick. Its `time` counts from the first tick of the run. The reports
   /// arrive in order and soon after their ticks. Thread: main.
   virtual void onReport(const TickReport& report) = 0;
-  /// Runs the view's part of the main loop. The client calls it about every 10 ms, and it must not
+  /// Runs the view's part of the main loop. The client calls it about every 10 ms. It must not
   /// block. Returns false if the user ends the run in this view. Thread: main.
   [[nodiscard]] virtual bool update(UiState& ui_state) = 0;
   /// Ends the view after the last tick, and writes its file. Throws std::runtime_error with one

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Devices of Force Dimension (omega, delta, sigma, lambda), and the Falcon, as a driver of
-// hapticast-device. Force Dimension's closed library libdhd is loaded at run time.
+// Driver of hapticast-device for the devices of Force Dimension (omega, delta, sigma, lambda) and
+// for the Falcon. The driver loads libdhd, the closed library of Force Dimension, at run time.
 // Thread: those of hapticast_device.h.
 #pragma once
 

@@ -2,7 +2,7 @@
 // The functions of Force Dimension's library libdhd that the driver calls. The prototypes are those
 // of the SDK's public documentation. A negative result is an error. `number` is the SDK's number of
 // an opened device.
-// Thread: main, but setForce, getPosition and the buttons: loop.
+// Threads: loop (setForce, getPosition, the buttons), main (all others).
 #pragma once
 
 #include <string>
@@ -12,8 +12,8 @@
 namespace hapticast::client {
 
 struct DhdSdk {
-  static constexpr int kTimeGuard = 1;  ///< getPosition: too early, the position is the last one
-  static constexpr int kSaturated = 2;  ///< setForce: the motors cannot make the force
+  static constexpr int kTimeGuard = 1;  ///< result of getPosition(): no new position yet
+  static constexpr int kSaturated = 2;  ///< result of setForce(): the motors cannot exert it
   static constexpr unsigned char kOn = 1;
   static constexpr unsigned char kOff = 0;
 
@@ -23,9 +23,9 @@ struct DhdSdk {
   /// Opens the device with this serial number (null: the first device) and returns its number.
   /// Throws std::runtime_error (one line).
   [[nodiscard]] char openDevice(const char* serial) const;
-  /// Returns the serial number of an opened device, or "" if the library does not know it.
+  /// Returns the serial number of an opened device, or "" if the library does not have it.
   [[nodiscard]] std::string readSerial(char number) const;
-  /// Returns the name of an opened device in lower case, or "" if the library does not know it.
+  /// Returns the name of an opened device in lower case, or "" if the library does not have it.
   [[nodiscard]] std::string readName(char number) const;
   /// Returns one bit for each button that is down.
   [[nodiscard]] unsigned readButtons(char number) const;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The Falcon as a driver of hapticast-device. One tick: a request goes out each millisecond, in
-// wait(). It carries the newest force. The reply ends the wait. Half a millisecond after the
-// request the tick begins without its reply.
+// Driver of hapticast-device for the Falcon. In each tick, wait() sends a request with the newest
+// force to the device and then waits for its reply. If no reply arrives within 0.5 ms, the tick
+// begins without it.
 // Thread: those of hapticast_device.h.
 #pragma once
 
@@ -13,7 +13,8 @@ namespace hapticast::client {
 const hapticast_driver* falconDriver();
 
 /// Returns the largest force in N that the motors render in every direction at every position of
-/// the workspace, for a gain in counts/(N m). Beyond it the pilot scales the motors down.
+/// the workspace, for a gain in counts/(N m). For a larger force the pilot scales all motors down
+/// (falconMotors()).
 double computeFalconPeak_N(double gain);
 
 }  // namespace hapticast::client

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 // Connection to a Falcon. It opens the device, loads its firmware, and passes the device's replies
-// to the loop. It detects the loss of the device and then opens it again.
+// to the loop. If it loses the device, it opens the device again.
 //
-// The connection leaves the motors without force. Before it closes the device, it sends requests
-// for zero force and waits for their replies. It does so at the end of the program and after a
-// loss. If the device does not answer, the last request cannot reach it.
-// Threads: loop, main, and one of its own for USB; each function states its own.
+// The connection never leaves a device with a force. Before it closes the device, it sends requests
+// for zero force and waits for their replies, at the end of the program as after a loss. It cannot
+// do so if the device does not answer.
+// Threads: loop, main, and a thread of the link for USB. Each function states its thread.
 #pragma once
 
 #include <semaphore.h>
@@ -36,7 +36,7 @@ struct FalconNews {
   std::uint32_t life = 0;
 };
 
-/// The connection to one Falcon. It runs a thread of its own until its destructor.
+/// The connection to one Falcon. It runs a thread for USB until its destructor.
 class FalconLink {
  public:
   using LogLine = std::function<void(const std::string& line)>;

@@ -11,11 +11,11 @@
 
 namespace hapticast::client {
 
-/// Default gain: motor counts for each N m at the arm. The value was measured: the frames of a
-/// stock driver correspond to 3500. Other drivers send three times as much, and devices differ
-/// slightly.
+/// Default gain: motor counts for each N m at the arm. The value was measured: recorded motor
+/// counts of an unmodified driver correspond to 3500. Other drivers send three times as many
+/// counts, and devices differ slightly.
 inline constexpr double kFalconGain = 3500.0;
-// Chosen: from a seventh of the default gain of any driver to twice the largest.
+// Range of the gain. Chosen: far below the default, and twice the largest gain of other drivers.
 inline constexpr double kLeastFalconGain = 100.0;
 inline constexpr double kMostFalconGain = 20000.0;
 
@@ -30,7 +30,7 @@ struct FalconSettings {
   std::string firmware_file = {};
   std::string serial = {};      ///< serial number of the device; empty: the first device
   double gain = kFalconGain;    ///< motor counts for each N m at the arm
-  bool event_character = true;  ///< see falconRuns(); false serves only to measure the effect
+  bool event_character = true;  ///< see falconRuns(); false is only for measurements
 };
 
 }  // namespace hapticast::client

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Firmware of the Falcon: loads it into an opened device by the device's boot loader. The device
-// stores its firmware in volatile memory. So after each power-up the firmware must be loaded again,
-// from a file that the user has.
+// Loads the firmware of the Falcon into an opened device, through the device's boot loader. The
+// device stores its firmware in volatile memory. So after each power-up the firmware must be loaded
+// again, from a file that the user provides.
 // Thread: one at a time; blocks.
 #pragma once
 
@@ -21,11 +21,10 @@ std::vector<std::uint8_t> readFalconFirmware(const std::string& file);
 /// ~/.local/share. Returns an empty text if there is no such file.
 std::string usualFalconFirmware();
 
-/// Sets up the serial chip for the running firmware, then sends a request that commands zero
-/// torque, again and again for at most `patience`. Returns true if the firmware answers, because it
-/// then runs. If `event_character` is
-/// true, the chip passes a reply on at the reply's last character, without a delay. Throws
-/// FalconError.
+/// Checks whether the firmware runs. Sets up the serial chip, and repeats a request for zero torque
+/// for at most `patience`. Returns true if the firmware answers. If `event_character` is true, the
+/// chip transfers each reply as soon as its last character has arrived, without waiting for its
+/// timer. Throws FalconError.
 bool falconRuns(FalconUsb& usb, bool event_character, Duration patience);
 
 /// Loads the firmware `image` into the device, in a single attempt. Calls `progress` with the

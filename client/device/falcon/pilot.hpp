@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// State machine of a Falcon. It controls the homing, checks that replies are plausible, ramps the
-// force, and sets lights and motors. Homing: the user moves the grip out and in, so that the device
-// finds its position. Time is an argument. The functions use no heap.
+// State machine of a Falcon. It controls the homing, rejects implausible replies, ramps the force,
+// and computes the lights and the motor counts. Homing: the user moves the grip out and in, so that
+// the device finds the zero of its encoders. Time is an argument. The functions use no heap.
 // Thread: loop.
 #pragma once
 

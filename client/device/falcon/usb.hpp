@@ -44,7 +44,7 @@ class FalconUsb {
   using OnData = std::function<void(std::span<const std::uint8_t> data)>;
 
   /// Opens the device with the serial number `serial`, or the first device if `serial` is empty.
-  /// Reserves it for this program. Throws FalconError.
+  /// Claims its USB interface, so that no other program can use it. Throws FalconError.
   explicit FalconUsb(const std::string& serial);
   ~FalconUsb();
   FalconUsb(const FalconUsb&) = delete;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Drivers in files of their own. A driver NAME is the file NAME.so in one of two folders:
-// hapticast/devices in $XDG_DATA_HOME (else ~/.local/share), and a system folder. The working
-// folder is never searched. A file or folder that others may write is refused, because a driver is
-// code.
+// Drivers that are installed as shared libraries. The driver NAME is the file NAME.so in one of two
+// folders: hapticast/devices in $XDG_DATA_HOME (else ~/.local/share), and a system folder. The
+// functions never search the working folder. They refuse a file or folder that another user owns or
+// may write, because a driver is code.
 // Thread: main.
 #pragma once
 
@@ -22,9 +22,9 @@ std::vector<std::string> driverFolders();
 /// Returns the sorted names of the drivers in `folders`.
 std::vector<std::string> listDriverFiles(const std::vector<std::string>& folders);
 
-/// Loads the driver `name` from the first of `folders` that has it. Returns null if none has it.
-/// The library stays loaded until the process ends. Throws std::runtime_error (one line with the
-/// file and the remedy) if the file cannot be used.
+/// Loads the driver `name` from the first of `folders` with such a file. Returns null if no folder
+/// has the file. The library stays loaded until the process ends. Throws std::runtime_error (one
+/// line with the file and the remedy) if the file cannot be used.
 const hapticast_driver* loadDriverFile(const std::string& name,
                                        const std::vector<std::string>& folders);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Converts what a driver says about its device to the profile of the safety chain. It limits every
-// value, and assumes a careful one for each unknown value.
+// Converts the properties that a driver states for its device to the profile of the safety chain.
+// It limits every value. For an unknown value it assumes a cautious one.
 // Thread: main.
 #pragma once
 
@@ -11,16 +11,18 @@
 
 namespace hapticast::client {
 
-/// Largest force of a device without a watchdog of its own, until the user gives a --profile. It is
-/// the peak of an Omni.
+/// Largest force of a device that has no watchdog, unless the user sets --profile. It is the peak
+/// of an Omni.
 inline constexpr double kPeakWithoutWatchdog_N = 3.3;
 
-/// Returns a profile with all values unknown.
+/// Returns the profile in which all values are unknown. A driver fills it.
 hapticast_profile unknownProfile() noexcept;
 
-/// Returns the profile of the driver `name`. `users` is the value of --profile: its limits replace
-/// those of the driver, and allow more than kPeakWithoutWatchdog_N. The buttons are the driver's.
-/// The delay is the longer one. Throws std::runtime_error (one line) for a bad `users`.
+/// Returns the profile for the driver `name`. If `users` (the value of --profile) is empty, the
+/// result follows from `driver`. Otherwise it is the profile `users`, which may exceed
+/// kPeakWithoutWatchdog_N, with the longer one of the two delays. The pause and re-arming buttons
+/// are always those of `driver`. Throws std::runtime_error (one line) if `users` is no valid
+/// profile.
 PlantProfile convertProfile(const std::string& name, const hapticast_profile& driver,
                             const std::string& users);
 

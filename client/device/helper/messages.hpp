@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Messages of the helper process to the client, over a socket that keeps message boundaries. The
-// end of the socket is a message, too: each side detects the death of the other by it.
+// Messages of the helper process to the client, over a socket that preserves message boundaries
+// (SOCK_SEQPACKET). When one side ends, the system closes its socket. The other side detects the
+// end by that.
 // Thread: any.
 #pragma once
 
@@ -24,7 +25,7 @@ struct HelperMessage {
     kLog = 'L',      ///< `text` is a line for the user
     kFound = 'F',    ///< a connected device: `text` is its serial number, `problem` as in list()
     kListed = 'N',   ///< the end of the list
-    kOpened = 'O',   ///< the device is open; `profile`
+    kOpened = 'O',   ///< the device is open; `profile` has its properties
     kAbsent = 'A',   ///< the device cannot be opened; `text` is the reason
     kRefused = 'R',  ///< the driver or an option cannot be used; `text` is the reason
   };
@@ -40,8 +41,8 @@ inline constexpr std::size_t kLongestMessage_bytes = 1024;
 /// into the socket is dropped. Returns false if the other side has ended.
 bool sendMessage(int socket, const HelperMessage& message) noexcept;
 
-/// Returns the message in `bytes`. Texts become one line of printable characters. Returns nullopt
-/// for another form.
+/// Parses a message. Converts each text to one line of printable characters. Returns nullopt if
+/// `bytes` has no valid message.
 std::optional<HelperMessage> parseMessage(std::string_view bytes);
 
 /// Result of receiveMessage().
@@ -50,8 +51,7 @@ struct Received {
   std::optional<HelperMessage> message;
 };
 
-/// Receives the next message, and waits for it at most until `deadline`. Drops a message of unknown
-/// form.
+/// Receives the next message, and waits for it at most until `deadline`. Drops an invalid message.
 Received receiveMessage(int socket, LocalTime deadline);
 
 }  // namespace hapticast::client

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// The page of memory that the client shares with the helper process of its device. The client's
-// loop writes a command in each tick, the helper's loop writes a reading. Each direction is a
-// sequence lock with the newest value, and a futex that wakes the other side. A command is also the
-// heartbeat of the client.
+// The page of memory that the client shares with the helper process of its device. In each tick the
+// client's loop writes a command, and the helper's loop writes a reading. Each direction has a
+// sequence lock with the newest value, and a futex that wakes the other side. The command is also
+// the heartbeat of the client.
 // Thread: the loop of each process.
 #pragma once
 
@@ -19,14 +19,15 @@ namespace hapticast::client {
 struct DeviceCommand {
   double force_N[3] = {};
   std::int64_t time_ns = 0;   ///< local time of the command; 0: none yet
-  std::uint64_t reading = 0;  ///< number of the reading that the force was computed from
+  std::uint64_t reading = 0;  ///< number of the reading that led to the force
 };
 
 /// Reading of the helper: the driver's state in one tick.
 struct DeviceReading {
   std::uint64_t number = 0;  ///< 1, 2, ...; 0: none yet
   hapticast_state state = {};
-  /// Time from a measurement to the hand-over of its force to the driver; 0: not known yet.
+  /// Time from the measurement of a position until the driver received the force for it; 0: not
+  /// measured yet.
   std::int64_t delay_ns = 0;
   std::uint64_t reduced = 0;  ///< ticks in which the helper reduced the commanded force
   std::uint64_t slow = 0;     ///< calls of exchange() that lasted more than 0.5 ms
@@ -57,7 +58,8 @@ struct SharedPage {
   Doorbell read;
 };
 
-/// A SharedPage in memory of its own, which only the owner of its file descriptor can open.
+/// Owner of a SharedPage. The page is in anonymous shared memory, so another process needs its file
+/// descriptor to map it.
 class PageMapping {
  public:
   /// Creates a page. Throws std::system_error.

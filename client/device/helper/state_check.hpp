@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Checks what a driver reports, like bytes from outside. A reading with an impossible value counts
-// as no reading. 20 ticks without a reading end the touch (client/haptics).
+// Plausibility check of the readings of a driver. A driver is foreign code, so its data are as
+// unreliable as data from the network. A reading with an impossible value counts as a missing
+// reading. After 20 ticks without a reading the force fades out (client/haptics).
 // Thread: loop of the client; findings: any.
 #pragma once
 
@@ -16,18 +17,18 @@ namespace hapticast::client {
 
 class StateCheck {
  public:
-  /// A reason to reject a reading.
+  /// A reason to reject a reading; toText() describes each one.
   enum class Finding : std::uint8_t { kNotFinite, kOutside, kTooFast, kTimeBack, kFuture, kStatus };
   static constexpr std::size_t kFindings = 6;
 
   /// `workspace_mm` is the size of the device's workspace.
   explicit StateCheck(const Vec3& workspace_mm) : workspace_mm_(workspace_mm) {}
 
-  /// Starts anew with another helper process: the next reading is the first one.
+  /// Restarts the check for a new helper process: the next reading has no predecessor.
   void restart() noexcept;
   /// Checks `reading`, and returns the state for the haptic loop. The status is kOk if the reading
-  /// is new and plausible, and not too old at the time `now`. Otherwise the position, the buttons
-  /// and the time are those of the last accepted reading.
+  /// is new, plausible, and at most 20 ms old at the time `now`. Otherwise the position, the
+  /// buttons and the time are those of the last accepted reading.
   DeviceState check(const DeviceReading& reading, LocalTime now) noexcept;
   /// Returns how often each finding occurred. Thread: any.
   [[nodiscard]] std::uint64_t count(Finding finding) const noexcept {
@@ -46,7 +47,7 @@ class StateCheck {
   std::array<std::atomic<std::uint64_t>, kFindings> counts_{};
 };
 
-/// Returns what the driver did, for a line to the user.
+/// Returns a description of the finding, for a line to the user.
 const char* toText(StateCheck::Finding finding) noexcept;
 
 }  // namespace hapticast::client

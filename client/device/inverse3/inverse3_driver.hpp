@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// The Haply Inverse3 and Minverse as a driver of hapticast-device. The service of the manufacturer
-// runs on this machine. One tick: wait() sends the newest force and receives the state that answers
-// it. So a force reaches the device one tick after its reading at least.
+// Driver of hapticast-device for the Haply Inverse3 and Minverse. It exchanges messages with the
+// manufacturer's service, which runs on this machine. In each tick, wait() sends the newest force
+// and receives the state with which the service answers. So a force reaches the device at least one
+// tick after its reading.
 // Thread: those of hapticast_device.h.
 #pragma once
 
@@ -9,7 +10,7 @@
 
 namespace hapticast::client {
 
-/// Returns the driver `inverse3`. Its options: `service` (HOST:PORT), `preset`, `force_key`
+/// Returns the driver `inverse3`. Its options are `service` (HOST:PORT), `preset`, and `force_key`
 /// (vector or values).
 const hapticast_driver* inverse3Driver();
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Messages of the Haply Inverse service: JSON over a WebSocket. The service answers each message of
-// the client with one state of all devices. It forgets a force after one of its ticks, so a client
-// that stops sending renders no force. The service's frame is X right, Y forward, Z up, in m. The
-// functions convert to the device frame in mm.
+// the client with one state of all devices. The service applies a force for only one of its own
+// ticks, so the force ends when the client sends no more messages. The service's frame is X right,
+// Y forward, Z up, in m. The functions convert to the device frame in mm.
 // Thread: any (pure functions).
 #pragma once
 
@@ -22,8 +22,8 @@ enum class Inverse3ForceKey : std::uint8_t { kVector, kValues };
 /// One device in a message of the service.
 struct Inverse3Device {
   std::string id;
-  std::string type;                 ///< "inverse3" or "minverse"; empty: not said
-  std::optional<Vec3> position_mm;  ///< device frame; absent: none, or no finite numbers
+  std::string type;                 ///< "inverse3" or "minverse"; empty: not stated
+  std::optional<Vec3> position_mm;  ///< device frame; nullopt: missing or not finite
   bool calibrated = true;
   bool filtered = false;  ///< the service filters forces or adds damping
 };
@@ -31,9 +31,9 @@ struct Inverse3Device {
 /// A message of the service.
 struct Inverse3Message {
   std::vector<Inverse3Device> devices;
-  std::uint32_t buttons = 0;  ///< of the first grip: bits 0, 1, 2 are a, b, c
-  std::string version;        ///< of the service; empty: not said
-  bool has_session = false;   ///< services since 3.5 name a session
+  std::uint32_t buttons = 0;  ///< of the first grip: bits 0, 1 and 2 are a, b and c
+  std::string version;        ///< of the service; empty: not stated
+  bool has_session = false;   ///< the message names a session (services since 3.5)
 };
 
 /// Parses a message of the service. Returns nullopt if it is no JSON object. Members of another

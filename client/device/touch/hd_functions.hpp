@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // The functions of OpenHaptics' library libHD that the driver calls. Prototypes and numbers are
-// those of the public programmer's guide. mm and N; x to the right, y up, z towards the user.
-// Thread: main; within a frame: the library's.
+// those of the public programmer's guide. Units are mm and N. The axes are x to the right, y up, z
+// towards the user.
+// Threads: the library's (calls within a frame), main (all others).
 #pragma once
 
 #include <string>

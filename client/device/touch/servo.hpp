@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The callback of OpenHaptics' thread: one frame of the device. It sets the newest force and reads
-// the position. Without a command for 20 ms it sets zero.
+// The servo callback. A thread of OpenHaptics calls it once in each frame (1 ms) of the device. It
+// reads the position and sets the newest force. If the newest command is older than 20 ms, it sets
+// zero force.
 // Thread: each function states its own.
 #pragma once
 
@@ -15,25 +16,25 @@
 
 namespace hapticast::client {
 
-/// What the callback read in one frame.
+/// Reading of one frame. The counters count since the start.
 struct ServoReading {
   std::uint64_t frames = 0;   ///< frames without an error of the device
-  std::uint64_t faults = 0;   ///< frames with one
+  std::uint64_t faults = 0;   ///< frames with an error of the device
   std::uint64_t limited = 0;  ///< frames in which the library limited the force
   LocalTime time{};           ///< begin of the frame
   Vec3 position_mm = Vec3::Zero();
   std::uint32_t buttons = 0;
-  unsigned error = 0;  ///< code of the last error; remains
+  unsigned error = 0;  ///< code of the last error since the start
   bool lost = false;   ///< the device does not answer
   bool calibrated = false;
 };
 
 class Servo {
  public:
-  /// Runs frames of `device` from now on, with a force of zero. `functions` and `clock` must
-  /// outlive it. Thread: main.
+  /// Switches the motors on and starts the callback for `device`, with a force of zero. `functions`
+  /// and `clock` must outlive this object. Thread: main.
   Servo(const HdFunctions& functions, unsigned device, const Clock& clock);
-  /// Ends the frames. Thread: main.
+  /// Commands zero, switches the motors off, and stops the callback. Thread: main.
   ~Servo();
   Servo(const Servo&) = delete;
   Servo& operator=(const Servo&) = delete;
@@ -44,12 +45,11 @@ class Servo {
   [[nodiscard]] const ServoReading& read() noexcept { return reading_.load(); }
   /// Waits for the next frame, at most until `deadline`. Thread: one.
   void waitForFrame(LocalTime deadline) noexcept;
-  /// Sets zero for the next frames until the next command(). Waits for a frame with it, at most
-  /// 50 ms. Switches the motors off if there is none. Returns true if the device received zero.
+  /// Sets zero force until the next command(). Waits at most 50 ms for a frame with that force, and
+  /// switches the motors off if there is no such frame. Returns true if the device received zero.
   /// Thread: any.
   bool commandZero() noexcept;
-  /// Switches the motors on or off, also while the maker's library calls no servo callback. Thread:
-  /// any.
+  /// Switches the motors on or off, even if the library does not call the callback. Thread: any.
   void switchMotors(bool on) noexcept;
   /// Returns true if the motors are switched on. Thread: any.
   [[nodiscard]] bool motorsOn() const noexcept { return motors_on_; }

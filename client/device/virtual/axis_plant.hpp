@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// One axis of a simulated device in a simulated hand. Its solution over a tick is exact: it uses
-// the matrix exponential, and it computes the instant at which Coulomb friction stops the device. A
-// cheaper integrator would hide the instability that the simulation has to show.
+// Simulates one axis of a device in a hand: masses, springs, dampers and Coulomb friction. The
+// solution over a tick is exact. It uses the matrix exponential, and it computes the instant at
+// which the friction stops the device. A cheaper integrator would hide the instability that the
+// simulation has to show.
 // Thread: any, one at a time.
 #pragma once
 
@@ -11,9 +12,10 @@
 
 namespace hapticast::client {
 
-/// A simulated hand, equal on every axis. Its own spring and damper pull it to its target. If
-/// grip_N_m is 0, the hand is rigidly connected to the device, and their masses add. Otherwise the
-/// spring and damper of the grip connect hand and device. If all values are zero, there is no hand.
+/// Parameters of a simulated hand, the same on every axis. A spring and a damper pull the hand to
+/// its target. If grip_N_m is 0, the hand is rigidly connected to the device, and their masses add.
+/// Otherwise the spring and damper of the grip connect hand and device. If all values are zero,
+/// there is no hand.
 struct Hand {
   double mass_kg = 0.0;
   double damping_Ns_m = 0.0;
@@ -30,11 +32,12 @@ struct Hand {
 };
 
 /// Simulates one axis. The first two values of the state are position and velocity of the device.
-/// The last two are those of the hand. All are in SI units. A hand that is rigid or absent has no
-/// motion of its own, so its two values do not change.
+/// The last two are those of the hand. All are in SI units. If the hand is rigidly connected or
+/// absent, its two values do not change.
 class AxisPlant {
  public:
   using State = Eigen::Vector4d;
+  /// `profile` has mass, damping and friction of the device.
   AxisPlant(const PlantProfile& profile, const Hand& hand) noexcept;
 
   /// Sets position and velocity of device and hand.

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Scripted hand: generates the target of a simulated hand (press, slide, follow, or a file). It
-// knows the object from the reports of the loop, as a person knows it from the screen.
-// Thread: loop; loading: before it.
+// Scripted hand: generates the target position of a simulated hand (press, slide, follow, or a
+// file). It reads the position of the object from the loop's reports, as a person sees it on the
+// screen.
+// Thread: loop; the functions that read files: any, before the loop.
 #pragma once
 
 #include <cstdint>

@@ -16,13 +16,13 @@ namespace hapticast::client {
 
 class VirtualDevice final : public HapticDevice {
  public:
-  static constexpr int kLongestDelay_ticks = 6;  ///< the longest of a profile, one tick late
+  static constexpr int kLongestDelay_ticks = 6;  ///< longest delay of a profile, plus one tick
 
   /// Creates a device that is 30 mm above the middle. The hand rests there until lead() or
   /// setTarget(). If profile.count_mm is at most 0, positions are not rounded to counts.
   /// profile.delay_ticks is clamped to 0..6. `clock` must outlive this object.
   VirtualDevice(const PlantProfile& profile, const Hand& hand, const Clock& clock) noexcept;
-  /// Lets `script` generate the target of the hand. At each exchange() the script reads the report
+  /// Makes `script` generate the target of the hand. At each exchange() the script reads the report
   /// of the tick before. `name` is the script's name for description(). Call it before the loop.
   void lead(HandScript script, std::string name);
 

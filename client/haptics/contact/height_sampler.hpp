@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Samples of a moving relief, with a cache, for the proxy. It counts the height samples of a tick.
-// The cache has one height sample and one edge sample. A stored sample is valid until the pair of
-// frames around play time changes.
+// Samples the heights and the edge distances of a moving relief, for the proxy. It counts the
+// height samples of each tick, because the real-time budget limits their number. A cache stores one
+// height sample and one edge sample. A stored sample is valid until the pair of frames around play
+// time changes.
 //
 // All points are in the object's frame, nominal mm.
 // Thread: loop, real-time (rules: client/haptics/README.md, section 1).
@@ -11,6 +12,7 @@
 
 namespace hapticast::client {
 
+/// Samples one relief for one proxy.
 class ReliefProbe {
  public:
   /// A height sample: the heights in the two frames around play time, and their blend at play time.
@@ -23,10 +25,10 @@ class ReliefProbe {
   /// tick.
   ///
   /// Edge samples are not counted, because the proxy reads only a bounded number of them in a tick.
-  /// Most ticks need no new edge sample. The stored one is sufficient for all points that are
-  /// nearer to it than the mask's edge.
+  /// Most ticks need no new edge sample. A stored edge distance e is sufficient for all points
+  /// within about 0.8 |e| of its point, because the edge is farther away.
   void begin(const MovingRelief& relief, int samples) noexcept;
-  /// Invalidates the stored samples.
+  /// Invalidates both stored samples.
   void forget() noexcept { height_known_ = edge_known_ = false; }
 
   [[nodiscard]] const MovingRelief& relief() const noexcept { return *relief_; }
@@ -36,7 +38,8 @@ class ReliefProbe {
   [[nodiscard]] int used() const noexcept { return used_; }
 
   /// Returns the height at `q_mm`. If `q_mm` is the point of the stored sample, the result is that
-  /// sample. Otherwise the function reads a new sample, which counts. keep() can store it.
+  /// sample. Otherwise the function reads a new sample and counts it. It does not store that
+  /// sample: call keep().
   [[nodiscard]] Height height(const Vec2& q_mm) noexcept;
   /// Returns the edge distance (mm, positive inside) at `q_mm` and stores the sample.
   [[nodiscard]] EdgeSample edge(const Vec2& q_mm) noexcept;
@@ -45,8 +48,8 @@ class ReliefProbe {
   [[nodiscard]] bool isMasked(const Vec2& q_mm) noexcept;
   /// Stores `height` as the sample at `q_mm`.
   void keep(const Vec2& q_mm, const Height& height) noexcept;
-  /// Returns the speed (mm/s) at which the mask's edge moves outwards because of its change of
-  /// shape. The place is that of the last edge sample.
+  /// Returns the speed (mm/s) at which the change of the shape moves the mask's edge outwards, at
+  /// the point of the last edge sample.
   [[nodiscard]] double edgeRate_mm_s() const noexcept { return relief_->rate_mm_s(edge_); }
 
  private:

@@ -7,8 +7,8 @@
 //   H_t(q) = (1-s) (H_a(q + p_a) - p_a,z) + s (H_b(q + p_b) - p_b,z)
 // H_a and H_b are the heights in the frames a and b. p_a and p_b are the positions of the reference
 // point in these frames, and s is the blend. The formula omits the rotation. The same formula holds
-// for the edge distance. The two terms in brackets do not depend on s. They stay valid until the
-// pair of frames changes, while s changes in every tick.
+// for the edge distance. The two terms in brackets do not depend on s. So a cached sample stays
+// valid until the pair of frames changes, although s changes in every tick.
 // Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 
@@ -36,7 +36,8 @@ class MovingRelief {
   /// object.before->field exists and is not empty. The frames must outlive the next update().
   bool update(const InterpolatedObject& object, const Workspace& workspace) noexcept;
 
-  /// The samples of both frames at one point. If one frame is enough, only `first` is valid.
+  /// The samples of both frames at one point. If both frames count as one (update()), only `first`
+  /// is valid.
   template <class Value>
   struct Pair {
     Value first, second;
@@ -48,11 +49,11 @@ class MovingRelief {
   /// Samples the edge distances of both frames at `q_mm`.
   [[nodiscard]] Edges edges(const Vec2& q_mm) const noexcept;
 
-  /// Blends a pair of samples at play time.
+  /// Return the blend of the two samples of `pair` at play time.
   [[nodiscard]] BlendedHeight now(const Heights& pair) const noexcept;
   [[nodiscard]] EdgeSample now(const Edges& pair) const noexcept;
-  /// Return the speed (mm/s) of the change of the shape. For heights it is the speed at which the
-  /// surface rises. For edges it is the speed at which the edge moves outwards.
+  /// Return the speed (mm/s) at which the change of the shape moves the surface at the point of
+  /// `pair`: upwards for heights, outwards for edges.
   [[nodiscard]] double rate_mm_s(const Heights& pair) const noexcept;
   [[nodiscard]] double rate_mm_s(const Edges& pair) const noexcept;
 
@@ -70,7 +71,7 @@ class MovingRelief {
     const HeightField* field = nullptr;
     Vec3 position_mm = Vec3::Zero();
     double angle_rad = 0.0;
-    // Image px = origin_px + (u · q, v · q), for the frame's own pose.
+    // The image position of a point q of the object is origin_px + (u · q, v · q), in px.
     Vec2 origin_px = Vec2::Zero();
     Vec2 u = Vec2::Zero();
     Vec2 v = Vec2::Zero();

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 // God-object proxy (Zilles, Salisbury 1995) on the relief of one object. The proxy is the surface
-// point that a spring ties to the HIP. It follows the HIP in small steps and stops at the surface
-// (client/haptics/README.md, section 3). Everything is in the object's own frame, and lengths are
-// nominal mm.
+// point that a spring ties to the HIP. Outside the object the proxy equals the HIP. When the HIP
+// enters the object, the proxy stays on the surface. There it slides towards the point nearest to
+// the HIP, in small steps, as far as friction allows (client/haptics/README.md, section 3). All
+// vectors are in the object's own frame, and lengths are nominal mm.
 // Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 
@@ -26,8 +27,10 @@ struct Friction {
 struct ProxyTick {
   Vec3 hip_mm = Vec3::Zero();  ///< position of the HIP; must be finite
   Friction friction;
-  int samples = 0;      ///< number of heights that may be read; a started move may read 5 more
-  bool jumped = false;  ///< the object's pose changed by more than its stated motion explains
+  /// Largest number of heights that update() may read. A move that has begun may read 5 more.
+  int samples = 0;
+  /// True: the object's pose changed by more than the stated velocity explains.
+  bool jumped = false;
   /// Arming depth: if the HIP is deeper than this after a jump, the object is disarmed.
   double deepest_mm = 0.0;
 };
@@ -35,7 +38,7 @@ struct ProxyTick {
 /// Result of one tick, in the object's frame.
 struct ProxyTouch {
   bool contact = false;
-  /// Vector from the HIP to the proxy, minus the offset that remains from a jump.
+  /// Vector from the HIP to the proxy, minus the offset that fades after a jump (class Proxy).
   Vec3 displacement_mm = Vec3::Zero();
   Vec3 normal = Vec3::UnitZ();  ///< unit normal of the surface at the proxy, outwards
   /// Velocity of the surface at the proxy due to its change of shape.
@@ -49,17 +52,17 @@ struct ProxyTouch {
 /// On a surface at rest no move of the proxy increases its distance from the HIP. So the spring
 /// returns only the work of the hand. A surface that rises, appears or jumps moves the proxy.
 ///
-/// A move of the surface by more than kJump_mm in a tick is a jump. After a jump the force begins
-/// with the value of the last tick, and fades to the true one (time constant 40 ms). If the HIP is
-/// then farther from the proxy than ProxyTick::deepest_mm, the object is disarmed: it has no force
-/// until the HIP is out of it.
+/// A move of the surface by more than kJump_mm in a tick is a jump. After a jump the displacement
+/// begins with the value of the last tick. It fades to its true value with a time constant of 40
+/// ms. If the HIP is then farther from the proxy than ProxyTick::deepest_mm, the object is
+/// disarmed: it has no force until the HIP is out of it.
 class Proxy {
  public:
   /// Largest move of the surface in a tick that does not count as a jump.
   static constexpr double kJump_mm = 0.3;
 
-  /// Deletes the state, so that the next tick places the proxy at its HIP. If `faded` is true, a
-  /// contact in that tick begins without a force.
+  /// Deletes the state. The next tick then places the proxy at the HIP. If that tick begins in
+  /// contact, `faded` = true makes its displacement begin at zero, and false at its full length.
   void restart(bool faded) noexcept;
   /// Invalidates the stored samples of the relief.
   void forgetSamples() noexcept { probe_.forget(); }
@@ -67,7 +70,7 @@ class Proxy {
   /// HIP and returns true. The tick then needs no update(). Otherwise changes nothing and returns
   /// false.
   bool clear(const MovingRelief& relief, const Vec3& hip_mm) noexcept;
-  /// Moves the proxy for one tick and returns the contact.
+  /// Moves the proxy by one tick and returns the contact. Reads at most tick.samples + 5 heights.
   ProxyTouch update(const MovingRelief& relief, const ProxyTick& tick) noexcept;
 
   /// Returns the number of heights that the last update() has read.
@@ -135,7 +138,7 @@ class Proxy {
   bool done_ = false;
 };
 
-// Used in client/haptics/contact only. Thread: loop, real-time.
+// The rest of this file is for client/haptics/contact only. Thread: loop, real-time.
 constexpr double kLookAhead_px = 0.5;  // length of a small step; it skips no detail of 1 px
 // Distance of a proxy at a wall from the mask's edge, on the outside.
 constexpr double kOutside_mm = 1e-3;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The surface model `proxy`. Each object and layer of the scene has a god-object proxy of its own.
-// The model then joins their contacts. Objects that push in similar directions share one stiffness,
-// so that overlapping objects do not add their forces.
+// The model combines the displacements of all proxies into one displacement. So overlapping objects
+// act like one spring, and their forces do not add up.
 // Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 
@@ -23,11 +23,11 @@ Friction toFriction(const Material& material) noexcept;
 /// Computes the joint contact of the proxies of all objects.
 class ProxySurface {
  public:
-  /// Number of heights that a tick may read, summed over all objects near the HIP. A started move
-  /// may read 5 more. Edge samples are not counted.
+  /// Largest number of heights that the proxies read in a tick, summed over all objects near the
+  /// HIP. A move that has begun may read 5 more. Edge samples do not count.
   ///
-  /// The value was measured at 10 cm/s. With it, a proxy on a rough relief stops before its goal in
-  /// 0.5 % of the ticks. On smooth reliefs it reaches its goal in every tick.
+  /// Measured at a HIP speed of 10 cm/s: with this value, a proxy on a rough relief stops before
+  /// its goal in 0.5 % of the ticks. On smooth reliefs it reaches its goal in every tick.
   static constexpr int kSamples = 24;
 
   /// Returns the contact of the HIP with all objects of `scene`, in nominal mm.
@@ -35,14 +35,14 @@ class ProxySurface {
   /// The displacement is the shortest one that leads the HIP out of all objects. So displacements
   /// in the same direction do not add up, but displacements at right angles do. Normal and surface
   /// velocity are means over the contacts, weighted by the lengths of the displacements.
-  /// Contact::object is the object with the longest displacement. A proxy belongs to an object id
-  /// and a layer, and ends with its object.
+  /// Contact::object is the object with the longest displacement. Each pair of object id and layer
+  /// has a proxy. The proxy is deleted when its object disappears.
   ///
   /// A jump of the geometry never causes a step of the force. A jump is an object that appears, or
   /// a surface or pose that changes by more than its motion explains. After a jump this function
-  /// fades in the force, so the caller need not handle it. Contact::jump is set only when the epoch
-  /// changes. If the displacement of an object is longer than `deepest_mm` after a jump, the object
-  /// is disarmed until the HIP is out of it.
+  /// fades in the displacement, so the caller need not handle the jump. Contact::jump is set only
+  /// when the epoch changes. If the displacement of an object is longer than `deepest_mm` after a
+  /// jump, the object is disarmed until the HIP is out of it.
   Contact computeContact(const Scene& scene, const Vec3& hip_mm, const Workspace& workspace,
                          double deepest_mm) noexcept;
 

@@ -13,8 +13,8 @@ namespace hapticast::client {
 
 // Defaults of this client, for values that the author's Material does not have. The default
 // stiffness is in the device profile. The values are a choice: no friction, no additional damping,
-// and the thesis's K. If an author states only one of the two friction coefficients, it counts for
-// both.
+// and K of Eq. 3 as in the thesis. If an author states only one of the two friction coefficients,
+// it counts for both.
 inline constexpr double kDefaultDamping_Ns_m = 0.0;  // added to the damping of the wall law
 inline constexpr double kDefaultFriction = 0.0;
 inline constexpr double kDefaultTextureK_mm = 30.0;
@@ -70,6 +70,7 @@ struct SurfacePoint {
   /// outside the mask of either frame.
   double shape_rate_mm_s = 0.0;
 };
+/// Returns the surface of `object` at `nominal_mm`.
 SurfacePoint evaluateSurface(const InterpolatedObject& object, const Vec2& nominal_mm,
                              const Workspace& workspace) noexcept;
 
@@ -95,9 +96,9 @@ TangentPlane tangentPlane(double depth_mm, const Vec2& gradient) noexcept;
 Contact computeObjectContact(SurfaceKind kind, const InterpolatedObject& object, const Vec3& hip_mm,
                              const Workspace& workspace) noexcept;
 
-/// Returns the contact of the HIP with the object in which it is deepest along the normal. There is
-/// no contact with an object if the HIP lies outside the object's mask. There is none either if the
-/// relief of the object never arrived. `kind` is kNormal or kPerturbed.
+/// Returns the contact of the HIP with one object: that with the largest depth of the HIP along its
+/// normal. An object has no contact if the HIP lies outside its mask, or if its relief never
+/// arrived. `kind` is kNormal or kPerturbed.
 Contact findContact(SurfaceKind kind, const Scene& scene, const Vec3& hip_mm,
                     const Workspace& workspace) noexcept;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Temporal interpolation by the thesis's method (--method thesis). It computes one displacement for
-// each whole frame. Catmull-Rom splines then interpolate these displacements to 1 kHz. The method
-// assumes that the HIP does not move between two frames.
+// Temporal interpolation by the thesis's method (--method thesis). It computes one displacement in
+// each frame. Catmull-Rom splines then interpolate these displacements to 1 kHz. The method assumes
+// that the HIP does not move between two frames.
 // Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 
@@ -25,7 +25,8 @@ class ThesisInterpolation {
   /// `contact.object` is the touched object of frame i or i+1, with a linearly interpolated
   /// acceleration. It is valid until the next call. `contact.jump` is true in the first tick of an
   /// epoch. It is also true in the first tick of an interval, if the object is missing in frame
-  /// i-1. Objects that are missing in frame i are ignored. Each new interval reads the HIP again.
+  /// i-1. Objects that are missing in frame i are ignored. `hip_mm` has an effect only in the first
+  /// tick of an interval.
   Contact evaluate(const SceneInterpolator& lookup, MediaTime play_time, const Vec3& hip_mm,
                    const Workspace& workspace) noexcept;
 

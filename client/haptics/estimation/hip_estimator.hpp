@@ -52,8 +52,8 @@ class HipEstimator {
   /// Sets the delay: the number of ticks from the reading of a position to the begin of its force.
   /// The value is clamped to 0..kMostDelay_ticks.
   void setDelay(int delay_ticks) noexcept;
-  /// Returns how far HipEstimate::ahead lies after the reading: the delay plus the margin of the
-  /// prediction.
+  /// Returns the time from the reading to HipEstimate::ahead: the delay plus the margin of the
+  /// prediction (kPredictionMargin_ticks).
   [[nodiscard]] Duration lookahead() const noexcept {
     return (delay_ticks_ + kPredictionMargin_ticks) * kTickPeriod;
   }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Observer of the HIP (Smith predictor). It estimates position and velocity of the HIP from the
 // measured positions and the sent forces. It then predicts both for the time when a force sent now
-// acts. The observer receives the wall's own force as an input. So its filter can be slow, and a
-// slow filter makes single encoder counts imperceptible. The law and its measurements are in
-// client/haptics/stability.md.
+// acts. The sent force is an input of the observer, so the observer need not derive the effect of
+// the wall from the positions. So its filter can be slow, and a slow filter hides single encoder
+// counts from the hand. The law and its measurements are in client/haptics/stability.md.
 // Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 
@@ -34,9 +34,9 @@ class SentForces {
 /// acceleration under a force, divided by that of the bare device. 1 is the bare device. At 0.05,
 /// device and hand together have twenty times the mass of the device.
 ///
-/// The force and the measured position pass the same filters, which keep only what is above about
-/// 30 Hz. A hand intends no motion that fast. The share is the result of a regression between the
-/// two filtered signals.
+/// Filters remove the content below about 30 Hz from the force and from the measured position,
+/// because deliberate motion of a hand is slower. They also account for the double integration from
+/// force to position. The share follows from a regression between the two filtered signals.
 class EffectiveMassEstimator {
  public:
   /// `mass_kg` is the mass of the bare device.
@@ -47,6 +47,7 @@ class EffectiveMassEstimator {
   /// Processes one tick, which ended at the position `measured_mm`. The force `acting_N` acted in
   /// this tick.
   void update(const Vec3& measured_mm, const Vec3& acting_N) noexcept;
+  /// Returns the share of each axis, 0.04..1.
   [[nodiscard]] const Vec3& value() const noexcept { return share_; }
 
  private:
@@ -62,8 +63,8 @@ class EffectiveMassEstimator {
 };
 
 /// Margin of the prediction, ticks: a device may answer this much later than its profile declares.
-/// Measured: with a margin of 0.5 or 1 tick, a bare device that is one tick late runs away at
-/// K_max.
+/// Measured: with a margin of 0.5 or 1 tick, a bare device that is one tick late becomes unstable
+/// at K_max.
 inline constexpr int kPredictionMargin_ticks = 2;
 
 /// Position and velocity of the HIP in the device frame.
@@ -86,9 +87,9 @@ class HipObserver {
   void update(const Vec3& measured_mm, const Vec3& acting_N, double wall_N_mm) noexcept;
   /// Returns the present state of the HIP.
   [[nodiscard]] const HipState& tip() const noexcept { return tip_; }
-  /// Returns the predicted state at the time when a force sent now acts, plus
-  /// kPredictionMargin_ticks. `sent` has the forces sent so far. `delay_ticks` (0..5) is the delay
-  /// from a position to its force.
+  /// Returns the predicted state for the time when a force that is sent now acts, plus
+  /// kPredictionMargin_ticks. `sent` has the forces that were sent before. `delay_ticks` (0..5) is
+  /// the delay from a position to its force.
   [[nodiscard]] HipState predictAhead(const SentForces& sent, int delay_ticks) const noexcept;
 
  private:

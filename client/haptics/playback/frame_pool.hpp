@@ -21,8 +21,8 @@
 
 namespace hapticast::client {
 
-/// Weak references to the reliefs of one frame, for the views. A reference expires when the loop
-/// needs the frame no more. Thread: any.
+/// Weak references to the reliefs of one frame, for the views. A reference expires when neither a
+/// slot nor the relief cache owns the relief any more. Thread: any.
 struct PlayableReliefs {
   MediaTime media_time;
   std::vector<std::weak_ptr<const HeightField>> reliefs;  ///< one for each object
@@ -99,16 +99,17 @@ class FramePool {
 
   // Side of the decode thread.
 
-  /// Removes a free slot from the pool and writes its index to `index`. Returns false if the loop
-  /// occupies all slots. The caller then has to drop its frame and to count it. The call releases
-  /// the data of all free slots.
+  /// Removes a free slot from the pool and writes its index to `index`. Returns false if no slot is
+  /// free. The caller then has to drop its frame and count it as dropped. The call frees the data
+  /// of all slots that the loop has released.
   [[nodiscard]] bool acquire(Index& index) noexcept {
     clearReleased();
     if (empty_count_ == 0) return false;
     index = empty_[--empty_count_];
     return true;
   }
-  /// Returns the number of occupied slots. The call releases the data of all free slots.
+  /// Returns the number of occupied slots. The call frees the data of all slots that the loop has
+  /// released.
   [[nodiscard]] std::size_t occupied() noexcept {
     clearReleased();
     return kSlots - empty_count_;
@@ -124,6 +125,7 @@ class FramePool {
     }
     return sum;
   }
+  /// Returns an acquired slot, for the decode thread to fill.
   [[nodiscard]] Slot& slot(Index index) noexcept { return slots_[index]; }
   /// Passes a filled slot to the loop. The call cannot fail, because the ring has room for all
   /// slots.
@@ -133,6 +135,7 @@ class FramePool {
 
   /// Writes the index of the oldest filled slot to `index`. Returns false if there is none.
   [[nodiscard]] bool pop(Index& index) noexcept { return filled_.tryPop(index); }
+  /// Returns the frame in a filled slot. It is valid until release().
   [[nodiscard]] const PlayFrame& frame(Index index) const noexcept { return slots_[index].frame; }
   /// Returns a slot to the decode thread, which may fill it again.
   void release(Index index) noexcept { (void)free_.tryPush(index); }

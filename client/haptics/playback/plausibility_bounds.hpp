@@ -35,7 +35,8 @@ struct ObjectHistory {
   std::array<const PlayObject*, kFrames> object{};
   std::array<double, kFrames - 1> interval_s{};
 };
-/// Returns the bounds that the frames in `seen` support.
+/// Returns the largest motion between the frames kNow and kNow + 1 that the frames of `seen`
+/// support.
 PlausibilityBounds computePlausibilityBounds(const ObjectHistory& seen) noexcept;
 
 }  // namespace hapticast::client

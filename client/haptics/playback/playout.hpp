@@ -12,8 +12,8 @@
 
 namespace hapticast::client {
 
-/// Times and limits of the stream: one of the two inputs of the loop from other threads. The other
-/// one is UserControls. The struct owns no memory. Thread: network (writer), loop (reader of the
+/// Times and limits of the stream. The network thread passes them to the loop. (The main thread
+/// passes UserControls.) The struct owns no memory. Thread: network (writer), loop (reader of the
 /// latest value).
 struct StreamTiming {
   bool connected = false;  ///< the welcome of the server has arrived, and its clock is synchronised
@@ -32,9 +32,10 @@ struct StreamTiming {
 /// Computes play time: media clock - pipeline latency - playout delay.
 ///
 /// While a force acts, play time approaches changed targets slowly, so that it never jumps under
-/// the hand. The corrections of clock offset and delay together change play time by at most 2 % of
-/// the elapsed time. Without a force play time changes at once. Within a connection it never runs
-/// backwards: it waits until the target has reached it.
+/// the hand. Together the corrections of the clock offset and of the delay change play time by at
+/// most 2 % of the elapsed time. Without a force play time changes at once. Within a connection
+/// play time never decreases. If its target is earlier, play time stops until the target has
+/// reached it.
 class Playout {
  public:
   /// Returns play time of this tick. `now` is the local time and may have any value. `in_contact`
@@ -47,6 +48,7 @@ class Playout {
                     const UserControls& user = {}) noexcept;
   /// Makes play time start again at the next tick with a connection, as for a new connection.
   void resync() noexcept { resync_ = true; }
+  /// Returns the playout delay in use.
   [[nodiscard]] Duration delay() const noexcept { return delay_; }
 
  private:

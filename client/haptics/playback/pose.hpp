@@ -29,8 +29,7 @@ double secondsBetween(MediaTime a, MediaTime b) noexcept;
 /// two possible rotations.
 double rotationBetween(const Motion& from, const Motion& to) noexcept;
 
-/// Returns the pose of an object in its frame, at rest. The acceleration is that of the frame, but
-/// the velocities are 0.
+/// Returns the position, the angle and the acceleration of `motion`, with velocities of 0.
 Pose restingPose(const Motion& motion) noexcept;
 /// Returns the pose by linear interpolation of position, angle and acceleration. `interval_s` is
 /// the time from the frame of `from` to that of `to`, and it must be above 0. `time_s` is the time
@@ -55,14 +54,14 @@ struct VelocityJumps {
 /// of both frames. The acceleration is linear between the two.
 ///
 /// An impact between the frames causes a kink of the path at the time of the impact. The
-/// constructor removes the effect of the kinks from the end of the path, and at() adds it again.
-/// That is exact for a ballistic bounce. An impact that explains no part of the change of velocity
-/// is ignored.
+/// constructor subtracts the effect of the kinks from the second frame before it fits the curve.
+/// at() adds the effect again. That is exact for a ballistic bounce. The path ignores an impact
+/// that explains no part of the change of velocity.
 class HermitePath {
  public:
   HermitePath() = default;
   /// Computes all coefficients of the path. `from` and `to` are the same object in two frames,
-  /// `interval_s` apart. Requires interval_s > 0.
+  /// `interval_s` apart. `from_time` is the media time of the first frame. Requires interval_s > 0.
   HermitePath(const PlayObject& from, const PlayObject& to, MediaTime from_time,
               double interval_s) noexcept;
   /// Returns the pose at `time_s`, 0..interval_s after the first frame.
@@ -85,9 +84,9 @@ class HermitePath {
   VelocityJumps kinks_;
 };
 
-/// Returns the pose `time_s` after the last frame of the object, by dead reckoning. The velocity of
-/// the frame and its impacts move the object until `limit_s`. After that the object rests. The
-/// acceleration falls linearly to 0 until `limit_s`. Requires limit_s > 0.
+/// Returns the pose `time_s` after the frame of `from`, by dead reckoning. `from_time` is the media
+/// time of that frame. Its velocity and its impacts move the object until `limit_s`. After that the
+/// object rests. The acceleration falls linearly to 0 until `limit_s`. Requires limit_s > 0.
 Pose deadReckonedPose(const PlayObject& from, MediaTime from_time, double limit_s,
                       double time_s) noexcept;
 

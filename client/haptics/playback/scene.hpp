@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The scene: the touchable objects at one instant of play time. It has plain values. Its pointers
-// are valid until the next call of SceneInterpolator::at().
+// The scene: all objects at one instant of play time, in the form that the contact computation
+// reads. Its pointers are valid until the next call of SceneInterpolator::at().
 // Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 
@@ -19,9 +19,10 @@ namespace hapticast::client {
 enum class Lookup : std::uint8_t { kEmpty = 0, kInterpolated, kExtrapolated, kHeld, kStale };
 inline constexpr std::size_t kLookupKinds = 5;
 
-/// One object at play time. Its relief moves with the object. To read the relief, transform the
-/// point back into the frame `before`, and into `after` if there is one. Then blend the two values
-/// (surface_model.hpp). So only the change of the shape is blended.
+/// One object at play time. Its relief moves with the object. To read the relief at a point,
+/// transform the point into the frame `before`, and into `after` if there is one. Then blend the
+/// two values (surface_model.hpp). So the blend contains only the change of the shape, not the
+/// motion.
 struct InterpolatedObject {
   const PlayObject* before = nullptr;  ///< the object in the frame before play time; never null
   /// The object in the next frame. Null if there is no next frame, or if the object is missing in

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 // The safety chain computes the force for the device from the displacement and the dynamic force.
-// The result is safe for device and hand, whatever the stream sends. No force bypasses the chain.
-// client/haptics/safety/README.md has its eleven steps, their laws and their constants.
+// The result is safe for device and hand, for every possible input from the stream. No force
+// bypasses the chain. In each tick it checks the numbers, meters the energy and detects
+// oscillations. It computes the force by the wall law and adds the dynamic force. Then it fades the
+// force, limits its magnitude (peak, heat, energy tank) and its step, and updates trust.
+// client/haptics/safety/README.md has all eleven steps, their laws and their constants.
 // Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 
@@ -19,8 +22,8 @@
 
 namespace hapticast::client {
 
-/// Switches off single steps of the chain, to measure their effect. Only the tests and
-/// hapticast-evaluate use it.
+/// One switch for each optional step of the chain: false omits the step, so that its effect can be
+/// measured. Only the tests and hapticast-evaluate use it.
 struct SafetyLinks {
   bool stiffness_limit = true;
   bool damping = true;
@@ -91,8 +94,8 @@ class SafetyChain {
   /// Copies the limits out of `profile`. The object does not need `profile` afterwards.
   explicit SafetyChain(const DeviceProfile& profile, const SafetyLinks& links = {}) noexcept;
 
-  /// Runs all steps of the chain for one tick. Returns the force for the device and a report of
-  /// what the chain did.
+  /// Runs all steps of the chain for one tick. Returns the force for the device, and a report of
+  /// the actions of the chain.
   SafetyOutput step(const SafetyInput& input) noexcept;
   /// Returns true if the force of the last tick was not zero.
   [[nodiscard]] bool acts() const noexcept { return last_.force_N != Vec3::Zero(); }
@@ -113,13 +116,13 @@ class SafetyChain {
   void awaitConfirmation() noexcept { halt_ = Halt::kUnconfirmed; }
   /// Returns the cause of the present halt, or Halt::kNone.
   [[nodiscard]] Halt halt() const noexcept { return halt_; }
-  /// Returns the safety action that used up most of the trust.
+  /// Returns the safety action that contributed most to the loss of trust.
   [[nodiscard]] SafetyAction findDistrusted() const noexcept { return trust_.findMostFrequent(); }
-  /// Sets the delay back to the profile's value, after a new connection. The change happens as soon
-  /// as there is no contact and no force.
+  /// Call it at a new connection. It sets the delay back to the profile's value, as soon as there
+  /// is no contact and no force.
   void newConnection() noexcept { forget_delay_ = delay_ticks_ != profile_delay_ticks_; }
-  /// Returns the count of safety actions that the stream caused, ticks. Trust ends at
-  /// Trust::kMost_ticks.
+  /// Returns Trust::score(): the number of ticks in which the stream caused a safety action. Trust
+  /// is lost at Trust::kMost_ticks.
   [[nodiscard]] double trustScore() const noexcept { return trust_.score(); }
   /// Returns the work of the force since the start, by its cause.
   [[nodiscard]] const PortWork& work() const noexcept { return ports_.work(); }

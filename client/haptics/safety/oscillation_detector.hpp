@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Oscillation detection at a wall. It recognises swings and bounces of the HIP that no hand causes.
-// They show that the device answers later than its profile declares.
-// client/haptics/safety/README.md, "Delay longer than declared", has the measurements.
+// Oscillation detection at a wall. Swings and bounces that no hand can cause show that the delay of
+// the device is longer than its profile declares. Two detectors recognise them: by twelve reversals
+// of the HIP in a row, and by three bounces in a row. client/haptics/safety/README.md, "Delay
+// longer than declared", has the measurements.
 // Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 
@@ -18,6 +19,7 @@ namespace hapticast::client {
 /// less than half of the swing meanwhile.
 class OscillationDetector {
  public:
+  /// `count_mm` is the size of an encoder count.
   explicit OscillationDetector(double count_mm) noexcept : least_swing_mm_(3.0 * count_mm) {}
 
   /// Processes one tick. `moved_mm` and `surface_mm` are the motions of HIP and surface along the
@@ -67,6 +69,7 @@ class BounceDetector {
     bool acts;  ///< true if a force acts in this tick
     bool jump;  ///< the position does not continue that of the tick before
   };
+  /// `mass_kg` is the mass of the bare device.
   explicit BounceDetector(double mass_kg) noexcept : mass_kg_(mass_kg) {}
 
   /// Processes one tick. `delay_ticks` is the result of SafetyChain::delayTicks(). Returns true if

@@ -24,12 +24,13 @@ struct PortWork {
   /// Work of the wall and of virtual inertia in the surface's own motion. This push is intended.
   double surface_mJ = 0.0;
   double object_mJ = 0.0;  ///< work of the object's dynamic force in the HIP's motion
+  /// Returns the whole work on the hand.
   [[nodiscard]] double user_mJ() const noexcept { return relative_mJ + surface_mJ + object_mJ; }
 };
 
-/// Remembers the surface's motion of the last ticks. The contact is computed for the predicted HIP,
-/// so its surface is some ticks ahead of the measured position. The meters need the motion at the
-/// measured position.
+/// Stores the motion of the surface in the last ticks. The contact is computed for the predicted
+/// HIP, so its surface is some ticks ahead of the measured position. The meters need the motion at
+/// the measured position.
 class SurfaceHistory {
  public:
   /// Adds the surface's motion in one tick (mm), `ticks_ahead` ticks before it happens.
@@ -73,6 +74,7 @@ struct PortTick {
 /// half a count. It multiplies each motion by the mean force since the last motion on that axis.
 class PassivityObserver {
  public:
+  /// `delay_ticks` is as in setDelay(). `count_mm` is the size of an encoder count.
   PassivityObserver(int delay_ticks, double count_mm) noexcept : half_count_mm_(0.5 * count_mm) {
     setDelay(delay_ticks);
   }

@@ -36,13 +36,13 @@ inline constexpr std::array<const char*, 16> kSafetyActionNames = {
     "not_finite", "surface_speed", "stiffness", "no_pull", "peak",    "slew",
     "fade",       "unarmed",       "residue",   "jump",    "damping", "passivity",
     "tank",       "thermal",       "latency",   "doubted"};
-/// Returns the bit of `which` in TickReport::interferences.
+/// Returns the bit of `which` in TickReport::safety_actions.
 constexpr std::uint32_t bit(SafetyAction which) noexcept {
   return std::uint32_t{1} << static_cast<unsigned>(which);
 }
 
-/// Returns a text for the user that describes the action. The text is empty for actions that a hand
-/// does not notice.
+/// Returns a text for the user that describes the action. The text is empty for actions that have
+/// no perceptible effect.
 constexpr const char* toText(SafetyAction which) noexcept {
   switch (which) {
     case SafetyAction::kStiffness:

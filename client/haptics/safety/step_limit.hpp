@@ -13,9 +13,8 @@ namespace hapticast::client {
 inline constexpr double kDamperSpeed_mm_s =
     300.0;  ///< the wall's damper uses at most this speed; the value is a choice
 
-/// Bounds the motion of the HIP by the measured positions of the last ticks. A velocity filter
-/// turns one encoder count into a jump of the velocity (56 mm/s a count). So the limit must not use
-/// it.
+/// Bounds the motion of the HIP by the measured positions of the last ticks. The slew limit must
+/// not use the filtered velocity, because a single encoder count changes that velocity by 56 mm/s.
 class CountedMotion {
  public:
   /// `count_mm` is the size of an encoder count.
@@ -61,9 +60,11 @@ struct StepState {
 
 /// Part of a step of the force that the hand's motion explains.
 struct MotionExplainedStep {
-  /// The damper explains this change of the force, or any part of it, along the normal.
+  /// Change of the force that the damper explains, along the normal. It also explains any part of
+  /// this change.
   Vec3 damper_N = Vec3::Zero();
-  /// The spring explains a change of this size in any direction, because a relief is curved.
+  /// Largest change that the spring explains. The direction is arbitrary, because a relief is
+  /// curved.
   double spring_N = 0.0;
 };
 /// Returns the part of the step from `last` to `now` that the motion of the hand explains.
@@ -81,9 +82,9 @@ struct MotionExplainedStep {
 /// explains nothing either: if the motion does not occur, a stream would cause the steps.
 MotionExplainedStep computeStepAllowedByMotion(const StepState& now,
                                                const StepState& last) noexcept;
-/// Returns the largest part of the step that a hand can explain, by the velocity filter. Within it,
-/// a step may be the hand's, because one count moves that velocity by 56 mm/s. Beyond it, the
-/// stream caused the step. Trust uses this part, and the limit uses computeStepAllowedByMotion().
+/// Returns the largest part of the step that a hand can have caused. The function uses the filtered
+/// velocity, so the result is more generous than that of computeStepAllowedByMotion(). The stream
+/// has caused every step that is larger. Trust uses this result; the limit does not.
 MotionExplainedStep computeStepPossibleByHand(const StepState& now, const StepState& last) noexcept;
 
 /// Limits the step of the force in a tick. The limit is the part that the hand explains plus the

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Trust in a stream: a counter of the ticks in which the stream caused a safety action. The count
-// decays with time. The force ends when the count reaches a threshold. Without the counter the
-// limits alone would let a stream shake a hand for ever.
+// decays with time. The force ends when the count reaches a threshold. Without the counter, a
+// stream could shake a hand without end, within the limits of the other steps.
 // Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 
@@ -13,12 +13,14 @@
 
 namespace hapticast::client {
 
+/// The counter of one stream.
 class Trust {
  public:
   /// The safety actions that count. The selection was measured (client/haptics/safety/README.md,
   /// "Trust"): a stream causes these actions, and a hand cannot cause them. A jump counts only if
-  /// the stream caused it. The other actions have honest causes. A hand reaches the peak, a cut
-  /// disarms, an author requests stiff walls, and a late device makes a contact generate energy.
+  /// the stream caused it. The other actions also occur with honest streams. A hand reaches the
+  /// peak, a cut of the video disarms, an author requests stiff walls, and a late device makes a
+  /// contact generate energy.
   static constexpr std::array<SafetyAction, 5> kCounted = {
       SafetyAction::kImplausible, SafetyAction::kTank, SafetyAction::kSlew,
       SafetyAction::kSurfaceSpeed, SafetyAction::kJump};
@@ -35,8 +37,8 @@ class Trust {
   /// second keeps its trust, and one that starts again every 0.3 s loses it within 1.2 s.
   static constexpr double kJumpCost_ticks = 70.0;
 
-  /// Jumps within this many ticks are one. Chosen: a surface that moves too fast jumps in every
-  /// tick.
+  /// Jumps within this many ticks count as one. Chosen: a surface that moves too fast jumps in
+  /// every tick.
   static constexpr int kJumpPause_ticks = 100;
 
   /// Adds one tick. `safety_actions` has one bit for each safety action of the tick. `scene_jumped`

@@ -14,8 +14,8 @@ namespace hapticast::client {
 /// depends on tau.
 double wallLead_s(int delay_ticks) noexcept;
 /// Returns K_max = min(10, 0.64 m / tau²) in N/mm. K_max is the stiffest wall at which the HIP
-/// swings by at most 2 counts after an impact. Factor and tau were
-/// measured together (client/haptics/stability.md).
+/// swings by at most 2 counts after an impact. The factor and tau were measured together
+/// (client/haptics/stability.md).
 double stiffnessLimit_N_mm(double mass_kg, int delay_ticks) noexcept;
 double stiffnessLimit_N_mm(const DeviceProfile& profile) noexcept;
 /// Returns the damping of the wall law (N·s/m) for the stiffness K = `stiffness_N_mm` along the
@@ -23,14 +23,15 @@ double stiffnessLimit_N_mm(const DeviceProfile& profile) noexcept;
 /// wall it falls to half of sqrt(K m), because the delay then needs less damping. Damping also adds
 /// an error of the force in motion.
 double wallDamping_Ns_m(double stiffness_N_mm, double mass_kg, double limit_N_mm) noexcept;
-/// Returns the largest sum (N·s/m) of the law's damping and an author's damping. The result is a
-/// share of m / (T/2 + (d + 1) T), with the mass m, the tick T and the delay d in ticks. The
-/// estimate of the velocity costs the additional tick. A damper of the full m / (T/2 + d T) would
-/// be unstable because of its own delay. The law's damping alone may exceed the result.
+/// Returns the largest sum (N·s/m) of the law's damping and an author's damping. The result is 0.35
+/// m / (T/2 + (d + 1) T), with the mass m, the tick T and the delay d in ticks. The estimate of the
+/// velocity adds one tick of delay. A damper of the full m / (T/2 + d T) would be unstable because
+/// of its own delay. The law's damping alone may exceed the result.
 double dampingLimit_Ns_m(double mass_kg, int delay_ticks) noexcept;
 
-/// Limit of the damper's force, so that no first touch is a blow. The limit is 0.04 N plus the
-/// smaller of two forces: the spring's force, and a bound that grows with every tick in contact.
+/// Limit of the damper's force. It prevents a blow at the begin of a contact. The limit is 0.04 N
+/// plus the smaller of two forces: the spring's force, and a bound that grows with every tick in
+/// contact.
 class DamperLimit {
  public:
   /// Advances the growing bound by one tick. If `contact` is true, the bound grows, else it

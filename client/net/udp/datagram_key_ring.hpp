@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Keys of the sealed datagrams of one stream, on the client's side (proto/datagrams.md).
-// Each key has an expiry and a sliding window of the counters that it has opened (as in RFC 6479),
-// so that no sealed datagram counts twice. Times are arguments. Thread: network.
+// Keys of the sealed datagrams of one stream, on the client's side (proto/datagrams.md). Each key
+// has an expiry time, and a sliding window of the counters of the datagrams that it has opened
+// (replay protection as in RFC 6479). So the client opens no sealed datagram twice. Times are
+// arguments. Thread: network.
 #pragma once
 
 #include <array>
@@ -17,14 +18,14 @@
 
 namespace hapticast::client {
 
-/// Sliding window of counters: which of the last ones have come.
+/// Sliding window over the last kCounters counters. It has one bit for each counter that was added.
 class CounterWindow {
  public:
-  /// Size of the window. The value is a choice: the parts of four frames of 8 MiB, so that all
-  /// copies of a datagram lie in it.
+  /// Size of the window. The value is a choice: the fragments of four frames of 8 MiB, so that all
+  /// sends of a datagram lie in it.
   static constexpr std::uint64_t kCounters = 32'768;
 
-  /// Returns whether `counter` has come already, or is too old for the window.
+  /// Returns true if `counter` was added, or if it is too old for the window.
   [[nodiscard]] bool has(std::uint64_t counter) const noexcept;
   /// Registers `counter`. Requires !has(counter).
   void add(std::uint64_t counter) noexcept;
@@ -49,23 +50,23 @@ class DatagramKeyRing {
   /// and `key` is still the newest key, the ring retains its window of received counters. So
   /// repeated datagrams stay rejected. Throws std::runtime_error if OpenSSL fails.
   void begin(const std::optional<DatagramKey>& key);
-  /// Adds a new key of the stream. The keys before expire after `key.grace`, or as they would have
-  /// anyway. Throws std::runtime_error if OpenSSL fails.
+  /// Adds a new key of the stream. The earlier keys expire after `key.grace`, unless they expire
+  /// sooner. Throws std::runtime_error if OpenSSL fails.
   void add(const DatagramKey& key, LocalTime now);
-  /// Returns whether datagrams with frames must be sealed.
+  /// Returns true if datagrams with frames must be sealed.
   [[nodiscard]] bool sealed() const { return !keys_.empty(); }
 
-  /// Result of the cheap check of a datagram.
+  /// Result of check().
   enum class Check : std::uint8_t {
-    kOpenable,  ///< its key is valid and its counter is new, or nothing has to be opened
-    kRepeated,  ///< its counter has come already, or is too old
-    kNoKey,     ///< its key is unknown or expired, or it is not sealed though it must be
+    kOpenable,  ///< its key is valid and its counter is new, or it is not sealed
+    kRepeated,  ///< its counter has already arrived, or is too old
+    kNoKey,     ///< its key is unknown or expired, or a required seal is missing
   };
-  /// Checks the key and the counter of a datagram. It changes nothing, so call it before the
-  /// signature is verified.
+  /// Checks the key and the counter of a datagram. It is cheap and changes nothing, so call it
+  /// before the signature is verified.
   [[nodiscard]] Check check(const Datagram& datagram, LocalTime now) const;
-  /// Opens a datagram of the result kOpenable, with a valid signature: its payload becomes
-  /// readable. Returns false if its tag is wrong. The payload is valid until the next call.
+  /// Decrypts a datagram and sets its payload. Requires the result kOpenable and a valid signature.
+  /// Returns false if the authentication tag is wrong. The payload is valid until the next call.
   [[nodiscard]] bool open(Datagram& datagram);
 
  private:

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Estimates the loss of datagrams, and the redundancy that the loss requires. Redundancy: the
 // number of times that the server sends each datagram. The estimator counts how often each fragment
-// arrives. So it measures the loss of single datagrams, and it measures how many fragments are lost
-// in all their sends. Losses in bursts increase the second value more than independent losses do.
-// Times are arguments. Thread: network.
+// arrives. From these counts it computes two values: the loss of single datagrams, and the share of
+// the fragments that are lost in all their sends. Burst losses increase the second value more than
+// independent losses do. Times are arguments. Thread: network.
 #pragma once
 
 #include <array>
@@ -28,11 +28,11 @@ class LossEstimator {
   /// Number of frames after which a missing fragment counts as lost. The sends of a datagram are at
   /// most three frames apart.
   static constexpr std::uint64_t kSettled = 8;
-  /// The redundancy falls only after it was not needed for this time. A network with burst losses
-  /// also has times without losses.
+  /// The redundancy decreases only after a lower one was sufficient for this time. A network with
+  /// burst losses also has times without losses.
   static constexpr Duration kPatience = std::chrono::seconds(30);
-  /// The same time for the redundancy at the start, which no measurement asked for. The value is a
-  /// choice.
+  /// The same time for the redundancy at the start, which no measurement has required. The value is
+  /// a choice.
   static constexpr Duration kFirstPatience = std::chrono::seconds(2);
 
   /// Starts with the redundancy `copies`. If `fixed` is true, the redundancy never changes,

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Selection of the transport: multicast, UDP, or TCP as the fallback. While the selector tries a
-// transport, another one still delivers frames. The client changes to the new transport once it has
-// worked. After a failure the selector tries the next transport, and after half a minute the best
-// one again. Times are arguments.
+// Selection of the transport: multicast, UDP, or TCP as the fallback. While the selector tries
+// multicast or UDP, the server still sends the frames over TCP. When frames arrive by the new
+// transport, the client stops those of TCP. After a failure the selector tries the next transport,
+// and after half a minute the first one again. Times are arguments.
 // Thread: network.
 #pragma once
 
@@ -47,19 +47,21 @@ struct DeliveryStats {
 /// carries out its decisions.
 class TransportSelector {
  public:
-  /// A new transport fails if frames arrive only over TCP for this time.
+  /// A new transport counts as failed if frames arrive only over TCP for this time.
   static constexpr Duration kPatience = std::chrono::seconds(1);
   /// A transport that has worked is suspected if it delivers no frame for this time, and for
   /// kSilentFrames frame intervals. The values are a choice: the force begins to fade 0.4 s after
   /// the last frame, and bursts of losses are shorter.
   static constexpr Duration kSilence = std::chrono::milliseconds(400);
   static constexpr int kSilentFrames = 4;
-  /// A suspected transport fails if frames arrive only over TCP for this time. The value is a
-  /// choice: the largest difference between the delays of two working transports.
+  /// A suspected transport counts as failed if frames arrive only over TCP for this time. The value
+  /// is a choice: the largest difference between the delays of two working transports.
   static constexpr Duration kRace = std::chrono::milliseconds(200);
+  /// Time from a failure until the selector tries the first transport again.
   static constexpr Duration kTryAgain = std::chrono::seconds(30);
-  /// Longest time in which frames arrive by a transport but no probe does. A probe is a datagram of
-  /// full size. The value is a choice: the time of four probes of a group.
+  /// A transport counts as failed if it delivers frames for this time, but no probe. A probe is a
+  /// datagram of full size. The value is a choice: the time in which a multicast group sends four
+  /// probes.
   static constexpr Duration kProbePatience = std::chrono::seconds(2);
 
   /// `transports` are the available transports, in the order of preference. The last one must be
@@ -74,6 +76,7 @@ class TransportSelector {
 
   /// Registers that a probe (a datagram of full size) has arrived.
   void probed() { probed_ = true; }
+  /// Returns true if a probe has arrived by the present transport.
   [[nodiscard]] bool wasProbed() const { return probed_; }
   /// Registers a complete frame that arrived by the present transport.
   void onCompleteFrame(std::uint64_t id, LocalTime now);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Reception of frames by datagrams, in addition to a TCP session. It registers this client's
-// address at the server by echoes. An echo is a datagram in which the client returns the token that
-// the server sent over TCP. The class passes authentic fragments to the Receiver, and opens the
-// transport that the TransportSelector selects.
+// Reception of frames by datagrams, in addition to a TCP session. To register its UDP address at
+// the server, the client sends echoes. An echo is a datagram that returns the token that the server
+// sent over TCP. The class opens the socket of the transport that the TransportSelector selects,
+// and passes authentic fragments to the Receiver.
 // Thread: network.
 #pragma once
 

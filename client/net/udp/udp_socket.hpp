@@ -31,8 +31,8 @@ struct DatagramCounts {
   std::uint64_t astray = 0;       ///< the id of the frame is too far from the present frames
   std::uint64_t forged = 0;       ///< the signature is invalid
   std::uint64_t over_budget = 0;  ///< not verified, because the token bucket was empty
-  /// Sealed with a key that the client does not have (any more), with a wrong tag, or not sealed
-  /// although the stream is.
+  /// Datagrams that could not be opened: the client does not have the key, the authentication tag
+  /// is wrong, or the seal is missing in a sealed stream.
   std::uint64_t not_opened = 0;
 
   DatagramCounts operator+(const DatagramCounts& other) const;
@@ -40,8 +40,8 @@ struct DatagramCounts {
 
 /// Verifies the datagrams that arrive at one socket. Cheap checks are first (token, stream,
 /// duplicate, key), then the signature, and last the seal. A token bucket limits the number of
-/// verifications per second, so that a flood uses a bounded computing time. Times are arguments.
-/// The code opens no sockets. Thread: network.
+/// signature verifications per second, so that a flood of datagrams costs a bounded computing time.
+/// Times are arguments. The code opens no sockets. Thread: network.
 class DatagramVerifier {
  public:
   /// Rate and size of the token bucket. The values are a choice: 240 frames/s of eight datagrams.
@@ -56,8 +56,8 @@ class DatagramVerifier {
 
   using IsWanted = std::function<FrameAssembler::Want(const DatagramHeader&)>;
   /// Returns the datagram in `bytes` if the server has signed it and it is new. Otherwise returns
-  /// nullopt and counts the reason. `want` returns the class of a fragment, such as a duplicate. A
-  /// probe always counts as new. The payload is valid until the next call.
+  /// nullopt and counts the reason. The function calls `want` to classify a fragment, for example
+  /// as a duplicate. A probe always counts as new. The payload is valid until the next call.
   std::optional<Datagram> verify(std::span<const std::uint8_t> bytes, LocalTime now,
                                  const IsWanted& want);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Handling of a lost X display or window. Without it Xlib would end the process at once, while a
-// force acts on the hand.
+// Handles the loss of the X display or of the window. Without these handlers Xlib would end the
+// process at once, while a force acts on the hand.
 // Thread: main.
 #pragma once
 
@@ -8,12 +8,12 @@
 
 namespace hapticast::client {
 
-/// Replaces Xlib's error handlers. The new ones only record that the display or `window` is lost.
-/// Call it for every new window. Without X it does nothing.
+/// Replaces Xlib's error handlers. The new handlers only record that the display or `window` is
+/// lost. Call it for every new window. It does nothing if the window system is not X.
 void surviveDisplay(SDL_Window& window);
 
-/// Processes an SDL event. If it says that the display has removed the window, displayIsLost() is
-/// true from then on.
+/// Processes `event`. If it reports that the display has removed the window, displayIsLost()
+/// returns true from then on.
 void handleDisplayEvents(const SDL_Event& event);
 
 /// Returns true if the window of the last surviveDisplay() is lost. Then the caller must not call

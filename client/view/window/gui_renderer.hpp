@@ -21,10 +21,11 @@ namespace hapticast::client {
 /// The images that the window shows.
 enum class GuiImage : std::uint8_t { kScene, kForcePlot, kPenetrationPlot };
 
+/// Draws ImGui's output with an SDL renderer.
 class GuiRenderer {
  public:
-  /// Draws with `renderer`. Requires a current ImGui context. Context and `renderer` must outlive
-  /// this object.
+  /// The object draws with `renderer`. Requires a current ImGui context. The context and `renderer`
+  /// must outlive this object.
   explicit GuiRenderer(SDL_Renderer& renderer);
 
   /// Sets the height of the text, from the next frame on. Call it between two frames.
@@ -32,6 +33,7 @@ class GuiRenderer {
   /// Uploads `image` (CV_8UC3), which replaces the last image of `kind`. Returns its texture for
   /// ImGui, which is valid until the next call for `kind`.
   [[nodiscard]] ImTextureID upload(GuiImage kind, const cv::Mat& image);
+  /// Draws `data`, the output of ImGui for one frame.
   void paint(const ImDrawData& data);
 
  private:

@@ -12,9 +12,9 @@ namespace hapticast::client {
 /// Rectangles of the window's parts, px of the window. The panel is at the right edge.
 struct WindowLayout {
   int text_px = 15;       ///< height of the text
-  double head_px = 27.0;  ///< height of the line of status above the picture
+  double head_px = 27.0;  ///< height of the status line above the picture
   double panel_px = 0.0;  ///< width of the panel; 0 while it is folded
-  /// Upper left corner and size of the room for the picture.
+  /// Upper left corner and size of the rectangle for the picture.
   Vec2 corner = Vec2::Zero();
   Vec2 room = Vec2::Zero();
 
@@ -25,10 +25,11 @@ struct WindowLayout {
 inline constexpr double kFoldBelow_px = 900.0;
 
 /// Returns the layout of a window of the size `window_px`. `panel_wanted` is the user's choice, if
-/// there is one. The panel never takes more than a third of the width.
+/// there is one. The panel is never wider than a third of the window.
 [[nodiscard]] WindowLayout arrangeWindow(const Vec2& window_px, std::optional<bool> panel_wanted);
 
-/// Returns the width of the buttons that stand beside the status line while the panel is folded.
+/// Returns the width of the buttons beside the status line, px. They exist only while the panel is
+/// folded; otherwise the width is 0.
 [[nodiscard]] inline double buttonsWidth_px(const WindowLayout& layout) {
   return layout.isFolded() ? 13.0 * layout.text_px : 0.0;
 }

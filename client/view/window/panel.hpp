@@ -21,7 +21,8 @@ struct PanelState {
   bool help = false;
   bool outline = false;
   ReliefLook relief = ReliefLook::kNone;
-  /// The user's choice: true shows the panel, false folds it. Empty: the window's width decides.
+  /// The user's choice: true shows the panel, false folds it. nullopt: the width of the window
+  /// decides.
   std::optional<bool> panel = std::nullopt;
   bool folded = false;  ///< true: the last drawing had no panel
   /// Value of the friction slider. It applies only if the user replaces the author's friction.
@@ -51,8 +52,8 @@ void showPanel(const WindowLayout& layout, const TickStatus& ticks, const ForceH
 /// panel and show the help.
 void showButtons(const WindowLayout& layout, PanelState& state);
 
-/// Draws the list of keys and the legend in the middle of the room for the picture. Sets `open` to
-/// false if the user closes the list.
+/// Draws the list of keys and the legend in the middle of the rectangle for the picture. Sets
+/// `open` to false if the user closes the list.
 void showHelp(const WindowLayout& layout, bool& open);
 
 /// Writes a line for each mark in the picture, in the colour of the mark.

@@ -25,8 +25,8 @@ enum class ReliefLook : std::uint8_t { kNone, kShaded, kInSpace };
 /// The reliefs of the rendered frame.
 class WindowRelief {
  public:
-  /// Largest number of stored frames. The loop stores as many, and the reliefs of older frames no
-  /// longer exist.
+  /// Largest number of stored frames. The frame pool has the same number of slots, so the reliefs
+  /// of older frames may no longer exist.
   static constexpr std::size_t kMostFrames = 32;
 
   /// Stores a frame, which has weak references to its reliefs.

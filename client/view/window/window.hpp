@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The window. It shows the video at play time with the HIP and the forces, and the panel beside it.
-// Its pointer can be a device.
+// The window. It shows the video at play time with the HIP and the forces, and a panel with
+// controls. Its pointer can move the HIP (device `mouse`).
 // Thread: onPicture() and onFrame() any, everything else main.
 #pragma once
 

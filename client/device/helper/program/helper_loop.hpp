@@ -4,7 +4,7 @@
 //   2. exchange() commands the newest force and returns a reading. The page passes it to the
 //   client.
 //   3. The loop waits briefly for the client's force of this reading, and commands it at once.
-// A second thread calls monitor(). It commands zero if a call of the driver hangs.
+// A second thread calls monitor(), which commands zero if a call of the driver hangs.
 // Thread: each function states its own.
 #pragma once
 
@@ -27,12 +27,13 @@ class HelperLoop {
 
   /// Runs ticks until end() was called and the force is zero. Thread: the loop's.
   void run() noexcept;
-  /// Ends run() within some 12 ms: the force descends to zero first. Thread: any.
+  /// Makes run() end within some 12 ms, after the force has descended to zero. Thread: any.
   void end() noexcept { ending_.store(true, std::memory_order_relaxed); }
   /// Returns true after the end of run(). Thread: any.
   [[nodiscard]] bool ended() const noexcept { return ended_.load(std::memory_order_acquire); }
-  /// Commands zero if a call of the driver has lasted too long while a force acts. Returns how long
-  /// the present call has lasted. Thread: one other than the loop's.
+  /// Commands zero if the present call of the driver has lasted more than 20 ms while a force acts.
+  /// Returns the duration of the present call, or 0 without a call. Thread: one other than the
+  /// loop's.
   Duration monitor() noexcept;
 
  private:

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The program hapticast-device: one driver in a process of its own. The client starts it, and ends
-// it by closing its socket. Threads: main (list, open, close of the driver), loop, and one that
-// watches the socket and the loop.
+// The program hapticast-device runs one driver in a process of its own. The client starts the
+// program. To end it, the client closes the socket between them. Threads: main (list, open, close
+// of the driver), loop, and one that watches the socket and the loop.
 // Thread: main.
 #pragma once
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A shared library of a device's maker, which a built-in driver loads at run time. The build needs
-// neither the library nor its headers.
+// Loads a shared library of a device's manufacturer at run time, for a built-in driver. So the
+// build needs neither the library nor its headers.
 // Thread: main.
 #pragma once
 
@@ -11,11 +11,13 @@
 
 namespace hapticast::client {
 
-/// A loaded library. It remains loaded until the process ends: its threads may outlive a device.
+/// A loaded library. It remains loaded until the process ends, because its threads may still run
+/// after a device is closed.
 class Library {
  public:
   /// Loads the file of --device-option library=FILE, else the first of `names` that exists. `owner`
-  /// is the maker's product, for the reason. Throws std::runtime_error (one line).
+  /// is the manufacturer's product; the error message names it. Throws std::runtime_error (one
+  /// line).
   Library(const hapticast_host& host, const std::string& owner,
           std::initializer_list<const char*> names);
 

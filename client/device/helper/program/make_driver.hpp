@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// A built-in driver from a C++ class: makeDriver() fills the table of hapticast_device.h. An
-// exception of the class becomes the text `why` of the C interface. The class is
+// Converts a C++ class to a driver: makeDriver() fills the table of functions of
+// hapticast_device.h. An exception of the class becomes the text `why` of the C interface. The
+// class has this form:
 //   class Device {
 //     static void list(const hapticast_host& host, const FoundDevice& found);  // may throw
 //     Device(const hapticast_host& host, const char* id, hapticast_profile& profile);  // may throw
@@ -28,13 +29,13 @@
 
 namespace hapticast::client {
 
-/// Receives the serial number of a detected device, and the reason why it cannot be opened with the
-/// remedy; empty: it can.
+/// Receives a detected device: its serial number `id`, and in `problem` the reason why it cannot be
+/// opened, with the remedy. An empty `problem` means that it can be opened.
 using FoundDevice = std::function<void(const std::string& id, const std::string& problem)>;
 
 inline constexpr std::size_t kReason_bytes = 256;  ///< size of `why` in hapticast_device.h
 
-/// Copies `text` into a buffer of the C interface, cut to its `size`.
+/// Copies `text`, with a final zero, into the buffer `to` of `size` bytes. Truncates a longer text.
 inline void copyText(std::string_view text, char* to, std::size_t size) {
   to[text.copy(to, size - 1)] = '\0';
 }
@@ -88,8 +89,8 @@ struct DriverFunctions {
   static void close(hapticast_device* device) { delete &cast(device); }
 };
 
-/// Returns the table of the driver that `Device` is: `name`, `about` and `flags` as in
-/// hapticast_driver. Requires: the texts live as long as the table.
+/// Returns the driver table for the class `Device`. `name`, `about` and `flags` are as in
+/// hapticast_driver. The texts must outlive the table.
 template <class Device>
 hapticast_driver makeDriver(const char* name, const char* about, std::uint32_t flags = 0) {
   using Functions = DriverFunctions<Device>;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// Takes the network from the helper process: a seccomp filter refuses internet sockets. A driver
-// whose device is reached through a network declares that (HAPTICAST_NEEDS_NETWORK).
+// Blocks the network for the helper process by a seccomp filter. A driver that needs the network to
+// reach its device declares that (HAPTICAST_NEEDS_NETWORK), and its process has no filter.
 // Thread: main, before the driver starts threads.
 #pragma once
 
 namespace hapticast::client {
 
-/// Refuses new IPv4, IPv6 and packet sockets, and io_uring, in this process for ever: socket() then
+/// Blocks new IPv4, IPv6 and packet sockets, and io_uring, until the process ends: socket() then
 /// fails with EACCES. Returns false if the kernel has no seccomp.
 bool refuseNetwork() noexcept;
 
