@@ -53,6 +53,16 @@ const std::map<std::string, std::string>& devices() {
   return kDevices;
 }
 
+/// Returns a hint for the name of a product, for example "omni".
+std::string productHint(const std::string& text) {
+  const std::string word = " " + toLower(text) + " ";
+  for (const DeviceKind& kind : deviceKinds()) {
+    if ((" " + std::string(kind.products)).find(word) != std::string::npos)
+      return std::string("; did you mean ") + kind.name + "?";
+  }
+  return "";
+}
+
 std::string deviceHelp() {
   std::string help =
       "The haptic device; auto (default): a connected device, else the mouse if there is a window, "
@@ -156,7 +166,7 @@ void addDriverOption(CLI::App& app, Settings& settings) {
 }
 
 void addDeviceOptions(CLI::App& app, Settings& settings) {
-  addChoice(app, "--device", settings.device, devices(), deviceHelp());
+  addChoice(app, "--device", settings.device, devices(), deviceHelp(), productHint);
   addDriverOption(app, settings);
   app.add_option("--profile", settings.profile,
                  "The limits of the device: omni (default), falcon, or a file "
@@ -207,7 +217,8 @@ void addFalconOptions(CLI::App& app, Settings& settings) {
                "List the kinds of devices and the connected devices, and end");
   addChoice(app, "--check-device", settings.check_device, devices(),
             "Check that the motion of a device follows its commands, in sign, axis and size, and "
-            "end. Hold the grip loosely: it is pushed with 0.3 N");
+            "end. Hold the grip loosely: it is pushed with 0.3 N",
+            productHint);
   if (!hasDevice("falcon")) return;
   addFalconOption(app, settings, "firmware", "FILE",
                   "The Falcon's firmware, a file of your own, loaded after each power-up; default: "
@@ -246,10 +257,18 @@ void addDeliveryOptions(CLI::App& app, DeliverySettings& delivery) {
       ->type_name("NAME|ADDRESS");
 }
 
+void addMaxDelay(CLI::App& app, Settings& settings) {
+  addNumber(app, "--max-delay", settings.max_delay_ms, 20.0, 2000.0, "MS",
+            "The largest playout delay; default: 2000. The client adapts the delay to the network. "
+            "A stream that needs more counts as interrupted: the force fades");
+}
+
 void addViewOptions(CLI::App& app, Settings& settings) {
   addChoice(app, "--view", settings.view, kViews,
             "The window: auto (default; on if there is a display and none of --hand, --seconds, "
             "--screenshot is set), on, or off. F1 in the window lists the keys");
+  app.add_flag("--fullscreen", settings.fullscreen,
+               "The window fills the screen; F11 changes that");
   addChoice(app, "--forces", settings.forces, kForces,
             "The rendered forces: both (default), static or dynamic; S and D in the window");
   if (kHasSound) {
@@ -279,7 +298,8 @@ void addOutputOptions(CLI::App& app, Settings& settings) {
                  "else in ~/.local/state")
       ->type_name("DIR");
   addNumber(app, "--seconds", settings.seconds, 0.001, 1e9, "S",
-            "Stop after S seconds; default: at Ctrl-C");
+            "Stop S seconds after the first frame, or if no server answers for S seconds; default: "
+            "at Ctrl-C");
   app.add_flag("--quiet", settings.quiet, "Only warnings and errors");
 }
 
@@ -296,6 +316,7 @@ std::unique_ptr<CLI::App> commandLine(Settings& settings) {
   addDeviceOptions(*app, settings);
   addFalconOptions(*app, settings);
   addDeliveryOptions(*app, settings.delivery);
+  addMaxDelay(*app, settings);
   addChoice(*app, "--surface", settings.surface, kSurfaceKinds,
             "proxy (default): a surface point that a spring ties to the tip, with walls and "
             "friction; normal: distance to the tangent plane; perturbed: the thesis's Eq. 3");

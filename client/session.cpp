@@ -53,9 +53,11 @@ class Session::Impl {
                       [this](const PreparedFrame& frame) {
                         asio::post(io, [this, frame] { onPrepared(frame); });
                       }),
-        receiver(decode_thread, stream, settings.method == Method::kThesis ? 2 : 1),
+        receiver(decode_thread, stream, settings.method == Method::kThesis ? 2 : 1,
+                 fromSeconds(1e-3 * settings.max_delay_ms)),
         connection(io, clock, connectionSettings(settings, wants_video), receiver,
                    connectionEvents()),
+        late_frames(settings.max_delay_ms),
         connection_log(server) {}
 
   ~Impl() {
@@ -81,6 +83,7 @@ class Session::Impl {
   Connection connection;
   double scan_share = 1.0;              // of the server's clip; network thread
   StreamErrorLog stream_errors;         // network thread
+  LateFrameLog late_frames;             // network thread
   ConnectionLog connection_log;         // network thread; after it has ended the caller's
   std::atomic<bool> is_waiting{false};  // for the first connection, after a failed one
   std::atomic<bool> failed{false};
@@ -131,6 +134,7 @@ void Session::Impl::onPrepared(const PreparedFrame& frame) {
   events.frame(frame.playable);
   publishStats(true);
   logLine(spdlog::level::warn, stream_errors.onCounts(receiver.counts(), clock.now()));
+  logLine(spdlog::level::warn, late_frames.onCounts(receiver.counts(), clock.now()));
 }
 
 void Session::Impl::publishStats(bool connected) {

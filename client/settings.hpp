@@ -41,10 +41,12 @@ struct Settings {
   std::string check_device;    ///< kind of --check-device; empty: no check
   double calibration_g = 0.0;  ///< weight of --falcon-calibrate in g; 0: no calibration
   DeliverySettings delivery;
+  double max_delay_ms = 2000.0;  ///< largest playout delay
   SurfaceKind surface = SurfaceKind::kProxy;
   std::string hand = "press";  ///< name of a script, or a CSV file
   bool hand_given = false;     ///< the user used --hand
   ViewChoice view = ViewChoice::kAuto;
+  bool fullscreen = false;
   Forces forces = Forces::kBoth;
   bool sound = false;
   std::string screenshot_file;

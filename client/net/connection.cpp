@@ -290,17 +290,17 @@ void Connection::openLink(Session& session, const Welcome& welcome) {
   const auto server = parseEndpoint(session.channel->peer(), {});
   if (!server) return;  // a channel that is no connection between hosts
   // The session closes its link before its own end.
-  session.link =
-      UdpReceiver::open(io_, clock_, receiver_, keys_, settings_.delivery, welcome, *server,
-                        {.order =
-                             [&session](const Delivery& order) {
-                               session.order = order;
-                               session.pinger.cancel();
-                             },
-                         .on_message =
-                             [this](const std::string& line) {
-                               if (events_.delivery) events_.delivery(line);
-                             }});
+  session.link = UdpReceiver::open(io_, clock_, receiver_, keys_, settings_.delivery, welcome,
+                                   *server, session.channel->encrypted(),
+                                   {.order =
+                                        [&session](const Delivery& order) {
+                                          session.order = order;
+                                          session.pinger.cancel();
+                                        },
+                                    .on_message =
+                                        [this](const std::string& line) {
+                                          if (events_.delivery) events_.delivery(line);
+                                        }});
 }
 
 std::optional<WireError> Connection::handle(Session& session, Message message) {

@@ -19,8 +19,11 @@ constexpr Duration kBackToBack = std::chrono::milliseconds(2);
 }  // namespace
 
 Receiver::Receiver(DecodeThread& decode_thread, LatestValue<StreamTiming>& stream,
-                   int lookahead_frames)
-    : decode_thread_(decode_thread), stream_(stream), lookahead_frames_(lookahead_frames) {}
+                   int lookahead_frames, Duration max_delay)
+    : decode_thread_(decode_thread),
+      stream_(stream),
+      lookahead_frames_(lookahead_frames),
+      jitter_(max_delay) {}
 
 void Receiver::connected(const StreamDescription& description, LocalTime now) {
   clock_.reset();
@@ -129,8 +132,7 @@ void Receiver::release(LocalTime now) {
   while (const auto late = assembler_.takeLate()) {
     if (!clock_.ready()) continue;
     ++counts_.late;
-    jitter_.add(late->arrived, lateness(late->media_time, late->arrived) +
-                                   latest_.frame_interval * lookahead_frames_);
+    addArrival(late->arrived, late->media_time, latest_.frame_interval);
   }
 }
 
@@ -157,13 +159,19 @@ void Receiver::observe(const PreparedFrame& frame) {
   const LocalTime ready = *frame.place.arrived + (frame.ready - frame.place.left);
   // Interpolation needs this frame from the time when play time reaches the frame before.
   const Duration gap = std::clamp(frame.place.gap, Duration{0}, kLargestGap);
-  const Duration needed = lateness(frame.place.media_time, ready) + gap * lookahead_frames_;
-  if (needed > latest_.playout_delay_target) {
+  if (addArrival(ready, frame.place.media_time, gap) > latest_.playout_delay_target) {
     ++counts_.late;
   } else {
     counts_.concealed += frame.place.lost;
   }
-  jitter_.add(ready, needed);
+}
+
+Duration Receiver::addArrival(LocalTime at, MediaTime media_time, Duration gap) {
+  const Duration late = lateness(media_time, at);
+  const Duration needed = late + gap * lookahead_frames_;
+  counts_.too_late += needed > jitter_.maxDelay();
+  jitter_.add({at, needed, at - late - gap}, latest_.frame_interval);
+  return needed;
 }
 
 }  // namespace hapticast::client

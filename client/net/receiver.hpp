@@ -25,6 +25,8 @@ struct ReceiverCounts {
   std::uint64_t lost = 0;      ///< frames whose id never arrived
   /// Frames that arrived after they were due; the loop receives them nevertheless.
   std::uint64_t late = 0;
+  /// Frames that arrived too late for the largest playout delay.
+  std::uint64_t too_late = 0;
   /// Number of lost frames before a frame that arrived in time for the interpolation.
   std::uint64_t concealed = 0;
   std::uint64_t duplicates = 0;  ///< frames that arrived twice or out of order: dropped
@@ -50,7 +52,9 @@ class Receiver {
   /// The object passes frames to `decode_thread` and writes the timing of the stream to `stream`.
   /// No other object may do so. Both must outlive this object. `lookahead_frames` is the number of
   /// frame intervals that the interpolation needs in advance (Hermite: 1, the thesis's method: 2).
-  Receiver(DecodeThread& decode_thread, LatestValue<StreamTiming>& stream, int lookahead_frames);
+  /// `max_delay` is the largest playout delay.
+  Receiver(DecodeThread& decode_thread, LatestValue<StreamTiming>& stream, int lookahead_frames,
+           Duration max_delay = JitterEstimator::kMaxDelay);
 
   /// Starts a connection with this description of the stream. The clock is synchronised again, and
   /// all frames before the connection are dropped.
@@ -92,6 +96,9 @@ class Receiver {
   void publish(LocalTime now);
   void countContradiction();
   void observe(const PreparedFrame& frame);
+  /// Adds the arrival of the frame with `media_time` to the jitter. `gap`: media time since the
+  /// frame before. Returns the playout delay with which the frame would be in time.
+  Duration addArrival(LocalTime at, MediaTime media_time, Duration gap);
   /// Returns the lateness of a frame that arrived at `arrived`: the media time of the arrival,
   /// minus `media_time`, minus the pipeline latency.
   [[nodiscard]] Duration lateness(MediaTime media_time, LocalTime arrived) const;

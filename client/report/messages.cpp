@@ -65,6 +65,20 @@ std::optional<std::string> StreamErrorLog::onCounts(const ReceiverCounts& counts
   return "server error: " + text;
 }
 
+std::optional<std::string> LateFrameLog::onCounts(const ReceiverCounts& counts, LocalTime now) {
+  if (second_begin_ && now - *second_begin_ < std::chrono::seconds(1)) return std::nullopt;
+  const bool first = !second_begin_;
+  const std::uint64_t received = counts.received - second_.received;
+  const std::uint64_t too_late = counts.too_late - second_.too_late;
+  second_ = counts;
+  second_begin_ = now;
+  if (first || 2 * too_late <= received || !interval_.allow(now)) return std::nullopt;
+  return fmt::format(
+      "frames arrive later than the largest playout delay ({:g} ms): the stream counts as "
+      "interrupted; a larger --max-delay shows it, if the network is not at fault",
+      max_delay_ms_);
+}
+
 namespace {
 
 bool hasActed(const TickReport& report, SafetyAction which) {
@@ -153,6 +167,8 @@ std::string HapticStatusLog::describeStatus(const TickReport& report) {
     stale_ = false;
     return "frames arrive again";
   }
+  if (hasActed(report, SafetyAction::kDisarmed) && deep_.allow(report.time))
+    return "the hand is too deep in the object: no force until it leaves the object";
   if (hasActed(report, SafetyAction::kStiffness) && softer_.allow(report.time))
     return "a wall is softer than the stream asks for: --stiffness-limit or the device limits it";
   if (hasActed(report, SafetyAction::kLatency) && later_.allow(report.time))

@@ -64,6 +64,22 @@ class StreamErrorLog {
   RateLimiter interval_ = RateLimiter::makeOnceAMinute();
 };
 
+/// Log line about frames that arrive later than the largest playout delay (--max-delay) allows.
+class LateFrameLog {
+ public:
+  explicit LateFrameLog(double max_delay_ms) : max_delay_ms_(max_delay_ms) {}
+
+  /// Returns a line if most frames of the last second were too late, at most once a minute.
+  /// `counts` has the counters of the whole run. Call it after each frame.
+  std::optional<std::string> onCounts(const ReceiverCounts& counts, LocalTime now);
+
+ private:
+  double max_delay_ms_;
+  ReceiverCounts second_;  // counters at the begin of the second
+  std::optional<LocalTime> second_begin_;
+  RateLimiter interval_ = RateLimiter::makeOnceAMinute();
+};
+
 /// Measures the work of the force on the hand in the last 10 s, for a line to the user.
 class WorkMeter {
  public:
@@ -100,6 +116,7 @@ class HapticStatusLog {
   bool logged_enable_ = false;            // logged once a run
   std::optional<LocalTime> empty_since_;  // no frame since then
   bool logged_empty_ = false;
+  RateLimiter deep_ = RateLimiter::makeOnceAMinute();
   RateLimiter softer_ = RateLimiter::makeOnceAMinute();
   RateLimiter later_ = RateLimiter::makeOnceAMinute();
   WorkMeter work_;

@@ -89,10 +89,12 @@ CLI::Option* addList(CLI::App& app, const std::string& name, std::vector<Value>&
 }
 
 /// Adds an option to `app` whose text must be a key of `choices`. The option writes the value of
-/// that key to `value`. `choices` must outlive `app`.
+/// that key to `value`. `choices` must outlive `app`. `hint` returns what the error message adds
+/// for an unknown text, for example "; did you mean touch?"; null: the key of the nearest spelling.
 template <class Value>
 CLI::Option* addChoice(CLI::App& app, const std::string& name, Value& value,
-                       const std::map<std::string, Value>& choices, const std::string& help) {
+                       const std::map<std::string, Value>& choices, const std::string& help,
+                       std::string (*hint)(const std::string& text) = nullptr) {
   std::vector<std::string> words;
   std::string present;
   words.reserve(choices.size());
@@ -101,11 +103,12 @@ CLI::Option* addChoice(CLI::App& app, const std::string& name, Value& value,
     if (choice.second == value) present = choice.first;
   }
   const std::string names = join(words, "|");
-  const auto set = [&value, &choices, name, names, words](const std::string& text) {
+  const auto set = [&value, &choices, name, names, words, hint](const std::string& text) {
     const auto found = choices.find(text);
     if (found == choices.end()) {
-      throw CLI::ValidationError(
-          name, quote(text) + " is not one of " + names + spellingHint(text, words));
+      std::string meant = hint != nullptr ? hint(text) : "";
+      if (meant.empty()) meant = spellingHint(text, words);
+      throw CLI::ValidationError(name, quote(text) + " is not one of " + names + meant);
     }
     value = found->second;
   };

@@ -36,6 +36,7 @@ void startLog(const std::string& name) {
 
 int runProgram(bool quiet, const std::function<int()>& run) {
   if (quiet) spdlog::set_level(spdlog::level::warn);
+  std::signal(SIGPIPE, SIG_IGN);  // the reader of the log may end first
   try {
     return run();
   } catch (const std::exception& error) {

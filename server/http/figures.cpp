@@ -76,6 +76,9 @@ void addFrames(FigureList& out, const Metrics& metrics) {
   const StreamCounts& stream = metrics.stream;
   out.add("frames_published_total", kCounter, "Frames that the server made for its viewers.",
           stream.frames, "/frames/published");
+  out.add("frames_stale_total", kCounter,
+          "Frames that were left out because they were too old when they were ready.",
+          stream.frames_stale, "/frames/stale");
   out.add("tcp_frames_sent_total", kCounter, "Frames sent by TCP, over all viewers.",
           stream.sent.frames_sent, "/tcp/frames_sent");
   out.add("pictures_sent_total", kCounter, "Pictures sent, over all viewers.",

@@ -37,7 +37,7 @@ HttpServer::HttpServer(asio::io_context& io, const Clock& clock, const Endpoint&
       acceptor_(openPort(io, address, "--http")),
       pause_(io),
       timer_(io),
-      address_{address.host, acceptor_.local_endpoint().port()} {}
+      address_(describeAddress(acceptor_, address)) {}
 
 void HttpServer::start() {
   asio::co_spawn(

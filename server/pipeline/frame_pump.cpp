@@ -37,8 +37,10 @@ PumpStep FramePump::step() {
 
 std::optional<RgbdFrame> FramePump::readFrame() {
   if (parts_.source.info().live) return parts_.source.read();
-  const Pacer::Plan plan = pacer_.plan(parts_.media_clock.now());
+  Pacer::Plan plan = pacer_.plan(parts_.media_clock.now());
   const bool goes_on = wait_(plan.due);
+  // A machine that stood still wakes long after the frame was due.
+  if (goes_on) plan = pacer_.plan(parts_.media_clock.now());
   return readSkipping(parts_.source, plan.skip, loop_ && goes_on);
 }
 

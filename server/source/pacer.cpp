@@ -27,9 +27,7 @@ Pacer::Plan Pacer::plan(MediaTime now) {
     while (slotTime(next_slot_ + skip + 1) <= now) ++skip;
   }
   slot_ = next_slot_ + skip;
-  next_slot_ = slot_ + 1;
   step_ = skip + 1;
-  skipped_ += skip;
   return {skip, slotTime(slot_)};
 }
 
@@ -38,10 +36,10 @@ void Pacer::resume(MediaTime now) {
 }
 
 MediaTime Pacer::frameRead(std::uint32_t epoch, std::uint64_t index) {
-  if (any_read_ && epoch == last_epoch_ && index > last_index_ + step_) {
+  if (any_read_ && epoch == last_epoch_ && index > last_index_ + step_)
     slot_ += index - last_index_ - step_;
-    next_slot_ = slot_ + 1;
-  }
+  next_slot_ = slot_ + 1;
+  skipped_ += step_ - 1;
   any_read_ = true;
   last_epoch_ = epoch;
   last_index_ = index;

@@ -13,8 +13,9 @@ namespace hapticast::server {
 
 /// Plans the playback of a clip. Each frame has a slot: a media time. The slots are 1/fps apart.
 /// They continue when a loop begins again, so media time always increases. For each frame:
-///   plan = pacer.plan(now);  skip plan.skip frames;  wait until plan.due;  read the frame;
+///   plan = pacer.plan(now);  wait until plan.due;  skip plan.skip frames;  read the frame;
 ///   media_time = pacer.frameRead(frame.epoch, frame.index);
+/// If the wait ended too late, because the machine stood still, plan() replaces the plan.
 class Pacer {
  public:
   /// Instructions for the next frame.
@@ -27,9 +28,9 @@ class Pacer {
   /// Begins a plan whose first frame is due at `start`. Requires fps > 0, frames/s.
   Pacer(double fps, MediaTime start);
 
-  /// Returns the instructions for the next frame. Usually a frame is skipped if the frame after it
-  /// is already due. After a delay longer than kLongestSkip (for example, a suspended machine), no
-  /// frame is skipped. All later frames are then delayed instead.
+  /// Returns the instructions for the frame after the last one that was read. Usually a frame is
+  /// skipped if the frame after it is already due. After a delay longer than kLongestSkip (for
+  /// example, a suspended machine), no frame is skipped. All later frames are then delayed instead.
   [[nodiscard]] Plan plan(MediaTime now);
 
   /// Returns the media time of the frame that was read for the last plan. `epoch`, `index`: those

@@ -71,15 +71,25 @@ void Broadcaster::sendAll(const What&... what) {
 void Broadcaster::publish(EncodedFrame frame) {
   onIo([this, frame = std::move(frame)] {
     if (isTooLarge(frame)) return;
-    ++counts_.frames;
-    counts_.delay = media_clock_.now() - frame.media_time;
-    counts_.published_at = clock_.now();
-    last_frame_ = frame;
-    preparing_ = nullptr;
-    // Datagrams first: one costs a fraction of a send by TCP, and most viewers use them.
-    if (datagrams_ != nullptr) datagrams_->send(frame);
-    sendAll(frame);
+    const std::uint64_t dropped = stale_.dropped();
+    const auto next = stale_.push(frame, media_clock_.now(), description_.pipeline_latency,
+                                  fromSeconds(1.0 / description_.fps));
+    if (stale_.dropped() != dropped) {
+      for (const auto& viewer : viewers_) viewer->requireKeyFrame();
+    }
+    if (next) send(*next);
   });
+}
+
+void Broadcaster::send(const EncodedFrame& frame) {
+  ++counts_.frames;
+  counts_.delay = media_clock_.now() - frame.media_time;
+  counts_.published_at = clock_.now();
+  last_frame_ = frame;
+  preparing_ = nullptr;
+  // Datagrams first: one costs a fraction of a send by TCP, and most viewers use them.
+  if (datagrams_ != nullptr) datagrams_->send(frame);
+  sendAll(frame);
 }
 
 void Broadcaster::publish(EncodedVideo video) {
@@ -104,6 +114,7 @@ void Broadcaster::describe(const StreamDescription& description) {
     if (other_picture) {
       last_frame_.reset();
       last_video_.reset();
+      stale_.reset();
     }
     const SharedBytes payload = encodeShared(description_);
     sendAll(payload, other_picture);
@@ -131,6 +142,7 @@ void Broadcaster::changeOrigin(StreamIdentity identity, const StreamDescription&
     preparing_ = nullptr;
     last_frame_.reset();
     last_video_.reset();
+    stale_.reset();
     if (datagrams_ != nullptr) datagrams_->changeOrigin(identity);
     for (const auto& viewer : viewers_) viewer->welcomeAgain();
   });
@@ -293,6 +305,7 @@ void Broadcaster::countViewers() {
 
 StreamCounts Broadcaster::counts() const {
   StreamCounts counts = counts_;
+  counts.frames_stale = stale_.dropped();
   counts.clients = viewers_.size();
   for (const Sessions* each : {&pending_sessions_, &viewers_}) {
     for (const auto& session : *each) {
@@ -318,6 +331,7 @@ asio::awaitable<void> Broadcaster::startTimer() {
     boost::system::error_code ec;
     timer_.expires_after(kCheckEvery);
     co_await timer_.async_wait(asio::redirect_error(asio::use_awaitable, ec));
+    if (const auto late = stale_.poll(media_clock_.now())) send(*late);
     const LocalTime now = clock_.now();
     check(pending_sessions_, now);
     if (now - checked_ >= kCheckViewersEvery) {
@@ -328,6 +342,7 @@ asio::awaitable<void> Broadcaster::startTimer() {
     counted_ = now;
     checkAccess();  // tokens expire
     if (datagrams_ != nullptr) datagrams_->check(now);
+    logStaleFrames();
     logSlowViewers(now);
     logDatagrams(now);
     logHidden();
@@ -351,6 +366,16 @@ void Broadcaster::logHidden() {
         "not shown: {} more about {}", hidden,
         limit == &problems_ ? "connections that were closed" : "viewers that joined and left");
   }
+}
+
+void Broadcaster::logStaleFrames() {
+  const std::uint64_t dropped = stale_.dropped() - logged_stale_;
+  if (dropped == 0 || !stale_interval_.allow(clock_.now())) return;
+  logged_stale_ += dropped;
+  log(spdlog::level::warn,
+      fmt::format("the stream was interrupted: {} frames left out that were too old when they were "
+                  "ready; was the machine suspended or overloaded?",
+                  dropped));
 }
 
 void Broadcaster::logSlowViewers(LocalTime now) {

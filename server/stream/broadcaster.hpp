@@ -20,6 +20,7 @@
 #include "server/stream/datagram_sender.hpp"
 #include "server/stream/encoded.hpp"
 #include "server/stream/session.hpp"
+#include "server/stream/stale_frame_filter.hpp"
 #include "server/stream/stream_identity.hpp"
 #include "server/stream/stream_settings.hpp"
 #include "server/stream/stream_sink.hpp"
@@ -60,8 +61,8 @@ class Broadcaster final : public StreamSink, private SessionHost {
   /// Sets the function that receives the requests of operators. Call it before the first viewer
   /// connects. Thread of `control`: the network's.
   void onControl(std::function<void(const Control&)> control) { control_ = std::move(control); }
-  /// Sends a frame to every viewer. A viewer that joins later receives the newest frame at once.
-  /// Thread: any.
+  /// Sends a frame to every viewer, unless it is stale and a newer one follows (StaleFrameFilter).
+  /// A viewer that joins later receives the newest frame at once. Thread: any.
   void publish(EncodedFrame frame) override;
   /// Sends a picture to the viewers that subscribed to pictures. Thread: any.
   void publish(EncodedVideo video) override;
@@ -140,6 +141,8 @@ class Broadcaster final : public StreamSink, private SessionHost {
   /// items already wait, only the last of them starts the sending.
   template <class... What>
   void sendAll(const What&... what);
+  void send(const EncodedFrame& frame);
+  void logStaleFrames();
   /// Returns whether the frame exceeds the limit of a message; viewers would close the connection
   /// for it. Returns false if the frame only exceeds the limit of datagrams. Viewers then receive
   /// no datagrams and change to TCP a second later. Logs both cases, at most once a minute.
@@ -171,6 +174,7 @@ class Broadcaster final : public StreamSink, private SessionHost {
   SharedBytes preparing_;  // message with the progress of the scan, until the first frame
   std::optional<EncodedFrame> last_frame_;
   std::optional<EncodedVideo> last_video_;
+  StaleFrameFilter stale_;
   std::atomic<int> waiting_{0};  // calls of onIo() that have not run
   std::atomic<std::size_t> viewer_count_{0};
   std::atomic<std::size_t> video_viewers_{0};
@@ -180,6 +184,8 @@ class Broadcaster final : public StreamSink, private SessionHost {
   LocalTime checked_;
   LocalTime counted_;
   DatagramSenderCounts logged_datagrams_;
+  std::uint64_t logged_stale_ = 0;
+  RateLimiter stale_interval_ = RateLimiter::makeOnceAMinute();
   RateLimiter slow_interval_ = RateLimiter::makeOnceAMinute();
   RateLimiter large_interval_ = RateLimiter::makeOnceAMinute();
   RateLimiter datagrams_interval_ = RateLimiter::makeOnceAMinute();

@@ -38,6 +38,7 @@ DatagramSender::DatagramSender(asio::io_context& io, const Clock& clock,
   boost::system::error_code ec;
   asio::ip::udp::endpoint at(listener.address(), listener.port());
   require(socket_.open(at.protocol(), ec));
+  if (at.address() == asio::ip::address_v6::any()) socket_.set_option(asio::ip::v6_only(false), ec);
   require(socket_.non_blocking(true, ec));
   socket_.set_option(asio::socket_base::send_buffer_size(kSendBuffer_bytes), ec);
   if (socket_.bind(at, ec)) {

@@ -32,7 +32,8 @@ EncodedFrame FrameEncoder::encode(const HapticFrame& made, const SliceSettings& 
   for (const CodedObject& object : frame.objects)
     relief_bytes_[object.id] += object.relief ? object.relief->bytes() : 0;
   EncodedFrame encoded{frame.epoch, frame.id, frame.media_time, nullptr, nullptr};
-  const bool repeat = !last_key_frame_ || frame.epoch != epoch_ ||
+  const bool hole = followsHole(frame.media_time);
+  const bool repeat = hole || !last_key_frame_ || frame.epoch != epoch_ ||
                       frame.media_time - *last_key_frame_ >= kRepeatReliefs ||
                       frame.media_time < *last_key_frame_;
   CodedFrame lean = frame;
@@ -51,6 +52,11 @@ EncodedFrame FrameEncoder::encode(const HapticFrame& made, const SliceSettings& 
   encoded.key_frame = left_out ? std::make_shared<LazyKeyFrame>(std::move(frame), signer)
                                : std::make_shared<LazyKeyFrame>(encoded.delta);
   return encoded;
+}
+
+bool FrameEncoder::followsHole(MediaTime media_time) {
+  const Duration gap = media_time - std::exchange(last_media_time_, media_time);
+  return gap > std::exchange(last_gap_, gap) + kStaleAge;
 }
 
 EncodedVideo encodeVideo(VideoFrame video) {

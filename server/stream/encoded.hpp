@@ -38,6 +38,10 @@ class LazyKeyFrame {
   SharedBytes payload_;
 };
 
+/// Age, in media time, beyond which a frame has no use if a newer one exists. Chosen: force fades
+/// when frames are so late.
+inline constexpr Duration kStaleAge = std::chrono::milliseconds(250);
+
 /// A frame in all encoded forms that viewers need.
 struct EncodedFrame {
   std::uint32_t epoch = 0;
@@ -66,17 +70,23 @@ class FrameEncoder {
  public:
   /// Returns `frame` in encoded form. `frame` has every relief. The delta frame leaves out the
   /// reliefs that did not change in this frame (`changed_in_frame`). Once a second of media time,
-  /// and at each new epoch, it contains all reliefs. `slices`: settings of the height codec.
-  /// `signer`: signs the frame and must outlive the result; null: no signature and no datagrams.
-  /// `datagrams`: if true, the result also has datagrams.
+  /// at each new epoch and after a hole, it contains all reliefs. `slices`: settings of the height
+  /// codec. `signer`: signs the frame and must outlive the result; null: no signature and no
+  /// datagrams. `datagrams`: if true, the result also has datagrams.
   [[nodiscard]] EncodedFrame encode(const HapticFrame& frame, const SliceSettings& slices = {},
                                     FrameSigner* signer = nullptr, bool datagrams = true);
   [[nodiscard]] const ReliefBytes& reliefBytes() const { return relief_bytes_; }
 
  private:
+  /// Returns whether frames before `media_time` are missing, because the server stood still. The
+  /// viewers may not have received the last ones before that hole.
+  [[nodiscard]] bool followsHole(MediaTime media_time);
+
   FrameCoder coder_;
   ReliefBytes relief_bytes_;  // sizes in the last frame
   std::optional<MediaTime> last_key_frame_;
+  MediaTime last_media_time_;
+  Duration last_gap_{0};
   std::uint32_t epoch_ = 0;
 };
 

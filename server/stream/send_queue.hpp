@@ -33,7 +33,7 @@ class SendQueue {
  public:
   static constexpr std::size_t kMaxFrames = 3;  ///< largest number of frames in the queue
   /// Largest age of a frame relative to the newest frame, in media time.
-  static constexpr Duration kMaxAge = std::chrono::milliseconds(250);
+  static constexpr Duration kMaxAge = kStaleAge;
   /// Largest number of control messages in the queue.
   static constexpr std::size_t kMaxControl = 64;
 
@@ -47,6 +47,8 @@ class SendQueue {
   void pushFrame(EncodedFrame frame);
   /// Sets the picture to send. It replaces a picture that still waits.
   void pushVideo(EncodedVideo video);
+  /// Makes the next frame a key frame.
+  void requireKeyFrame() { needs_key_frame_ = true; }
   /// Removes all frames and pictures. Call it when viewers can no longer use them, for example
   /// after a change of the workspace. The next frame is sent as a key frame.
   void clearFrames();

@@ -76,6 +76,8 @@ class Session : public std::enable_shared_from_this<Session> {
   /// and frames and pictures in the queue are removed.
   void queue(const SharedBytes& description, bool other_picture);
   void queue() {}
+  /// Makes the next frame a key frame, because the stream left out frames before it.
+  void requireKeyFrame() { queue_.requireKeyFrame(); }
   /// Sends as much of the queue as the connection accepts at once. The writer coroutine sends the
   /// rest. A direct send costs far less time than a wake-up of that coroutine. flush() never ends
   /// the session.

@@ -47,11 +47,12 @@ struct StreamCounts {
   /// Number of clients that were refused: the server was full, their version was wrong, or they
   /// violated the protocol.
   std::uint64_t refused = 0;
-  std::uint64_t timed_out = 0;  ///< number of clients that sent no messages or read nothing
-  SendCounts sent;              ///< sum over all clients
-  std::uint64_t bytes = 0;      ///< bytes written to all clients, including the framing
-  std::uint64_t frames = 0;     ///< published to the clients, whether or not there were any
-  Duration delay{0};            ///< of the newest frame, from its capture to its publication
+  std::uint64_t timed_out = 0;     ///< number of clients that sent no messages or read nothing
+  SendCounts sent;                 ///< sum over all clients
+  std::uint64_t bytes = 0;         ///< bytes written to all clients, including the framing
+  std::uint64_t frames = 0;        ///< published to the clients, whether or not there were any
+  std::uint64_t frames_stale = 0;  ///< dropped by StaleFrameFilter
+  Duration delay{0};               ///< of the newest frame, from its capture to its publication
   std::optional<LocalTime> published_at;  ///< time of the newest frame; nullopt: none yet
 };
 

@@ -32,10 +32,14 @@ std::shared_ptr<UdpReceiver> UdpReceiver::open(asio::io_context& io, const Clock
                                                Receiver& receiver, DatagramKeyRing& keys,
                                                const DeliverySettings& settings,
                                                const Welcome& welcome, const Endpoint& server,
-                                               Events events) {
+                                               bool encrypted, Events events) {
   if (settings.best == Transport::kTcp) return nullptr;
   if (welcome.datagram_token == 0 || !welcome.verifying_key) {
-    events.on_message("this server sends no datagrams: the client receives frames over TCP");
+    events.on_message(
+        encrypted
+            ? "this server sends no datagrams: the client receives frames over TCP"
+            : "this server sends no datagrams to this client, which receives frames over TCP; a "
+              "server with TLS sends them to hapticasts://HOST only");
     return nullptr;
   }
   if (settings.best == Transport::kGroup && !welcome.group)

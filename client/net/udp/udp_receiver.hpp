@@ -33,11 +33,12 @@ class UdpReceiver : public std::enable_shared_from_this<UdpReceiver> {
   };
   /// Opens the UDP side of a session. Returns null if the server or the settings allow TCP only.
   /// `keys` opens sealed datagrams. `welcome` is the server's welcome, and `server` is the address
-  /// of the TCP connection. `clock`, `receiver` and `keys` must outlive the work on `io`.
+  /// of the TCP connection. `encrypted`: that connection has TLS. `clock`, `receiver` and `keys`
+  /// must outlive the work on `io`.
   static std::shared_ptr<UdpReceiver> open(asio::io_context& io, const Clock& clock,
                                            Receiver& receiver, DatagramKeyRing& keys,
                                            const DeliverySettings& settings, const Welcome& welcome,
-                                           const Endpoint& server, Events events);
+                                           const Endpoint& server, bool encrypted, Events events);
 
   /// Registers a frame that arrived over TCP.
   void tcpFrame(std::uint64_t id);

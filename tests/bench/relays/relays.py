@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: MIT
 """Measures relays over NATS and their failures.
 
-  tests/bench/relays/relays.py [a b c d e f g h]    all, or some
+  tests/bench/relays/relays.py [a b c d e f g h i]    all, or some
 
-a-d: failures (failures.py; root, `ip netns`). e-h: delay, cost, many viewers, a stalled edge, clocks (costs.py).
+a-d: failures (failures.py; root, `ip netns`). e-h: delay, cost, many viewers, a stalled edge, clocks (costs.py). i: programs that stand still (stalls.py).
 Needs nats-server, and the programs hapticast-server, hapticast-client, hapticast-viewers and hapticast-link.
 """
 import argparse
@@ -14,6 +14,7 @@ from pathlib import Path
 
 from costs import COSTS
 from failures import FAILURES, run_failure
+from stalls import run_stalls
 
 
 def write(name, rows, out):
@@ -31,7 +32,7 @@ def write(name, rows, out):
 def main():
     root = Path(__file__).resolve().parents[3]
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("scenarios", nargs="*", default=list("abcdefgh"), metavar="a..h")
+    parser.add_argument("scenarios", nargs="*", default=list("abcdefghi"), metavar="a..i")
     parser.add_argument("--build", type=Path, default=root / "build/release")
     parser.add_argument("--out", type=Path, default=root / "build/relays")
     settings = parser.parse_args()
@@ -39,10 +40,12 @@ def main():
     for letter in settings.scenarios:
         if letter in FAILURES:
             rows = run_failure(letter, settings.build, settings.out)
+        elif letter == "i":
+            rows = run_stalls(settings.build, settings.out / letter)
         elif letter in COSTS:
             rows = COSTS[letter](settings.build, settings.out / letter)
         else:
-            parser.error(f"{letter} is not one of a..h")
+            parser.error(f"{letter} is not one of a..i")
         write(letter, rows, settings.out)
         print(f"  load average {os.getloadavg()[0]:.1f} on {os.cpu_count()} processors", flush=True)
 

@@ -77,5 +77,24 @@ TEST(StreamErrorLog, ReportsErrorsThatAreNotShownOnceAMinute) {
   EXPECT_FALSE(log.onCounts(counts, localTime(200))) << "nothing new";
 }
 
+TEST(LateFrameLog, ReportsAStreamThatNeedsMoreDelayThanTheUserAllows) {
+  LateFrameLog log(300);
+  ReceiverCounts counts;
+  EXPECT_FALSE(log.onCounts(counts, localTime(0)));
+  counts.received = 25;
+  counts.too_late = 8;
+  EXPECT_FALSE(log.onCounts(counts, localTime(1))) << "a stall delays a few frames";
+  counts.received = 50;
+  counts.too_late = 33;
+  EXPECT_FALSE(log.onCounts(counts, localTime(1.5))) << "less than a second later";
+  const auto line = log.onCounts(counts, localTime(2));
+  ASSERT_TRUE(line);
+  EXPECT_NE(line->find("(300 ms)"), std::string::npos) << *line;
+  EXPECT_NE(line->find("--max-delay"), std::string::npos) << *line;
+  counts.received = 75;
+  counts.too_late = 58;
+  EXPECT_FALSE(log.onCounts(counts, localTime(3))) << "once a minute";
+}
+
 }  // namespace
 }  // namespace hapticast::client

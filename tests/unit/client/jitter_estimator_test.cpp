@@ -9,6 +9,27 @@ namespace {
 using std::chrono::milliseconds;
 constexpr Duration kFrame = milliseconds(40);
 
+/// Adds a frame that arrives at `at_s` and needs `needed`, of which one frame interval is the
+/// look-ahead of the interpolation.
+void addFrame(JitterEstimator& jitter, double at_s, Duration needed) {
+  jitter.add({localTime(at_s), needed, localTime(at_s) - needed}, kFrame);
+}
+
+/// Adds `count` frames without jitter from `from_s` on. Returns the time of the next frame, s.
+double addSteady(JitterEstimator& jitter, double from_s, int count) {
+  for (int i = 0; i < count; ++i) addFrame(jitter, from_s + 0.04 * i, milliseconds(60));
+  return from_s + 0.04 * count;
+}
+
+/// Adds an outage that begins at `from_s`: nothing arrives for `length_s`, then every frame of that
+/// time at once. Returns the time of the next frame, s.
+double addOutage(JitterEstimator& jitter, double from_s, double length_s) {
+  const double end_s = from_s + length_s;
+  for (double due_s = from_s; due_s <= end_s; due_s += 0.04)
+    addFrame(jitter, end_s, kFrame + fromSeconds(end_s - due_s));
+  return end_s + 0.04;
+}
+
 TEST(JitterEstimator, StartsWithTheLookaheadAndAMargin) {
   const JitterEstimator jitter;
   EXPECT_EQ(jitter.delay(kFrame), milliseconds(45));
@@ -16,30 +37,50 @@ TEST(JitterEstimator, StartsWithTheLookaheadAndAMargin) {
 
 TEST(JitterEstimator, CoversAllFramesButOneInAHundred) {
   JitterEstimator jitter;
-  for (int i = 1; i <= 100; ++i) jitter.add(localTime(0.04 * i), milliseconds(i));
+  for (int i = 1; i <= 100; ++i) addFrame(jitter, 0.04 * i, milliseconds(i));
   EXPECT_EQ(jitter.delay(kFrame), milliseconds(99 + 5));
 }
 
-TEST(JitterEstimator, OneLateFrameAfterAnOutageDecidesNothing) {
+TEST(JitterEstimator, OneLateFrameDecidesNothing) {
   JitterEstimator jitter;
-  for (int i = 1; i <= 20; ++i) jitter.add(localTime(0.04 * i), milliseconds(60));
-  jitter.add(localTime(1.8), milliseconds(1000));
+  const double next_s = addSteady(jitter, 0.0, 20);
+  addFrame(jitter, next_s + 0.2, milliseconds(240));
   EXPECT_EQ(jitter.delay(kFrame), milliseconds(65));
-  jitter.add(localTime(2.0), milliseconds(300));
-  EXPECT_EQ(jitter.delay(kFrame), milliseconds(305)) << "two of them are no accident";
+  addFrame(jitter, next_s + 0.24, milliseconds(200));
+  EXPECT_EQ(jitter.delay(kFrame), milliseconds(205)) << "two of them are no accident";
+}
+
+TEST(JitterEstimator, OneOutageDecidesNothingHoweverManyFramesItDelayed) {
+  for (const double length_s : {0.3, 0.8, 1.5, 3.0}) {
+    JitterEstimator jitter;
+    const double next_s = addOutage(jitter, addSteady(jitter, 0.0, 100), length_s);
+    EXPECT_EQ(jitter.delay(kFrame), milliseconds(65)) << length_s;
+    addSteady(jitter, next_s, 10);
+    EXPECT_EQ(jitter.delay(kFrame), milliseconds(65)) << length_s;
+  }
+}
+
+TEST(JitterEstimator, ASecondOutageWithinTheWindowCounts) {
+  JitterEstimator jitter;
+  double next_s = addOutage(jitter, addSteady(jitter, 0.0, 100), 0.8);
+  next_s = addOutage(jitter, addSteady(jitter, next_s, 10), 0.48);
+  EXPECT_NEAR(toSeconds(jitter.delay(kFrame)), 0.48 + 0.04 + 0.005, 0.001)
+      << "all outages but the longest";
+  addSteady(jitter, next_s, 135);
+  EXPECT_EQ(jitter.delay(kFrame), milliseconds(65)) << "both have left the window";
 }
 
 TEST(JitterEstimator, ForgetsAfterItsWindow) {
   JitterEstimator jitter;
-  for (int i = 0; i < 50; ++i) jitter.add(localTime(0.04 * i), milliseconds(300));
+  for (int i = 0; i < 50; ++i) addFrame(jitter, 0.04 * i, milliseconds(300));
   EXPECT_EQ(jitter.delay(kFrame), milliseconds(305));
-  for (int i = 0; i < 130; ++i) jitter.add(localTime(2.0 + 0.04 * i), milliseconds(50));
+  for (int i = 0; i < 130; ++i) addFrame(jitter, 2.0 + 0.04 * i, milliseconds(50));
   EXPECT_EQ(jitter.delay(kFrame), milliseconds(55));
 }
 
 TEST(JitterEstimator, FollowsAClockThatTurnsOutToBeOff) {
   JitterEstimator jitter;
-  for (int i = 0; i < 50; ++i) jitter.add(localTime(0.04 * i), milliseconds(60));
+  addSteady(jitter, 0.0, 50);
   jitter.shift(milliseconds(30));
   EXPECT_EQ(jitter.delay(kFrame), milliseconds(95));
   jitter.shift(Duration::min());
@@ -48,12 +89,18 @@ TEST(JitterEstimator, FollowsAClockThatTurnsOutToBeOff) {
 
 TEST(JitterEstimator, StaysWithinItsBounds) {
   JitterEstimator jitter;
-  jitter.add(localTime(0), Duration::max());
+  jitter.add({localTime(0), Duration::max(), localTime(0)}, kFrame);
   EXPECT_EQ(jitter.delay(kFrame), JitterEstimator::kMaxDelay);
   jitter.reset();
-  jitter.add(localTime(0), Duration::min());
+  jitter.add({localTime(0), Duration::min(), localTime(0)}, kFrame);
   EXPECT_EQ(jitter.delay(kFrame), kFrame) << "never less than the interpolation looks ahead";
   EXPECT_EQ(jitter.delay(std::chrono::seconds(3)), JitterEstimator::kMaxDelay);
+}
+
+TEST(JitterEstimator, NeverExceedsTheLargestDelayOfTheUser) {
+  JitterEstimator jitter(milliseconds(300));
+  for (int i = 0; i < 50; ++i) addFrame(jitter, 0.04 * i, milliseconds(700));
+  EXPECT_EQ(jitter.delay(kFrame), milliseconds(300));
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <memory>
 
 #include "common/protocol/fragment.hpp"
@@ -336,6 +337,37 @@ TEST_F(ReceiverTest, AsksForAPlayoutDelayThatCoversTheJitter) {
   arrive(frame(201), 0.200);
   EXPECT_EQ(receiver.counts().late, late + 1);
   EXPECT_EQ(receiver.clockErrorBound(), std::chrono::milliseconds(1));
+}
+
+/// A server at 25 frames/s that stands still. Its vision holds the last frames before the stop.
+TEST_F(ReceiverTest, OneStallOfTheServerDoesNotRaiseTheDelay) {
+  constexpr std::uint64_t kBefore = 130;
+  constexpr std::uint64_t kHeld = 4;
+  for (const double stall_s : {0.3, 0.8, 1.5, 3.0}) {
+    receiver.connected(description, localTime(0));
+    syncClock(0.0);
+    for (std::uint64_t id = 1; id <= kBefore; ++id) arrive(frame(id));
+    const Duration before = stream.load().playout_delay_target;
+    for (std::uint64_t i = 1; i <= kHeld; ++i)
+      arrive(frame(kBefore + i), stall_s - 0.040 * double(i - 1));
+    const auto next = kBefore + std::uint64_t(std::ceil(stall_s / 0.04)) + kHeld;
+    for (std::uint64_t i = 0; i < 3; ++i) {
+      arrive(frame(next + i));
+      EXPECT_LE(stream.load().playout_delay_target - before, std::chrono::milliseconds(1))
+          << stall_s;
+    }
+    while (take() != nullptr) giveBack();
+  }
+}
+
+TEST_F(ReceiverTest, CountsFramesThatTheLargestDelayDoesNotCover) {
+  receiver.connected(description, localTime(0));
+  syncClock(0.0);
+  arrive(frame(1));
+  arrive(frame(2), 1.9);
+  EXPECT_EQ(receiver.counts().too_late, 0U);
+  arrive(frame(3), 2.1);
+  EXPECT_EQ(receiver.counts().too_late, 1U);
 }
 
 }  // namespace

@@ -36,6 +36,7 @@ TEST(ClientSettings, Defaults) {
   EXPECT_EQ(run.settings.delivery.best, Transport::kDatagrams);
   EXPECT_EQ(run.settings.delivery.copies, 0U);
   EXPECT_EQ(run.settings.delivery.interface_name, "");
+  EXPECT_EQ(run.settings.max_delay_ms, 2000.0);
   EXPECT_EQ(run.settings.surface, SurfaceKind::kProxy);
   EXPECT_EQ(run.settings.hand, "press");
   EXPECT_FALSE(run.settings.hand_given);
@@ -103,6 +104,8 @@ void expectAll(const Settings& settings) {
   EXPECT_EQ(settings.delivery.best, Transport::kTcp);
   EXPECT_EQ(settings.delivery.copies, 3U);
   EXPECT_EQ(settings.delivery.interface_name, "lo");
+  EXPECT_EQ(settings.max_delay_ms, 250.0);
+  EXPECT_TRUE(settings.fullscreen);
   EXPECT_EQ(settings.surface, SurfaceKind::kPerturbed);
   EXPECT_EQ(settings.method, Method::kThesis);
   EXPECT_EQ(settings.log_file, "a.csv");
@@ -135,6 +138,7 @@ std::vector<std::pair<std::string, std::string>> everyFlag() {
       {"quiet", "true"},        {"rearm", "true"},
       {"fault-dir", "d"},       {"stiffness-limit", "2.5"},
       {"redundancy", "3"},      {"interface", "lo"},
+      {"max-delay", "250"},     {"fullscreen", "true"},
       {"list-devices", "true"}, {"origin-key", "first"}};
   if (kHasDiscovery) flags.emplace_back("list", "true");
   if (kHasFalcon) {

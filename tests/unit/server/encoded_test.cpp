@@ -62,6 +62,14 @@ TEST(FrameEncoder, RepeatsEveryReliefWithinASecondAndInANewEpoch) {
   EXPECT_TRUE(decoded(encoder.encode(cut).delta).objects[1].relief);
 }
 
+TEST(FrameEncoder, RepeatsEveryReliefAfterAHole) {
+  FrameEncoder encoder;
+  for (const std::uint64_t id : {1, 2, 3}) (void)encoder.encode(frame(id));
+  EXPECT_FALSE(decoded(encoder.encode(frame(8)).delta).objects[1].relief) << "after 200 ms";
+  EXPECT_TRUE(decoded(encoder.encode(frame(20)).delta).objects[1].relief) << "after 480 ms";
+  EXPECT_FALSE(decoded(encoder.encode(frame(21)).delta).objects[1].relief);
+}
+
 TEST(FrameEncoder, EncodesVideo) {
   const EncodedVideo video = encodeVideo({1, 2, mediaTime(3), {0xFF, 0xD8, 9}});
   const auto message = decode(*video.payload);

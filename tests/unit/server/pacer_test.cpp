@@ -106,6 +106,18 @@ TEST(Pacer, UnreadableFramesTakeUpTheirSlots) {
   EXPECT_EQ(pacer.skipped(), 0U);
 }
 
+TEST(Pacer, ASecondPlanReplacesTheFirst) {
+  Pacer pacer(25.0, kStart);
+  (void)pacer.plan(at(0));
+  (void)pacer.frameRead(0, 0);
+  EXPECT_EQ(pacer.plan(at(5)).due, at(40));
+  const auto plan = pacer.plan(at(345));  // the machine stood still
+  EXPECT_EQ(plan.skip, 7U);
+  EXPECT_EQ(plan.due, at(320));
+  EXPECT_EQ(pacer.frameRead(0, 8), at(320));
+  EXPECT_EQ(pacer.skipped(), 7U);
+}
+
 TEST(Pacer, AStallMovesTheScheduleInsteadOfSkippingThroughTheClip) {
   Pacer pacer(25.0, kStart);
   (void)pacer.plan(at(0));
