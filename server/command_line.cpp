@@ -14,6 +14,7 @@
 #include "server/author/author_options.hpp"
 #include "server/scene_option.hpp"
 #include "server/settings.hpp"
+#include "server/source/stream_url.hpp"
 
 namespace hapticast::server {
 
@@ -57,6 +58,17 @@ void addSourceOptions(CLI::App& app, Settings& settings) {
             "Where grey depth with 8 bits is near, in folders and videos. Default: bright")
       ->default_str("")  // a configuration file with all defaults would have both
       ->excludes(code);
+  addNumber(app, "--depth-unit", settings.layout.depth_unit_mm, 1e-3, 1e4, "MM",
+            "mm of one unit of depth, in folders, videos and v4l2: 0.2 for TUM and ORB-SLAM "
+            "(1/5000 m), 1 for mm, 1000 for metres. Default: as the source states, else 1 for "
+            "integers and 1000 for floats");
+  app.add_option("--color", settings.layout.color_glob,
+                 "The colour images of a folder, as a pattern relative to it, e.g. 'frame_*.jpg'; "
+                 "needs --depth. Default: the server recognises the layout")
+      ->type_name("GLOB");
+  app.add_option("--depth", settings.layout.depth_glob,
+                 "The depth images of a folder, as a pattern relative to it, e.g. 'depth_*.png'")
+      ->type_name("GLOB");
   app.add_flag("--loop", settings.loop, "Start again at the end of the clip");
   app.add_flag("--to-and-fro", settings.to_and_fro,
                "Play the images of a folder forwards, then backwards; with --loop no jump remains");
@@ -158,7 +170,7 @@ void addHttp(CLI::App& app, std::optional<Endpoint>& http) {
 void addNetworkOptions(CLI::App& app, Settings& settings) {
   addEndpoint(app, "--listen", settings.listen, 0, "[ADDR:]PORT, an IP address or [V6ADDRESS]:PORT",
               "The address for clients: an IP address of this machine and a port; default: "
-              "0.0.0.0:7447 (all addresses); port 0: any free port");
+              "[::]:7447 (all addresses of IPv6 and IPv4); port 0: any free port");
   addChoice(app, "--transport", settings.datagrams, kTransports,
             "udp: the server sends frames by UDP to viewers that can receive them, else by TCP; "
             "tcp: all frames by TCP. Default: udp");
@@ -189,7 +201,8 @@ void addRelayOptions(CLI::App& app, Settings& settings) {
   const auto set = [&settings](const std::string& text) {
     settings.publish = parseNatsAddress(text);
     if (!settings.publish)
-      throw CLI::ValidationError("--publish", quote(text) + " is not " + kNatsForm);
+      throw CLI::ValidationError("--publish",
+                                 quote(hideCredentials(text)) + " is not " + kNatsForm);
   };
   app.add_option_function<std::string>(
          "--publish", set,

@@ -4,10 +4,13 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
+#include <string>
 #include <vector>
 
+#include "common/text.hpp"
 #include "server/vision/base/statistics.hpp"
 
 namespace hapticast::server {
@@ -42,6 +45,36 @@ bool warnOfTinyPicture(const SourceInfo& info) {
   return false;
 }
 
+/// A unit that programs write, and its size relative to the unit that the server assumes.
+struct UnitGuess {
+  double factor;
+  const char* whose;
+};
+
+/// Returns the units with which the depth `median_mm` would be one of an object to touch, as
+/// "--depth-unit 0.1 (RealSense) or --depth-unit 0.2 (TUM, ORB-SLAM)".
+std::string listLikelyUnits(double median_mm, double mm_per_unit) {
+  constexpr std::array kGuesses{UnitGuess{0.2, "1/5000 m, as TUM and ORB-SLAM write"},
+                                UnitGuess{0.1, "0.1 mm, as RealSense writes"},
+                                UnitGuess{0.25, "1/4000 m"},
+                                UnitGuess{1e-3, "mm as floats"},
+                                UnitGuess{16.0, "16 bits that FFmpeg squeezed into 12"},
+                                UnitGuess{64.0, "16 bits that FFmpeg squeezed into 10"},
+                                UnitGuess{256.0, "16 bits that a program squeezed into 8"},
+                                UnitGuess{10.0, "cm"},
+                                UnitGuess{1e3, "metres"}};
+  constexpr double kNearest_mm = 300.0;  // chosen: objects to touch are about an arm away
+  constexpr double kFarthest_mm = 3000.0;
+  std::vector<std::string> likely;
+  for (const UnitGuess& guess : kGuesses) {
+    const double depth_mm = guess.factor * median_mm;
+    if (depth_mm < kNearest_mm || depth_mm > kFarthest_mm) continue;
+    likely.push_back(
+        fmt::format("--depth-unit {:g} ({})", guess.factor * mm_per_unit, guess.whose));
+  }
+  return join(likely, " or ");
+}
+
 // Returns the median depth of a part of the picture.
 double computeMedianIn(const cv::Mat& depth, const cv::Rect& part) {
   const cv::Mat values = depth(part & cv::Rect({0, 0}, depth.size())).clone();
@@ -63,35 +96,86 @@ double findObjectDepth(const cv::Mat& depth, const VisionSettings& settings) {
   return computeMedianIn(depth, middle);
 }
 
-// Returns false if the depth has no surface.
-bool warnOfDepth(RgbdSource& source, const VisionSettings& settings) {
+/// Logs a warning if nearly all of `depths_mm` are nearer or farther than objects to touch.
+void warnOfUnit(std::vector<float> depths_mm, const SourceInfo& info) {
+  constexpr double kNear_mm = 150.0;  // chosen: cameras of depth measure no nearer
+  constexpr double kFar_mm = 6000.0;  // chosen: an object that far has a relief of few pixels
+  constexpr double kNearlyAll = 0.95;
+  if (depths_mm.empty()) return;
+  std::sort(depths_mm.begin(), depths_mm.end());
+  const auto at = [&depths_mm](double share) {
+    return double(depths_mm[static_cast<std::size_t>(share * double(depths_mm.size() - 1))]);
+  };
+  const bool near = at(kNearlyAll) < kNear_mm;
+  if (!near && at(1.0 - kNearlyAll) <= kFar_mm) return;
+  const std::string likely = listLikelyUnits(at(0.5), info.mm_per_unit);
+  spdlog::warn(
+      "--source {}: nearly all depths are {} ({:.4g} to {:.4g} mm); if the unit is "
+      "another one, use {}",
+      info.name, near ? "below 150 mm" : "above 6 m", at(1.0 - kNearlyAll), at(kNearlyAll),
+      likely.empty() ? "--depth-unit MM" : likely);
+}
+
+/// Depths of the first frames of a clip.
+struct FirstDepths {
   double least = HUGE_VAL;
   double most = -HUGE_VAL;
-  std::vector<double> near_shares;
+  std::vector<double> near_shares;  ///< shareOfNearBorder() of each frame
+  std::vector<float> depths;        ///< measured ones, a few thousand of each frame
+};
+
+FirstDepths readFirstDepths(RgbdSource& source, const VisionSettings& settings) {
+  constexpr std::size_t kSamples = 5000;  // of each frame; chosen
+  FirstDepths first;
   for (int i = 0; i < kFirstFrames; ++i) {
     const std::optional<RgbdFrame> frame = source.read();
     if (!frame) break;
     double low = 0.0;
     double high = 0.0;
     cv::minMaxLoc(frame->depth, &low, &high);
-    least = std::min(least, low);
-    most = std::max(most, high);
-    near_shares.push_back(shareOfNearBorder(frame->depth, settings));
+    first.least = std::min(first.least, low);
+    first.most = std::max(first.most, high);
+    first.near_shares.push_back(shareOfNearBorder(frame->depth, settings));
+    const std::size_t step = std::max<std::size_t>(1, frame->depth.total() / kSamples);
+    for (std::size_t at = 0; at < frame->depth.total(); at += step) {
+      const float depth = frame->depth.at<float>(static_cast<int>(at));
+      if (depth > 0.0F) first.depths.push_back(depth);
+    }
   }
   source.rewind();
+  return first;
+}
+
+/// Logs a warning if depth of 8 bits uses a few levels only.
+void warnOfFewLevels(const FirstDepths& first, const SourceInfo& info) {
+  constexpr double kFewLevels = 12.0;  // chosen
+  if (first.most - first.least >= kFewLevels) return;
+  spdlog::warn(
+      "--source {}: its depth has only the levels {:g} to {:g} of 255; it was probably "
+      "depth of 16 bits before, so write it with 16 bits (ffmpeg -i FILE -pix_fmt "
+      "gray16le -c:v ffv1 OUT.mkv)",
+      info.name, first.least, first.most);
+}
+
+// Returns false if the depth has no surface.
+bool warnOfDepth(RgbdSource& source, const VisionSettings& settings) {
+  FirstDepths first = readFirstDepths(source, settings);
   const SourceInfo& info = source.info();
-  if (least == most) {
+  if (first.least == first.most) {
     spdlog::warn(
         "--source {}: depth is {:g} in every pixel of the first {} frames, so there is nothing to "
         "touch; check that the depth images belong to this clip and are not empty",
-        info.name, most, near_shares.size());
+        info.name, first.most, first.near_shares.size());
     return false;
   }
-  if (info.depth_kind == DepthKind::kHeight && !near_shares.empty() &&
-      computeMedian(near_shares) >= kMostlyNear) {
+  if (info.depth_kind == DepthKind::kMetric) {
+    warnOfUnit(first.depths, info);
+    return true;
+  }
+  warnOfFewLevels(first, info);
+  if (!first.near_shares.empty() && computeMedian(first.near_shares) >= kMostlyNear) {
     spdlog::warn(
-        "--source {}: its depth looks inverted, because the border is nearer than the object; "
-        "use "
+        "--source {}: its depth looks inverted, because the border is nearer than the object; use "
         "--depth-near dark",
         info.name);
   }

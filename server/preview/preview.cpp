@@ -12,8 +12,12 @@
 #include <filesystem>
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
+#include <span>
+#include <stdexcept>
+#include <vector>
 
 #include "common/text.hpp"
+#include "common/write_file.hpp"
 #include "server/pipeline/clip_scan.hpp"
 #include "server/pipeline/input_check.hpp"
 #include "server/preview/contact_sheet.hpp"
@@ -63,22 +67,20 @@ void checkPlace(const fs::path& place) {
   if (is_new) fs::remove(probe, error);
 }
 
-void write(const fs::path& file, const cv::Mat& picture) {
-  bool written = false;
-  try {
-    written = cv::imwrite(file.string(), picture);
-  } catch (const cv::Exception&) {
-    written = false;
-  }
-  if (!written) throwCannotWrite(file.string(), "cannot be written");
+void writeBytes(const fs::path& file, std::span<const unsigned char> bytes) {
+  if (const auto error = writeFile(file.string(), bytes))
+    throw std::runtime_error(fmt::format("--preview {}: {}", file.string(), error->message));
   fmt::print("written: {}\n", file.string());
 }
 
+void write(const fs::path& file, const cv::Mat& picture) {
+  std::vector<unsigned char> png;
+  cv::imencode(".png", picture, png);
+  writeBytes(file, png);
+}
+
 void writeText(const fs::path& file, const std::string& text) {
-  std::ofstream out(file);
-  out << text << std::flush;
-  if (!out) throwCannotWrite(file.string(), "cannot be written");
-  fmt::print("written: {}\n", file.string());
+  writeBytes(file, {reinterpret_cast<const unsigned char*>(text.data()), text.size()});
 }
 
 bool seesAny(const HapticFrame& frame) {
@@ -145,11 +147,22 @@ PreviewRun runVision(RgbdSource& source, Vision& vision, std::uint64_t most_fram
   return keeper.finish();
 }
 
+/// Returns the advice for a clip whose first frame shows no object.
+std::string suggestObject(const PreviewRun& preview_run) {
+  const auto seen = std::find_if(preview_run.kept.begin(), preview_run.kept.end(),
+                                 [](const PreviewFrame& each) { return seesAny(each.haptic); });
+  if (seen == preview_run.kept.end())
+    return "no object was found; add --object U,V with a pixel on one";
+  return fmt::format(
+      "the first frame shows no object, but that at {0:.2f} s does; add --object U,V@{0:.2f}",
+      seen->time_s);
+}
+
 std::string suggestCorrections(const Settings& settings, const PreviewRun& preview_run,
                                const SourceInfo& info) {
   const PreviewFrame& first = preview_run.kept.front();
   const std::vector<std::uint32_t> ids = listIds(first.haptic);
-  if (ids.empty()) return "no object was found; add --object U,V with a pixel on one";
+  if (ids.empty()) return suggestObject(preview_run);
   std::vector<cv::Point> clicks;
   for (const AuthorPoint& point : settings.vision.object_points)
     clicks.emplace_back(static_cast<int>(point.at_px.x()), static_cast<int>(point.at_px.y()));

@@ -122,8 +122,15 @@ std::string toText(const ObjectFacts& facts, DepthKind kind) {
                                  facts.id, 100.0 * facts.share, metric ? facts.near : facts.far,
                                  metric ? facts.far : facts.near, unit);
   if (facts.mapped) {
-    text.append(fmt::format("; {:.0f} to {:.0f}{} become 30 to 0 mm", facts.mapped->near_mm,
-                            facts.mapped->far_mm, unit));
+    const auto& [near, far] = *facts.mapped;
+    // Depth of 8 bits has the levels 0 to 255 only.
+    const double from = metric ? near : std::clamp(near, 0.0, 255.0);
+    const double to = metric ? far : std::clamp(far, 0.0, 255.0);
+    const auto computeHeight_mm = [&](double depth) {
+      return Workspace{}.depth_mm * (depth - far) / (near - far);
+    };
+    text.append(fmt::format("; {:.0f} to {:.0f}{} become {:.2g} to {:.2g} mm", from, to, unit,
+                            computeHeight_mm(from), computeHeight_mm(to)));
   }
   text.append(fmt::format(", {:.1f} mm tall", facts.high_mm - facts.low_mm));
   return text;

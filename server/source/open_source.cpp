@@ -10,6 +10,7 @@
 
 #include "common/text.hpp"
 #include "server/source/folder/image_sequence.hpp"
+#include "server/source/known_files.hpp"
 #include "server/source/live/network_stream.hpp"
 #include "server/source/live/openni_camera.hpp"
 #include "server/source/live/v4l2_camera.hpp"
@@ -24,6 +25,11 @@ namespace fs = std::filesystem;
 
 namespace {
 
+constexpr std::string_view kSynthetic = "synthetic:";
+constexpr std::string_view kCamera = "camera:";
+constexpr std::string_view kOpenni = "openni:";
+constexpr std::string_view kV4l2 = "v4l2:";
+
 std::unique_ptr<RgbdSource> openSynthetic(std::string_view name, double fps) {
   std::vector<std::string> names;
   for (const SceneName& scene : kSceneNames) {
@@ -36,7 +42,7 @@ std::unique_ptr<RgbdSource> openSynthetic(std::string_view name, double fps) {
 }
 
 std::unique_ptr<RgbdSource> openCamera(const std::string& spec, std::string_view numbers,
-                                       double fps) {
+                                       double fps, double mm_per_unit) {
   const std::size_t comma = numbers.find(',');
   const auto parse = [&](std::string_view text) {
     int number = 0;
@@ -54,18 +60,18 @@ std::unique_ptr<RgbdSource> openCamera(const std::string& spec, std::string_view
   }
   const int depth = parse(numbers.substr(comma + 1));
   return openV4l2Camera("/dev/video" + std::to_string(color), "/dev/video" + std::to_string(depth),
-                        fps);
+                        fps, mm_per_unit);
 }
 
-std::unique_ptr<RgbdSource> openV4l2(const std::string& spec, const std::string& nodes,
-                                     double fps) {
+std::unique_ptr<RgbdSource> openV4l2(const std::string& spec, const std::string& nodes, double fps,
+                                     double mm_per_unit) {
   const std::size_t comma = nodes.find(',');
   if (comma == std::string::npos || comma == 0 || comma + 1 == nodes.size()) {
     throw SourceError(spec +
                       ": colour and depth are needed; use v4l2:COLOR,DEPTH with two nodes, " +
                       "for example v4l2:/dev/video4,/dev/video2");
   }
-  return openV4l2Camera(nodes.substr(0, comma), nodes.substr(comma + 1), fps);
+  return openV4l2Camera(nodes.substr(0, comma), nodes.substr(comma + 1), fps, mm_per_unit);
 }
 
 /// Throws SourceError for a kind of source that the server does not read.
@@ -75,9 +81,6 @@ void refuseOtherKinds(const std::string& spec) {
                       ": is an address that the server does not read; use " + kStreamSchemes +
                       ", or download the video first");
   }
-  const std::string type = fs::path(spec).extension().string();
-  if (type == ".zip" || type == ".tar" || type == ".gz" || type == ".tgz" || type == ".7z")
-    throw SourceError(spec + ": is an archive; unpack it, then use its folder");
 }
 
 bool isFile(const std::string& path) {
@@ -85,7 +88,8 @@ bool isFile(const std::string& path) {
   return fs::is_regular_file(path, error);
 }
 
-std::unique_ptr<RgbdSource> openPair(const std::string& spec, double fps, DepthCode code) {
+std::unique_ptr<RgbdSource> openPair(const std::string& spec, double fps,
+                                     const VideoLayout& layout) {
   // File names may contain commas: prefers the split at which both files exist.
   std::size_t comma = spec.find(',');
   for (std::size_t at = comma; at != std::string::npos; at = spec.find(',', at + 1)) {
@@ -96,16 +100,22 @@ std::unique_ptr<RgbdSource> openPair(const std::string& spec, double fps, DepthC
   if (color.empty() || depth.empty()) {
     throw SourceError(spec + ": one of the two videos is missing; use COLOR,DEPTH");
   }
-  return std::make_unique<VideoClip>(color, depth, fps, code);
+  return std::make_unique<VideoClip>(color, depth, fps, layout);
 }
 
 /// Returns whether `spec` has the form of two files.
 bool isPair(const std::string& spec) { return spec.find(',') != std::string::npos; }
 
-/// Throws SourceError for flags of videos that this source cannot obey.
-void requireVideo(const std::string& spec, bool is_video, const VideoLayout& layout) {
+/// Throws SourceError for flags about depth that this source cannot obey.
+void requireFlags(const std::string& spec, bool is_video, const VideoLayout& layout) {
   std::error_code error;
-  const bool inverse_folder = layout.code == DepthCode::kInverse && fs::is_directory(spec, error);
+  const bool folder = fs::is_directory(spec, error);
+  if (!layout.color_glob.empty() && !folder)
+    throw SourceError(spec + ": only a folder of images has --color and --depth; leave them out");
+  const bool camera = spec.starts_with(kCamera) || spec.starts_with(kV4l2);
+  if (layout.depth_unit_mm && !folder && !is_video && !camera)
+    throw SourceError(spec + ": states the unit of its depth itself; leave --depth-unit out");
+  const bool inverse_folder = layout.code == DepthCode::kInverse && folder;
   const bool single = is_video && isFile(spec);
   if (layout.layout != Layout::kSeparate && !single)
     throw SourceError(spec + ": only a single video file has a --layout; leave the flag out");
@@ -153,10 +163,6 @@ std::unique_ptr<RgbdSource> openSource(const std::string& spec, double fps, bool
   if (fps != 0.0 && !(fps >= 1.0 && fps <= 240.0)) {
     throw SourceError("frame rate " + std::to_string(fps) + ": allowed is 1 to 240 per second");
   }
-  constexpr std::string_view kSynthetic = "synthetic:";
-  constexpr std::string_view kCamera = "camera:";
-  constexpr std::string_view kOpenni = "openni:";
-  constexpr std::string_view kV4l2 = "v4l2:";
   const std::string_view view = spec;
   if (isStreamUrl(spec)) return openLive(spec, fps, to_and_fro, layout);
   std::error_code error;
@@ -165,17 +171,22 @@ std::unique_ptr<RgbdSource> openSource(const std::string& spec, double fps, bool
     throw SourceError(spec + ": only a folder of images plays --to-and-fro; use --loop alone");
   const bool is_named = view.starts_with(kSynthetic) || view.starts_with(kCamera) ||
                         view.starts_with(kOpenni) || view.starts_with(kV4l2);
-  requireVideo(spec, !is_named && (isFile(spec) || isPair(spec)), layout);
+  requireFlags(spec, !is_named && (isFile(spec) || isPair(spec)), layout);
+  const double mm_per_unit = layout.depth_unit_mm.value_or(1.0);
   if (view.starts_with(kSynthetic)) return openSynthetic(view.substr(kSynthetic.size()), fps);
-  if (view.starts_with(kCamera)) return openCamera(spec, view.substr(kCamera.size()), fps);
-  if (view.starts_with(kV4l2)) return openV4l2(spec, spec.substr(kV4l2.size()), fps);
+  if (view.starts_with(kCamera))
+    return openCamera(spec, view.substr(kCamera.size()), fps, mm_per_unit);
+  if (view.starts_with(kV4l2)) return openV4l2(spec, spec.substr(kV4l2.size()), fps, mm_per_unit);
   if (view.starts_with(kOpenni)) return openOpenniCamera(spec.substr(kOpenni.size()), fps);
-  if (is_folder) return std::make_unique<ImageSequence>(spec, fps, to_and_fro, layout.code);
+  if (is_folder) return std::make_unique<ImageSequence>(spec, fps, to_and_fro, layout);
   refuseOtherKinds(spec);
-  if (isFile(spec)) return openSingle(spec, fps, layout);
-  if (isPair(spec)) return openPair(spec, fps, layout.code);
+  if (isFile(spec)) {
+    refuseKnownFile(spec);
+    return openSingle(spec, fps, layout);
+  }
+  if (isPair(spec)) return openPair(spec, fps, layout);
   throw SourceError(
-      (spec.empty() ? "(empty source)" : spec) +
+      (spec.empty() ? "(empty source)" : hideCredentials(spec)) +
       ": no such file or folder; use synthetic:NAME, a folder, COLOR,DEPTH, camera:N,M or the "
       "address of a stream");
 }

@@ -34,8 +34,9 @@ struct SourceInfo {
   Vec2 own_px = Vec2::Ones();
   double fps = 25.0;
   DepthKind depth_kind = DepthKind::kMetric;
-  bool live = false;       ///< true: a camera or stream, which cannot be scanned or rewound
-  bool key_masks = false;  ///< true: the masks are the author's key masks of a few frames
+  double mm_per_unit = 1.0;  ///< mm of one unit of depth in the files; only with kMetric
+  bool live = false;         ///< true: a camera or stream, which cannot be scanned or rewound
+  bool key_masks = false;    ///< true: the masks are the author's key masks of a few frames
   std::optional<std::uint64_t> frame_count;
   /// Range of depths that the source states for the whole clip; nullopt: it states none.
   std::optional<DepthRange> depth_range;

@@ -20,10 +20,7 @@ constexpr std::array<std::string_view, 8> kSchemes{"rtsp",  "rtsps", "srt", "htt
 }  // namespace
 
 std::string findScheme(std::string_view url) {
-  std::string scheme(url.substr(0, url.find(kAfterScheme)));
-  std::transform(scheme.begin(), scheme.end(), scheme.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return scheme;
+  return toLower(url.substr(0, url.find(kAfterScheme)));
 }
 
 bool isAddress(std::string_view spec) {
@@ -39,7 +36,13 @@ bool isStreamUrl(std::string_view spec) {
 }
 
 std::string hideCredentials(std::string_view spec) {
-  if (!isAddress(spec)) return std::string(spec);
+  if (!isAddress(spec)) {
+    // An address that is written wrongly, for example with one slash.
+    const std::size_t colon = spec.find(':');
+    const bool is_wrong = colon != std::string_view::npos && spec.substr(colon).starts_with(":/") &&
+                          spec.find('@', colon) != std::string_view::npos;
+    return is_wrong ? findScheme(spec.substr(0, colon)) + ":..." : std::string(spec);
+  }
   const std::string scheme = findScheme(spec) + std::string(kAfterScheme);
   std::string_view rest = spec.substr(scheme.size());
   // A password with a raw '/', '?' or '#' ends behind the place where the host should end.

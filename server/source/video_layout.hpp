@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT
-// Layout of a video with depth: the place of the depth and its code. Thread: any.
+// Layout of a source with depth: the files and the place of the depth, its code and unit.
+// Thread: any.
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <string>
 
 namespace hapticast::server {
 
@@ -20,10 +23,15 @@ enum class DepthCode : std::uint8_t {
   kHue,      ///< mm = 3000 * hue (HSV, 0..1), as Record3D writes it; 100..2800 mm are valid
 };
 
-/// Values of the flags --layout and --depth-code.
+/// Values of the flags --layout, --depth-code, --depth-unit, --color and --depth.
 struct VideoLayout {
   Layout layout = Layout::kSeparate;
   DepthCode code = DepthCode::kGrey;
+  /// mm of one unit of depth. nullopt: as the source states, else 1 for integers, 1000 for floats.
+  std::optional<double> depth_unit_mm = std::nullopt;
+  /// Patterns of the images in a folder, relative to it. Empty: the server recognises the layout.
+  std::string color_glob = "";
+  std::string depth_glob = "";
   bool operator==(const VideoLayout&) const = default;
 };
 

@@ -16,6 +16,7 @@
 
 #include "common/text.hpp"
 #include "server/source/folder/bop_scene.hpp"
+#include "server/source/folder/image_lists.hpp"
 #include "server/source/rgbd_source.hpp"
 
 namespace hapticast::server {
@@ -41,44 +42,18 @@ std::string readText(const fs::path& file) {
   return text;
 }
 
-constexpr std::array<std::string_view, 3> kColorEndings{".png", ".jpg", ".jpeg"};
-constexpr std::array<std::string_view, 8> kDepthEndings{".png",  ".jpg", ".jpeg", ".tif",
-                                                        ".tiff", ".exr", ".pgm",  ".npy"};
-
-bool isImage(const fs::path& file, std::span<const std::string_view> endings) {
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return std::find(endings.begin(), endings.end(), extension) != endings.end();
-}
-
-std::vector<fs::path> listImages(const fs::path& folder,
-                                 std::span<const std::string_view> endings = kColorEndings) {
-  std::vector<fs::path> files;
-  std::error_code error;
-  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
-    const fs::path& file = it->path();
-    if (file.filename().string().front() != '.' && isImage(file, endings)) files.push_back(file);
-  }
-  if (error) throw SourceError(folder.string() + ": cannot be read (" + error.message() + ")");
-  std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
-    return precedesNaturally(a.filename().string(), b.filename().string());
-  });
-  return files;
-}
-
-void requireCount(const fs::path& folder, std::size_t count, std::size_t colors) {
+void requireCount(const std::string& place, std::size_t count, std::size_t colors) {
   if (count == colors) return;
-  throw SourceError(folder.string() + ": " + std::to_string(count) + " images, but there are " +
+  throw SourceError(place + ": " + std::to_string(count) + " images, but there are " +
                     std::to_string(colors) +
                     " colour images; each colour image needs its own, so add or remove some");
 }
 
 // Masks as many as pictures pair in order; fewer masks pair by name.
 void addMasks(const fs::path& folder, ClipFiles& clip) {
-  const auto masks = listImages(folder);
+  const auto masks = listColorImages(folder);
   if (masks.size() >= clip.frames.size()) {
-    requireCount(folder, masks.size(), clip.frames.size());
+    requireCount(folder.string(), masks.size(), clip.frames.size());
     for (std::size_t i = 0; i < masks.size(); ++i) clip.frames[i].mask = masks[i];
     return;
   }
@@ -125,18 +100,10 @@ void warnOfOtherNumbers(const ClipFiles& clip) {
   }
 }
 
-/// Returns the first of `names` that is a folder in `folder`. Returns an empty path if none is.
-fs::path findFolder(const fs::path& folder, std::initializer_list<const char*> names) {
-  for (const char* name : names) {
-    if (fs::is_directory(folder / name)) return folder / name;
-  }
-  return {};
-}
-
 /// Pairs images by the frame numbers in their names. A colour image without depth is a gap.
 std::vector<FrameFiles> pairByNumber(const std::vector<fs::path>& colors,
                                      const std::vector<fs::path>& depths,
-                                     const fs::path& depth_folder) {
+                                     const std::string& depth_place) {
   std::map<double, fs::path> by_number;
   for (const fs::path& depth : depths) {
     if (const auto number = frameNumber(depth)) by_number[*number] = depth;
@@ -152,37 +119,15 @@ std::vector<FrameFiles> pairByNumber(const std::vector<fs::path>& colors,
     if (has_depth) frame.depth = found->second;
     pairs += has_depth ? 1 : 0;
   }
-  if (pairs == 0) requireCount(depth_folder, depths.size(), colors.size());
+  if (pairs == 0) requireCount(depth_place, depths.size(), colors.size());
   return frames;
 }
 
-ClipFiles findInFolders(const fs::path& folder) {
-  const fs::path color_folder = findFolder(folder, {"rgb", "color", "colour", "image", "images"});
-  if (color_folder.empty()) {
-    const bool empty = fs::is_empty(folder);
-    throw SourceError(folder.string() + (empty ? ": is empty" : ": has no folder rgb/ or color/") +
-                      "; put colour images into rgb/ and depth images into depth/");
-  }
-  const fs::path depth_folder =
-      findFolder(folder, {"depth", "aligned_depth", "depth_aligned", "depths"});
-  if (depth_folder.empty()) {
-    throw SourceError(folder.string() +
-                      ": has no folder depth/; put a depth image for each colour image into it");
-  }
-  const auto colors = listImages(color_folder);
-  if (colors.empty()) {
-    throw SourceError(color_folder.string() + ": has no PNG or JPEG images; put the frames there");
-  }
-  const auto depths = listImages(depth_folder, kDepthEndings);
-  if (depths.empty()) {
-    throw SourceError(
-        depth_folder.string() +
-        ": has no PNG, JPEG, TIFF, EXR, PGM or NPY images; put a depth image for each "
-        "colour image there");
-  }
+ClipFiles findInFolders(const fs::path& folder, const VideoLayout& layout) {
+  const auto [colors, depths, depth_place] = findImages(folder, layout);
   ClipFiles clip;
   if (depths.size() != colors.size()) {
-    clip.frames = pairByNumber(colors, depths, depth_folder);
+    clip.frames = pairByNumber(colors, depths, depth_place);
   } else {
     for (std::size_t i = 0; i < colors.size(); ++i)
       clip.frames.push_back({colors[i], depths[i], {}, {}, {}});
@@ -190,8 +135,8 @@ ClipFiles findInFolders(const fs::path& folder) {
   }
   if (fs::exists(folder / "scene_camera.json"))
     addBopScene(folder, readText(folder / "scene_camera.json"), clip);
-  else if (fs::is_directory(folder / "mask"))
-    addMasks(folder / "mask", clip);
+  else if (const fs::path masks = findFolder(folder, {"mask"}); !masks.empty())
+    addMasks(masks, clip);
   return clip;
 }
 
@@ -288,35 +233,11 @@ void applyMeta(const fs::path& file, ClipFiles& clip) {
 
 }  // namespace
 
-bool precedesNaturally(const std::string& a, const std::string& b) {
-  const auto digit = [](char c) { return c >= '0' && c <= '9'; };
-  std::size_t i = 0;
-  std::size_t j = 0;
-  while (i < a.size() && j < b.size()) {
-    if (!digit(a[i]) || !digit(b[j])) {
-      if (a[i] != b[j]) return a[i] < b[j];
-      ++i;
-      ++j;
-      continue;
-    }
-    while (i < a.size() && a[i] == '0') ++i;
-    while (j < b.size() && b[j] == '0') ++j;
-    const std::size_t i0 = i;
-    const std::size_t j0 = j;
-    while (i < a.size() && digit(a[i])) ++i;
-    while (j < b.size() && digit(b[j])) ++j;
-    if (i - i0 != j - j0) return i - i0 < j - j0;
-    const int order = a.compare(i0, i - i0, b, j0, j - j0);
-    if (order != 0) return order < 0;
-  }
-  // Equal by value (01 and 1): any fixed order works.
-  return a.size() - i != b.size() - j ? a.size() - i < b.size() - j : a < b;
-}
-
-ClipFiles findClipFiles(const fs::path& folder) try {
+ClipFiles findClipFiles(const fs::path& folder, const VideoLayout& layout) try {
   if (!fs::is_directory(folder)) throw SourceError(folder.string() + ": no such folder");
-  const bool tum = fs::exists(folder / "rgb.txt") && fs::exists(folder / "depth.txt");
-  ClipFiles clip = tum ? findTum(folder) : findInFolders(folder);
+  const bool tum = layout.color_glob.empty() && fs::exists(folder / "rgb.txt") &&
+                   fs::exists(folder / "depth.txt");
+  ClipFiles clip = tum ? findTum(folder) : findInFolders(folder, layout);
   if (fs::exists(folder / "meta.json")) applyMeta(folder / "meta.json", clip);
   return clip;
 } catch (const fs::filesystem_error& error) {

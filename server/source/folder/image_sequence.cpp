@@ -39,8 +39,8 @@ DepthFormat detectFormat(const std::filesystem::path& file, const cv::Mat& first
 }  // namespace
 
 ImageSequence::ImageSequence(const std::filesystem::path& folder, double fps, bool to_and_fro,
-                             DepthCode code)
-    : files_(findClipFiles(folder)), near_is_dark_(code == DepthCode::kInverse) {
+                             const VideoLayout& layout)
+    : files_(findClipFiles(folder, layout)), layout_(layout) {
   if (to_and_fro && files_.frames.size() > 2) {
     const std::vector<FrameFiles> back(files_.frames.rbegin() + 1, files_.frames.rend() - 1);
     files_.frames.insert(files_.frames.end(), back.begin(), back.end());
@@ -56,9 +56,10 @@ ImageSequence::ImageSequence(const std::filesystem::path& folder, double fps, bo
   if (!depth.ok())
     throw SourceError(first.depth.string() + ": " + depth.problem + "; mend this first frame");
   format_ = detectFormat(first.depth, depth.image, files_);
-  if (near_is_dark_ && format_.kind == DepthKind::kMetric)
+  if (layout.code == DepthCode::kInverse && format_.kind == DepthKind::kMetric)
     throw SourceError(first.depth.string() +
                       ": has depth in mm, so leave --depth-near and --depth-code out");
+  setDepthUnit(format_, layout.depth_unit_mm, first.depth.string());
   info_.name = fileName(folder);
   own_size_ = color.image.size();
   setSize(info_, own_size_, folder.string());
@@ -66,6 +67,8 @@ ImageSequence::ImageSequence(const std::filesystem::path& folder, double fps, bo
   warnOfOtherSize(folder);
   info_.fps = fps > 0.0 ? fps : files_.fps;
   info_.depth_kind = format_.kind;
+  info_.mm_per_unit =
+      layout.depth_unit_mm.value_or(first.mm_per_unit.value_or(format_.mm_per_unit));
   info_.frame_count = files_.frames.size();
   info_.key_masks = files_.key_masks;
   if (files_.camera) info_.camera = scaleCamera(*files_.camera, info_);
@@ -175,11 +178,11 @@ ImageResult ImageSequence::readColor(const std::filesystem::path& file) const {
 
 ImageResult ImageSequence::readDepth(const FrameFiles& files, const cv::Mat& color) const {
   DepthFormat format = format_;
-  format.mm_per_unit = files.mm_per_unit.value_or(format.mm_per_unit);
+  if (!layout_.depth_unit_mm) format.mm_per_unit = files.mm_per_unit.value_or(format.mm_per_unit);
   ImageResult depth = readRawFile(files.depth);
   if (depth.ok()) depth = toDepth(depth.image, format);
   if (!depth.ok()) return depth;
-  if (near_is_dark_) depth.image = 255.0F - depth.image;
+  if (layout_.code == DepthCode::kInverse) depth.image = 255.0F - depth.image;
   const cv::Size size = depth.image.size();
   if (size != depth_size_) {
     return {{},

@@ -20,10 +20,11 @@ class ImageSequence final : public RgbdSource {
  public:
   /// Finds the files in `folder` and checks the first frame. `fps` > 0 overrides the folder's rate,
   /// frames/s. If `to_and_fro` is true, the clip plays forwards, then backwards from the last but
-  /// one image to the second, so that a loop has no jump. `code`: code of 8-bit depth, kGrey or
-  /// kInverse. Throws SourceError, also if `code` is kInverse and the depth is in mm.
+  /// one image to the second, so that a loop has no jump. `layout`: its code is that of 8-bit
+  /// depth, kGrey or kInverse; its unit wins over all that the folder states. Throws SourceError,
+  /// also if the code is kInverse and the depth is in mm, or if depth of 8 bits has a unit.
   ImageSequence(const std::filesystem::path& folder, double fps, bool to_and_fro = false,
-                DepthCode code = DepthCode::kGrey);
+                const VideoLayout& layout = {});
 
   [[nodiscard]] const SourceInfo& info() const override { return info_; }
   /// Returns the next frame, as in RgbdSource. Throws SourceError if no frame of the whole clip is
@@ -61,7 +62,7 @@ class ImageSequence final : public RgbdSource {
   ClipFiles files_;
   SourceInfo info_;
   DepthFormat format_;
-  bool near_is_dark_ = false;
+  VideoLayout layout_;
   cv::Size own_size_;  // sizes of colour and depth images in the files
   cv::Size depth_size_;
   std::uint64_t next_ = 0;

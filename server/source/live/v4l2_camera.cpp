@@ -253,7 +253,7 @@ LivePicture V4l2Node::convert(const v4l2_buffer& buffer) const {
 /// The two nodes of a camera.
 class V4l2Device final : public PictureCamera {
  public:
-  V4l2Device(const std::string& color, const std::string& depth, double fps);
+  V4l2Device(const std::string& color, const std::string& depth, double fps, double mm_per_unit);
 
   [[nodiscard]] const SourceInfo& info() const override { return info_; }
   [[nodiscard]] std::vector<std::string> warnings() const override {
@@ -269,7 +269,8 @@ class V4l2Device final : public PictureCamera {
   SourceInfo info_;
 };
 
-V4l2Device::V4l2Device(const std::string& color, const std::string& depth, double fps)
+V4l2Device::V4l2Device(const std::string& color, const std::string& depth, double fps,
+                       double mm_per_unit)
     : color_(color, false, fps), depth_(depth, true, fps) {
   const auto sizeOfNode = [](const V4l2Node& node) {
     return cv::Size(static_cast<int>(node.format().width_px),
@@ -286,6 +287,9 @@ V4l2Device::V4l2Device(const std::string& color, const std::string& depth, doubl
   info_.height_px = size.height;
   info_.fps = std::min(color_.fps(), depth_.fps());
   info_.depth_kind = findDepthKind(depth_.format().code);
+  info_.mm_per_unit = mm_per_unit;
+  if (mm_per_unit != 1.0 && info_.depth_kind != DepthKind::kMetric)
+    throw SourceError(depth + ": has depth of 8 bits, which are heights; leave --depth-unit out");
 }
 
 std::optional<LivePicture> V4l2Device::read(Duration longest) {
@@ -295,14 +299,18 @@ std::optional<LivePicture> V4l2Device::read(Duration longest) {
   // An error shows itself as the error of the next call.
   if (files[0].revents != 0)
     if (auto picture = color_.takeNewest()) return picture;
-  return files[1].revents != 0 ? depth_.takeNewest() : std::nullopt;
+  if (files[1].revents == 0) return std::nullopt;
+  auto picture = depth_.takeNewest();
+  if (picture && info_.mm_per_unit != 1.0) picture->image = picture->image * info_.mm_per_unit;
+  return picture;
 }
 
 }  // namespace
 
 std::unique_ptr<RgbdSource> openV4l2Camera(const std::string& color, const std::string& depth,
-                                           double fps) {
-  return openPairedCamera([=] { return std::make_unique<V4l2Device>(color, depth, fps); });
+                                           double fps, double mm_per_unit) {
+  return openPairedCamera(
+      [=] { return std::make_unique<V4l2Device>(color, depth, fps, mm_per_unit); });
 }
 
 }  // namespace hapticast::server

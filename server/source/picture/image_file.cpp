@@ -114,6 +114,14 @@ ImageResult decodeImage(std::span<const std::uint8_t> bytes, int flags) {
   return {image, ""};
 }
 
+void setDepthUnit(DepthFormat& format, const std::optional<double>& mm_per_unit,
+                  const std::string& file) {
+  if (!mm_per_unit) return;
+  if (format.kind != DepthKind::kMetric)
+    throw SourceError(file + ": has depth of 8 bits, which are heights; leave --depth-unit out");
+  format.mm_per_unit = *mm_per_unit;
+}
+
 std::string sizeText(int width_px, int height_px) {
   return std::to_string(width_px) + "x" + std::to_string(height_px);
 }

@@ -40,6 +40,11 @@ struct DepthFormat {
   double mm_per_unit = 1.0;  ///< mm for each unit; only with kMetric
 };
 
+/// Sets the unit of `format` to that of --depth-unit, if there is one. Throws SourceError that
+/// names `file` if its depth has 8 bits, which are heights without a unit.
+void setDepthUnit(DepthFormat& format, const std::optional<double>& mm_per_unit,
+                  const std::string& file);
+
 /// Returns a size as text, for example "640x480".
 [[nodiscard]] std::string sizeText(int width_px, int height_px);
 

@@ -36,9 +36,9 @@ class VideoClip final : public RgbdSource {
   /// Opens a pair of files and decodes their first frames. `fps` > 0 overrides the colour video's
   /// rate, frames/s. The clip ends with the shorter file. Throws SourceError if the files' aspect
   /// ratios differ, or if their frame counts differ by more than five. It also throws if both are
-  /// one file, or if the depth is in false colours and `code` is not kHue.
+  /// one file, or if the depth is in false colours and the code of `layout` is not kHue.
   VideoClip(const std::string& color_file, const std::string& depth_file, double fps,
-            DepthCode code = DepthCode::kGrey);
+            const VideoLayout& layout = {});
   /// Decodes the first frame of `video`, of which no track may have started. `fps`: as above. With
   /// Layout::kSeparate the depth track is an Azure Kinect's depth track, else the track with the
   /// word depth in its title, else the only grey track. Each colour frame has the depth frame that

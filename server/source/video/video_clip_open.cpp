@@ -75,8 +75,8 @@ void requireDepthFormat(const VideoTrack& track, const std::string& file) {
 }  // namespace
 
 VideoClip::VideoClip(const std::string& color_file, const std::string& depth_file, double fps,
-                     DepthCode code)
-    : layout_{Layout::kSeparate, code} {
+                     const VideoLayout& layout)
+    : layout_(layout) {
   std::error_code error;
   if (std::filesystem::equivalent(color_file, depth_file, error)) {
     throw SourceError(depth_file +
@@ -137,6 +137,10 @@ void VideoClip::describe(const cv::Mat& color, const cv::Mat& raw, double fps) {
   depth_size_ = depth.size();
   // Hue is a code of mm in 8 bits, so the decoded picture decides.
   format_.kind = depth.depth() != CV_8U ? DepthKind::kMetric : DepthKind::kHeight;
+  if (layout_.depth_unit_mm && (registration_ || layout_.code == DepthCode::kHue))
+    throw SourceError(file + ": has depth in mm, so leave --depth-unit out");
+  setDepthUnit(format_, layout_.depth_unit_mm, file);
+  info_.mm_per_unit = format_.mm_per_unit;
   info_.name = fileName(color_.file->file());
   setSize(info_, color_size_, color_.file->file());
   if (depth_size_ != color_size_) logScaledDepth(file, depth_size_, frameSize(info_));

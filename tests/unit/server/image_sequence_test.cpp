@@ -219,14 +219,15 @@ TEST_F(ImageSequenceFolder, DepthOfAnotherSizeIsRefusedAtTheStartAndLeftOutLater
 
 TEST_F(ImageSequenceFolder, InverseDepthIsNearWhereItIsDark) {
   fill();
-  EXPECT_THROW(ImageSequence(folder.string(), 0.0, false, DepthCode::kInverse), SourceError)
+  EXPECT_THROW(ImageSequence(folder.string(), 0.0, false, {Layout::kSeparate, DepthCode::kInverse}),
+               SourceError)
       << "depth in mm has no code";
   for (int i = 0; i < 5; ++i) {
     cv::Mat depth(24, 32, CV_8UC1, cv::Scalar(200));
     depth.colRange(0, 16).setTo(10);
     folder.write("depth/" + number(i) + ".png", depth);
   }
-  ImageSequence source(folder.string(), 0.0, false, DepthCode::kInverse);
+  ImageSequence source(folder.string(), 0.0, false, {Layout::kSeparate, DepthCode::kInverse});
   ASSERT_EQ(source.info().depth_kind, DepthKind::kHeight);
   const auto frame = source.read();
   EXPECT_EQ(cv::countNonZero(frame->depth == 245.0F), 16 * 24);

@@ -32,7 +32,7 @@ using testing::HasSubstr;
 using testing::Not;
 
 constexpr const char* kHttpStart = "HTTP/1.0 200 OK\r\nContent-Type: video/mp2t\r\n\r\n";
-constexpr VideoLayout kBeside{Layout::kSideBySide, DepthCode::kGrey};
+const VideoLayout kBeside{Layout::kSideBySide, DepthCode::kGrey};
 constexpr int kLongest_ms = 20'000;  // for what takes moments on an idle machine
 
 /// Serves HTTP on a port of this machine, one connection after the other.

@@ -22,7 +22,7 @@ TEST(ServerSettings, Defaults) {
   EXPECT_EQ(run.settings.source, "synthetic:still");
   EXPECT_EQ(run.settings.fps, 0.0);
   EXPECT_EQ(run.settings.frames, 0U);
-  EXPECT_EQ(run.settings.listen, (Endpoint{"0.0.0.0", 7447}));
+  EXPECT_EQ(run.settings.listen, (Endpoint{"::", 7447}));
   EXPECT_EQ(run.settings.max_clients, 64U);
   EXPECT_EQ(run.settings.http, std::nullopt);
   EXPECT_EQ(run.settings.announce, "");
@@ -34,6 +34,7 @@ TEST(ServerSettings, Defaults) {
   EXPECT_EQ(run.settings.vision.method, Method::kHapticast);
   EXPECT_EQ(run.settings.vision.mass_kg, std::nullopt);
   EXPECT_FALSE(run.settings.vision.depth_range.has_value());
+  EXPECT_EQ(run.settings.layout, VideoLayout{});
 }
 
 void expectAll(const Settings& settings) {
@@ -72,6 +73,9 @@ void expectAll(const Settings& settings) {
   EXPECT_EQ(vision.material.texture_K_mm, 1.5);
   EXPECT_EQ(vision.mass_kg, 0.25);
   EXPECT_EQ(vision.method, Method::kThesis);
+  EXPECT_EQ(settings.layout.depth_unit_mm, 0.2);
+  EXPECT_EQ(settings.layout.color_glob, "c_*.png");
+  EXPECT_EQ(settings.layout.depth_glob, "d_*.png");
 }
 
 const std::vector<std::pair<std::string, std::string>> kAll = {
@@ -104,6 +108,9 @@ const std::vector<std::pair<std::string, std::string>> kAll = {
     {"multicast-ttl", "3"},
     {"preview", "clip.png"},
     {"signing-key", "origin.pem"},
+    {"depth-unit", "0.2"},
+    {"color", "c_*.png"},
+    {"depth", "d_*.png"},
 };
 
 TEST(ServerSettings, EveryFlagAndEveryKeyOfAConfigFile) {
