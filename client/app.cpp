@@ -109,6 +109,7 @@ class App::Impl {
   Reporter reporter_;
   TickReport last_report_;  // of those read from local_.reports
   bool sent_contact_ = false;
+  bool any_frame_ = false;
   bool time_is_over_ = false;
 };
 
@@ -144,14 +145,18 @@ bool App::Impl::run() {
 }
 
 void App::Impl::runEvents() {
-  const LocalTime begin = clock_.now();
+  LocalTime begin = clock_.now();  // of --seconds
   while (!stop_ && !time_is_over_) {
     readReports();
     reporter_.writeFaults(local_.renderer->recorder());
     device().poll();
     while (const auto line = device().nextMessage()) spdlog::info("{}", *line);
     sendContact();
-    if (!ui_.update(session_.stats())) stop();
+    const ConnectionStats& stats = session_.stats();
+    if (!ui_.update(stats)) stop();
+    // The time runs while no server answers, and from the first frame on.
+    any_frame_ = any_frame_ || last_report_.lookup != Lookup::kEmpty;
+    if (!any_frame_ && stats.connected) begin = clock_.now();
     if (const auto text = session_.listServers(clock_.now())) spdlog::warn("{}", *text);
     std::this_thread::sleep_for(kTurn);
     time_is_over_ =

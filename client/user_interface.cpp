@@ -46,7 +46,8 @@ std::unique_ptr<View> openWindow(const Settings& settings) {
   if (!hasDisplay() && !isSet("SDL_VIDEODRIVER"))
     throw std::runtime_error("--view on: no display (neither DISPLAY nor WAYLAND_DISPLAY is set)");
   try {
-    return std::make_unique<ViewerWindow>();
+    return std::make_unique<ViewerWindow>(ViewerWindow::kWidth_px, ViewerWindow::kHeight_px,
+                                          settings.fullscreen);
   } catch (const std::runtime_error& error) {
     if (settings.view == ViewChoice::kOn)
       throw std::runtime_error(std::string("--view on: ") + error.what());

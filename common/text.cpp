@@ -114,6 +114,13 @@ std::string sanitizeUtf8(std::string_view text, std::size_t most_bytes) {
   return out;
 }
 
+std::string toLower(std::string_view text) {
+  std::string lower(text);
+  std::transform(lower.begin(), lower.end(), lower.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return lower;
+}
+
 bool hasEnding(std::string_view file, std::string_view ending) {
   const std::string_view name = file.substr(file.rfind('/') + 1);
   if (name.size() <= ending.size()) return false;

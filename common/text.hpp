@@ -23,6 +23,8 @@ inline constexpr std::size_t kMaxKey_bytes = 64;
 [[nodiscard]] std::string_view trim(std::string_view text);
 /// Returns `text` in quotes for an error message. Only the first 40 bytes of a longer text appear.
 [[nodiscard]] std::string quote(std::string_view text);
+/// Returns `text` with small letters in place of capital ones (ASCII).
+[[nodiscard]] std::string toLower(std::string_view text);
 /// Returns whether the name of the file `file` ends with `ending` (such as ".png", in small
 /// letters) after at least one character. Capital letters count as small ones.
 [[nodiscard]] bool hasEnding(std::string_view file, std::string_view ending);

@@ -10,6 +10,7 @@
 #include "server/relay/relay_clock.hpp"
 #include "server/relay/relay_subscriber.hpp"
 #include "server/source/rgbd_source.hpp"
+#include "server/source/stream_url.hpp"
 #include "server/stream_service.hpp"
 
 namespace hapticast::server {
@@ -18,7 +19,7 @@ namespace {
 
 NatsAddress requireNatsAddress(const std::string& text) {
   if (const auto address = parseNatsAddress(text)) return *address;
-  throw SourceError(text + ": is not " + kNatsForm);
+  throw SourceError(hideCredentials(text) + ": is not " + kNatsForm);
 }
 
 }  // namespace

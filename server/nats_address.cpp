@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "server/nats_address.hpp"
 
+#include <charconv>
+#include <system_error>
+
 #include "common/text.hpp"
 
 namespace hapticast::server {
@@ -12,6 +15,42 @@ bool isChannelName(std::string_view name) {
          name.find_first_not_of(kAllowed) == std::string_view::npos;
 }
 
+namespace {
+
+/// Returns `text` with its percent-encoded characters decoded (RFC 3986, 2.1); nullopt if '%' is
+/// not followed by two hex digits.
+std::optional<std::string> decodePercent(std::string_view text) {
+  std::string decoded;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] != '%') {
+      decoded += text[i];
+      continue;
+    }
+    const std::string_view digits = text.substr(i + 1, 2);
+    unsigned value = 0;
+    const auto [end, error] =
+        std::from_chars(digits.data(), digits.data() + digits.size(), value, 16);
+    if (digits.size() != 2 || error != std::errc() || end != digits.data() + 2) return std::nullopt;
+    decoded += static_cast<char>(value);
+    i += 2;
+  }
+  return decoded;
+}
+
+/// Reads USER:PASSWORD into `address`. Returns false if `text` is not of this form.
+bool readUser(std::string_view text, NatsAddress& address) {
+  const std::size_t colon = text.find(':');
+  const auto user = decodePercent(text.substr(0, colon));
+  const auto password =
+      decodePercent(colon == std::string_view::npos ? "" : text.substr(colon + 1));
+  if (!user || !password || user->empty()) return false;
+  address.user = *user;
+  address.password = *password;
+  return true;
+}
+
+}  // namespace
+
 std::optional<NatsAddress> parseNatsAddress(std::string_view text) {
   if (!text.starts_with(kNatsScheme)) return std::nullopt;
   text.remove_prefix(kNatsScheme.size());
@@ -21,6 +60,10 @@ std::optional<NatsAddress> parseNatsAddress(std::string_view text) {
   address.channel = text.substr(slash + 1);
   if (!isChannelName(address.channel)) return std::nullopt;
   std::string_view servers = text.substr(0, slash);
+  if (const std::size_t at = servers.find('@'); at != std::string_view::npos) {
+    if (!readUser(servers.substr(0, at), address)) return std::nullopt;
+    servers.remove_prefix(at + 1);
+  }
   while (true) {
     const std::size_t comma = servers.find(',');
     const auto server = parseEndpoint(servers.substr(0, comma), Endpoint{"", kNatsPort});

@@ -28,7 +28,7 @@ struct Settings {
   VideoLayout layout;  ///< place and code of the depth in a video
   bool wait_for_viewer = false;
   std::uint64_t frames = 0;  ///< number of frames to stream; 0: no limit
-  Endpoint listen{"0.0.0.0", kDefaultPort};
+  Endpoint listen{"::", kDefaultPort};
   bool datagrams = true;  ///< viewers may receive datagrams (--transport udp)
   std::optional<MulticastChoice> multicast;
   std::uint64_t multicast_hops = 1;

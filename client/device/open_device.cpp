@@ -23,14 +23,16 @@ std::span<const DeviceKind> deviceKinds() noexcept {
     DeviceKind{"virtual", "a simulated device in a simulated hand", openVirtual},
     DeviceKind{"mouse", "the pointer in the window, on a spring that shows the force", openMouse},
 #if HAPTICAST_LIBUSB
-    DeviceKind{"falcon", "a Novint Falcon on USB", openHelperDevice, listHelperDevices},
+    DeviceKind{"falcon", "a Novint Falcon on USB", openHelperDevice, listHelperDevices, true,
+               "novint "},
 #endif
     DeviceKind{"inverse3", "a Haply Inverse3 or Minverse, through its service", openHelperDevice,
-               listHelperDevices},
+               listHelperDevices, true, "haply minverse "},
     DeviceKind{"dhd", "Force Dimension omega, delta, sigma, by the maker's library",
-               openHelperDevice, listHelperDevices},
+               openHelperDevice, listHelperDevices, true,
+               "omega delta sigma lambda forcedimension "},
     DeviceKind{"touch", "a Touch (Phantom Omni), by the maker's library", openHelperDevice,
-               listHelperDevices},
+               listHelperDevices, true, "omni phantom geomagic sensable 3dsystems "},
 #if HAPTICAST_SDL2
     // Gamepads are often plugged in without a purpose, and a mouse points better: explicit choice
     // only.

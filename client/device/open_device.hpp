@@ -22,6 +22,8 @@ struct DeviceKind {
   /// always available.
   std::vector<std::string> (*list)(const DeviceRequest& request) = nullptr;
   bool by_itself = true;  ///< true: --device auto may select this kind
+  /// Names of products of this kind, lower case, with a space after each.
+  const char* products = "";
 };
 
 /// Returns all kinds of this build. For --device auto the client uses the device that findDevice()

@@ -4,6 +4,8 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdio>
+#include <cstdlib>
 #include <stdexcept>
 #include <utility>
 
@@ -28,6 +30,8 @@ double computeElapsed_s(const TickReport& before, const TickReport& now) {
 }  // namespace
 
 FilmView::FilmView(std::string file) : file_(std::move(file)) {
+  // FFmpeg's own lines are no log of the client. -8: AV_LOG_QUIET.
+  ::setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);
   thread_ = std::thread([this] { run(); });
 }
 
@@ -102,7 +106,7 @@ void FilmView::run() {
       }
       write(shot);
     }
-    writer_.release();
+    close();
   } catch (const std::exception&) {
     const std::lock_guard lock(mutex_);
     failed_ = std::current_exception();
@@ -123,6 +127,17 @@ void FilmView::write(const Shot& shot) {
       drawTouchPicture(picture, shot.ticks.back(), workspace, shot.caption, plot);
   if (!writer_.isOpened()) open(shot.fps);
   for (int i = 0; i < shot.repeats; ++i) writer_.write(drawing);
+  pictures_written_ += shot.repeats;
+}
+
+/// Ends the file. The encoder reports no errors, so the thread reads the file's table of pictures.
+void FilmView::close() {
+  writer_.release();
+  if (!begun_) return;
+  cv::VideoCapture film(file_, cv::CAP_FFMPEG);
+  if (film.isOpened() && film.get(cv::CAP_PROP_FRAME_COUNT) >= pictures_written_) return;
+  std::remove(file_.c_str());
+  throw std::runtime_error("--film " + file_ + ": not written completely; is the disk full?");
 }
 
 /// Opens the file: H.264 if available, else MPEG-4.

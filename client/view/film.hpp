@@ -53,6 +53,7 @@ class FilmView final : public View {
   void run();
   void write(const Shot& shot);
   void open(double fps);
+  void close();
 
   std::string file_;
   PictureBuffer pictures_;
@@ -70,6 +71,7 @@ class FilmView final : public View {
   // For the film's thread only:
   cv::VideoWriter writer_;
   bool begun_ = false;
+  int pictures_written_ = 0;
   double top_N_ = 4.0;  // end of the force axis; it only grows
   ForceHistory history_;
   std::thread thread_;  // last member: the thread uses all members above

@@ -99,12 +99,19 @@ void drawDashedArrow(cv::Mat& image, const Vec2& from, const Vec2& way, double w
   fill<3>(image, {end, end - head * along + side, end - head * along - side}, color);
 }
 
-/// Draws the distance to the surface: a line from the HIP down to its shadow.
-void drawGap(cv::Mat& image, const ScenePlace& place, const TickReport& report, const Vec2& tip,
+/// Returns the height of the HIP above what lies under it, nominal mm: the object, or the ground of
+/// the picture beside it. 0 in contact and below.
+double heightAboveGround_mm(const TickReport& report) {
+  if (report.contact) return 0.0;
+  const double gap_mm = surfaceGap_mm(report).value_or(report.hip_mm.z());
+  return std::isfinite(gap_mm) ? std::max(gap_mm, 0.0) : 0.0;
+}
+
+/// Draws the distance to the surface: a line from the HIP down to its shadow at `foot`, the spot
+/// that the HIP would touch.
+void drawGap(cv::Mat& image, const TickReport& report, const Vec2& foot, const Vec2& tip,
              double unit) {
-  const auto gap_mm = surfaceGap_mm(report);
-  if (report.contact || !gap_mm || !(*gap_mm > 0.0)) return;
-  const Vec2 foot = tip - *gap_mm * place.pixelsPerMm() * kTowardsViewer;
+  if (!surfaceGap_mm(report) || !(heightAboveGround_mm(report) > 0.0)) return;
   drawLine(image, tip, foot, kRimColor, 3.0 * unit);
   drawLine(image, tip, foot, kGapColor, unit);
   const cv::Size shadow(static_cast<int>(8.0 * unit), static_cast<int>(4.0 * unit));
@@ -199,16 +206,20 @@ cv::Mat fitPicture(const cv::Mat& picture, cv::Size size) {
 
 void drawTouch(cv::Mat& image, const ScenePlace& place, const TickReport& report,
                const PointerTarget& pointer) {
-  const Vec2 tip =
-      place.fromNominal(report.hip_mm.head<2>()).cwiseMax(place.corner()).cwiseMin(place.end());
+  const auto clampToPicture = [&place](const Vec2& at) -> Vec2 {
+    return at.cwiseMax(place.corner()).cwiseMin(place.end());
+  };
+  const Vec2 foot = clampToPicture(place.fromNominal(report.hip_mm.head<2>()));
+  const Vec2 tip = clampToPicture(
+      foot + clampPoint(heightAboveGround_mm(report) * place.pixelsPerMm() * kTowardsViewer));
   const double unit = std::max(1.0, place.size().x() / 960.0);  // of lines, for large images
   if (pointer.known) {
     const Vec2 goal = place.fromNominal(pointer.position_mm.head<2>());
-    drawLine(image, goal, tip, cv::Scalar::all(190), 1.0);
+    drawLine(image, goal, foot, cv::Scalar::all(190), 1.0);
     drawRing(image, goal, 6.0 * unit, kWhite, 2);
   }
   const double nearness = kEye_mm / std::max(kEye_mm - report.hip_mm.z(), 0.3 * kEye_mm);
-  drawGap(image, place, report, tip, unit);
+  drawGap(image, report, foot, tip, unit);
   drawCone(image, tip, kCone_mm * place.pixelsPerMm() * nearness);
   if (report.contact)
     drawRing(image, place.fromNominal(report.contact_mm.head<2>()), 7.0 * unit, kContactColor, 2);

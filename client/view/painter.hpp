@@ -73,8 +73,9 @@ class ScenePlace {
 
 /// Draws the HIP as a cone and the contact as a ring into `image` (CV_8UC3). The force at the
 /// device is a solid arrow. The rendered shares of the static and the dynamic force are dashed
-/// arrows. Before contact, a line leads from the HIP to its shadow on the surface. Also draws the
-/// target of the pointer, if it is known. A HIP beside the picture is drawn at the picture's edge.
+/// arrows. Before contact, the HIP is drawn above the spot that it would touch, and a line leads to
+/// that spot. Also draws the target of the pointer, if it is known. A HIP beside the picture is
+/// drawn at the picture's edge.
 void drawTouch(cv::Mat& image, const ScenePlace& place, const TickReport& report,
                const PointerTarget& pointer = {});
 

@@ -4,7 +4,10 @@
 #include <turbojpeg.h>
 #include <algorithm>
 #include <memory>
+#include <opencv2/imgcodecs.hpp>
 #include <utility>
+
+#include "common/write_file.hpp"
 
 namespace hapticast::client {
 
@@ -34,6 +37,12 @@ cv::Mat decodeJpeg(std::span<const std::uint8_t> jpeg, cv::Size expected) {
       tjDecompress2(decompressor.get(), jpeg.data(), jpeg.size(), picture.data, expected.width,
                     static_cast<int>(picture.step), expected.height, TJPF_BGR, kFlags);
   return failed == 0 ? picture : cv::Mat();
+}
+
+std::optional<Error> writePicture(const std::string& file, const cv::Mat& picture) {
+  std::vector<unsigned char> png;
+  if (picture.empty() || !cv::imencode(".png", picture, png)) return Error{"no picture to write"};
+  return writeFile(file, png);
 }
 
 void PictureBuffer::add(VideoFrame video, const Workspace& workspace) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// JPEG decoder for the pictures of the stream.
+// JPEG decoder for the pictures of the stream, and PNG writer for drawings.
 // Thread: any (pure function).
 #pragma once
 
@@ -9,9 +9,12 @@
 #include <memory>
 #include <mutex>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <span>
+#include <string>
 
 #include "common/haptic_frame.hpp"
+#include "common/result.hpp"
 
 namespace hapticast::client {
 
@@ -19,6 +22,10 @@ namespace hapticast::client {
 /// a complete, valid JPEG of the size `expected`. The size is checked before the decoding, because
 /// the header of a JPEG determines how much memory its decoder allocates.
 [[nodiscard]] cv::Mat decodeJpeg(std::span<const std::uint8_t> jpeg, cv::Size expected);
+
+/// Writes `picture` to the PNG file `file`. Returns an error without the file's name ("cannot be
+/// written (...)"), or nullopt.
+[[nodiscard]] std::optional<Error> writePicture(const std::string& file, const cv::Mat& picture);
 
 /// A JPEG picture and the workspace of its stream.
 struct StreamPicture {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "client/view/screenshot.hpp"
 
-#include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
 #include <utility>
 
@@ -50,16 +49,9 @@ void Screenshot::finish() {
     picture = decodeJpeg(picture_->video.jpeg, {workspace.width_px, workspace.height_px});
   }
   const cv::Mat plot = drawForcePlot(history_, toSeconds(moment_.time), kTouchPlot_px);
-  bool written = false;
-  try {
-    written = cv::imwrite(
-        file_, drawTouchPicture(picture, moment_, workspace, touchLine(moment_, user_), plot));
-  } catch (const cv::Exception&) {
-    written = false;  // such as a folder that is no more
-  }
-  if (!written)
-    throw std::runtime_error("--screenshot " + file_ +
-                             ": cannot be written; is it FILE.png in a folder that exists?");
+  const auto error = writePicture(
+      file_, drawTouchPicture(picture, moment_, workspace, touchLine(moment_, user_), plot));
+  if (error) throw std::runtime_error("--screenshot " + file_ + ": " + error->message);
 }
 
 }  // namespace hapticast::client

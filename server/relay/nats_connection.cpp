@@ -157,6 +157,10 @@ void NatsConnection::Library::setOptions(const NatsAddress& address,
   set(natsOptions_SetDisconnectedCB(made, onLost, &text));
   set(natsOptions_SetReconnectedCB(made, onFound, &text));
   set(natsOptions_SetClosedCB(made, onClosed, &running));
+  if (!address.password.empty())
+    set(natsOptions_SetUserInfo(made, address.user.c_str(), address.password.c_str()));
+  else if (!address.user.empty())
+    set(natsOptions_SetToken(made, address.user.c_str()));
   if (!credentials.creds_file.empty()) {
     requireFile("--nats-creds", credentials.creds_file);
     set(natsOptions_SetUserCredentialsFromFiles(made, credentials.creds_file.c_str(), nullptr));
@@ -177,7 +181,8 @@ void NatsConnection::Library::connect() {
   if (status == NATS_NO_SERVER)
     throw std::runtime_error(text + ": no nats-server answers there; is it running?");
   if (status == NATS_CONNECTION_AUTH_FAILED || status == NATS_NOT_PERMITTED)
-    throw std::runtime_error(text + ": NATS refuses the credentials; see --nats-creds");
+    throw std::runtime_error(text + ": NATS refuses the credentials; see --nats-creds, or use " +
+                             kNatsForm);
   throw std::runtime_error(text + ": cannot connect to NATS: " + describeLastError(status) +
                            "; see --nats-creds and --nats-ca");
 }

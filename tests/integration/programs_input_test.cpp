@@ -30,7 +30,7 @@ class ProgramsInputTest : public ProgramsTest {
 TEST_F(ProgramsInputTest, AServerListensAtItsAddress) {
   const std::string clip = makeClip("clip");
   const std::vector<std::pair<std::string, std::string>> forms = {
-      {":0", "0.0.0.0:"}, {"0", "0.0.0.0:"}, {"localhost:0", "localhost:"}};
+      {":0", "[::]:"}, {"0", "[::]:"}, {"0.0.0.0:0", "0.0.0.0:"}, {"localhost:0", "localhost:"}};
   for (const auto& [given, expected] : forms) {
     const auto server = startServer({"--source", clip, "--loop"}, given);
     const std::string address = addressOf(*server);

@@ -48,6 +48,7 @@ void ViewerWindow::handleEvent(const SDL_Event& event, UiState& ui_state) {
     case SDL_KEYDOWN:
       if (io.WantTextInput || event.key.repeat != 0) break;
       if (event.key.keysym.sym == SDLK_p) save_ = true;
+      if (event.key.keysym.sym == SDLK_F11) toggleFullscreen();
       (void)pressKey(event.key.keysym.sym, ui_state, state_);
       break;
     case SDL_MOUSEMOTION:

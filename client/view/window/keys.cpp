@@ -13,7 +13,7 @@ namespace hapticast::client {
 
 namespace {
 
-constexpr std::array<std::pair<const char*, const char*>, 16> kKeys{
+constexpr std::array<std::pair<const char*, const char*>, 17> kKeys{
     {{"pointer", "moves the tip over the picture"},
      {"wheel down", "moves the tip into the picture: presses"},
      {"wheel up", "moves the tip out of the picture: lifts"},
@@ -29,6 +29,7 @@ constexpr std::array<std::pair<const char*, const char*>, 16> kKeys{
      {"P", "saves a picture: hapticast-1.png ..."},
      {"F1", "this help"},
      {"F2", "folds and unfolds the panel"},
+     {"F11", "fills the screen, and back"},
      {"Ctrl-C", "ends, as closing the window does"}}};
 
 /// Carries out the function of a key that only changes the display.

@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
 
 #include "client/view/picture.hpp"
@@ -48,7 +47,7 @@ void drawHint(ImDrawList& list, const ScenePlace& place, const std::string& text
 }  // namespace
 
 struct ViewerWindow::Gui {
-  Gui(int width_px, int height_px) {
+  Gui(int width_px, int height_px, bool fullscreen) {
     // Ctrl-C ends the client as it does without a window.
     SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");
     SDL_SetHint(SDL_HINT_VIDEO_ALLOW_SCREENSAVER, "1");
@@ -57,9 +56,10 @@ struct ViewerWindow::Gui {
       SDL_SetError("SDL cannot open the named display");
       end("no display");
     }
-    constexpr std::uint32_t kFlags = SDL_WINDOW_RESIZABLE | SDL_WINDOW_ALLOW_HIGHDPI;
+    const std::uint32_t flags = SDL_WINDOW_RESIZABLE | SDL_WINDOW_ALLOW_HIGHDPI |
+                                (fullscreen ? SDL_WINDOW_FULLSCREEN_DESKTOP : 0U);
     window = SDL_CreateWindow("hapticast", SDL_WINDOWPOS_CENTERED, SDL_WINDOWPOS_CENTERED, width_px,
-                              height_px, kFlags);
+                              height_px, flags);
     if (window == nullptr) end("no window");
     SDL_SetWindowMinimumSize(window, 640, 480);
     renderer = SDL_CreateRenderer(window, -1, 0);
@@ -102,8 +102,12 @@ struct ViewerWindow::Gui {
   std::unique_ptr<GuiRenderer> gui_renderer;
 };
 
-ViewerWindow::ViewerWindow(int width_px, int height_px)
-    : gui_(std::make_unique<Gui>(width_px, height_px)), place_(workspace_, {0, 0}, {640, 480}) {}
+ViewerWindow::ViewerWindow(int width_px, int height_px, bool fullscreen)
+    : gui_(std::make_unique<Gui>(width_px, height_px, fullscreen)),
+      place_(workspace_, {0, 0}, {640, 480}) {
+  UiState before_the_first_update;
+  draw(before_the_first_update);  // the start of a device may last a second
+}
 
 ViewerWindow::~ViewerWindow() = default;
 
@@ -216,16 +220,16 @@ cv::Mat ViewerWindow::pixels() const {
   return read ? picture : cv::Mat();
 }
 
+void ViewerWindow::toggleFullscreen() {
+  const bool is = (SDL_GetWindowFlags(gui_->window) & SDL_WINDOW_FULLSCREEN_DESKTOP) != 0;
+  SDL_SetWindowFullscreen(gui_->window, is ? 0U : SDL_WINDOW_FULLSCREEN_DESKTOP);
+}
+
 void ViewerWindow::savePicture() {
   save_ = false;
   const std::string file = nextFreeFilename(".png");
-  bool written = false;
-  try {
-    written = cv::imwrite(file, pixels());
-  } catch (const cv::Exception&) {
-    written = false;
-  }
-  state_.note = written ? "saved " + file : file + " cannot be written here";
+  const auto error = writePicture(file, pixels());
+  state_.note = error ? file + ": " + error->message : "saved " + file;
 }
 
 }  // namespace hapticast::client

@@ -24,8 +24,10 @@ class ViewerWindow final : public View {
   static constexpr int kWidth_px = 1280;
   static constexpr int kHeight_px = 720;
 
-  /// Opens the window. Throws std::runtime_error (one line) if there is no display.
-  explicit ViewerWindow(int width_px = kWidth_px, int height_px = kHeight_px);
+  /// Opens the window and draws it once. `fullscreen`: it fills the screen. Throws
+  /// std::runtime_error (one line) if there is no display.
+  explicit ViewerWindow(int width_px = kWidth_px, int height_px = kHeight_px,
+                        bool fullscreen = false);
   ViewerWindow(const ViewerWindow&) = delete;
   ViewerWindow& operator=(const ViewerWindow&) = delete;
   ~ViewerWindow() override;
@@ -61,6 +63,7 @@ class ViewerWindow final : public View {
   void showScene(const WindowLayout& layout, const UiState& ui_state);
   void showTexts(const WindowLayout& layout, const UiState& ui_state);
   void savePicture();
+  void toggleFullscreen();
 
   struct Gui;  // SDL, ImGui and their resources, in the order of their destruction
   std::unique_ptr<Gui> gui_;

@@ -37,6 +37,11 @@ TEST(StreamUrl, SecretsThatAreWrittenWronglyAreHiddenToo) {
   }
 }
 
+TEST(StreamUrl, AnAddressWithoutItsSlashesShowsNoSecret) {
+  EXPECT_EQ(hideCredentials("rtsps:/me:secret@host/cam"), "rtsps:...");
+  EXPECT_EQ(hideCredentials("folder/a:/b"), "folder/a:/b");
+}
+
 TEST(StreamUrl, NamesForViewers) {
   EXPECT_EQ(streamName("rtsp://me:pass@host:554/cam/hands?x=y"), "hands");
   EXPECT_EQ(streamName("rtsp://host/cam/"), "cam");
