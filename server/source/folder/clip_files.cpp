@@ -16,6 +16,7 @@
 
 #include "common/text.hpp"
 #include "server/source/folder/bop_scene.hpp"
+#include "server/source/picture/npy_stack.hpp"
 #include "server/source/rgbd_source.hpp"
 
 namespace hapticast::server {
@@ -41,19 +42,21 @@ std::string readText(const fs::path& file) {
   return text;
 }
 
+using Endings = std::span<const std::string_view>;
 constexpr std::array<std::string_view, 3> kColorEndings{".png", ".jpg", ".jpeg"};
+constexpr std::array<std::string_view, 3> kOtherColorEndings{".webp", ".bmp", ".ppm"};
 constexpr std::array<std::string_view, 8> kDepthEndings{".png",  ".jpg", ".jpeg", ".tif",
                                                         ".tiff", ".exr", ".pgm",  ".npy"};
+constexpr std::array<std::string_view, 2> kOtherDepthEndings{".pfm", ".npz"};
 
-bool isImage(const fs::path& file, std::span<const std::string_view> endings) {
+bool isImage(const fs::path& file, Endings endings) {
   std::string extension = file.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return std::find(endings.begin(), endings.end(), extension) != endings.end();
 }
 
-std::vector<fs::path> listImages(const fs::path& folder,
-                                 std::span<const std::string_view> endings = kColorEndings) {
+std::vector<fs::path> listFiles(const fs::path& folder, Endings endings) {
   std::vector<fs::path> files;
   std::error_code error;
   for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
@@ -65,6 +68,14 @@ std::vector<fs::path> listImages(const fs::path& folder,
     return precedesNaturally(a.filename().string(), b.filename().string());
   });
   return files;
+}
+
+/// Returns the images in `folder` in the order of their names. Those of the other formats count
+/// only if there are no others, because a folder may have each picture in two formats.
+std::vector<fs::path> listImages(const fs::path& folder, Endings endings = kColorEndings,
+                                 Endings other_endings = kOtherColorEndings) {
+  std::vector<fs::path> files = listFiles(folder, endings);
+  return files.empty() ? listFiles(folder, other_endings) : files;
 }
 
 void requireCount(const fs::path& folder, std::size_t count, std::size_t colors) {
@@ -156,6 +167,44 @@ std::vector<FrameFiles> pairByNumber(const std::vector<fs::path>& colors,
   return frames;
 }
 
+/// Returns the file in `folder` with the depth of all frames; an empty path if there is none.
+fs::path findDepthArray(const fs::path& folder) {
+  for (const char* name : {"depth.npy", "depths.npy", "depth.npz", "depths.npz"}) {
+    if (fs::is_regular_file(folder / name)) return folder / name;
+  }
+  return {};
+}
+
+/// Returns a clip of `colors` with the depth pictures in the file `array`, in their order.
+ClipFiles pairWithArray(const std::vector<fs::path>& colors, const fs::path& array) {
+  requireCount(array, NpyStack(array).count(), colors.size());
+  ClipFiles clip;
+  clip.depth_array = array;
+  for (std::size_t i = 0; i < colors.size(); ++i)
+    clip.frames.push_back({colors[i], array, {}, {}, {}, i});
+  return clip;
+}
+
+/// Returns a clip of `colors` with the depth images in `depth_folder`.
+ClipFiles pairWithImages(const std::vector<fs::path>& colors, const fs::path& depth_folder) {
+  const auto depths = listImages(depth_folder, kDepthEndings, kOtherDepthEndings);
+  if (depths.empty()) {
+    throw SourceError(
+        depth_folder.string() +
+        ": has no PNG, JPEG, TIFF, EXR, PGM, PFM, NPY or NPZ images; put a depth image for each "
+        "colour image there");
+  }
+  ClipFiles clip;
+  if (depths.size() != colors.size()) {
+    clip.frames = pairByNumber(colors, depths, depth_folder);
+    return clip;
+  }
+  for (std::size_t i = 0; i < colors.size(); ++i)
+    clip.frames.push_back({colors[i], depths[i], {}, {}, {}});
+  warnOfOtherNumbers(clip);
+  return clip;
+}
+
 ClipFiles findInFolders(const fs::path& folder) {
   const fs::path color_folder = findFolder(folder, {"rgb", "color", "colour", "image", "images"});
   if (color_folder.empty()) {
@@ -165,29 +214,19 @@ ClipFiles findInFolders(const fs::path& folder) {
   }
   const fs::path depth_folder =
       findFolder(folder, {"depth", "aligned_depth", "depth_aligned", "depths"});
-  if (depth_folder.empty()) {
+  const fs::path array = depth_folder.empty() ? findDepthArray(folder) : fs::path();
+  if (depth_folder.empty() && array.empty()) {
     throw SourceError(folder.string() +
-                      ": has no folder depth/; put a depth image for each colour image into it");
+                      ": has no folder depth/; put a depth image for each colour image into it, or "
+                      "the depth of all frames into one array depth.npy or depth.npz");
   }
   const auto colors = listImages(color_folder);
   if (colors.empty()) {
-    throw SourceError(color_folder.string() + ": has no PNG or JPEG images; put the frames there");
+    throw SourceError(color_folder.string() +
+                      ": has no PNG, JPEG, WebP, BMP or PPM images; put the frames there");
   }
-  const auto depths = listImages(depth_folder, kDepthEndings);
-  if (depths.empty()) {
-    throw SourceError(
-        depth_folder.string() +
-        ": has no PNG, JPEG, TIFF, EXR, PGM or NPY images; put a depth image for each "
-        "colour image there");
-  }
-  ClipFiles clip;
-  if (depths.size() != colors.size()) {
-    clip.frames = pairByNumber(colors, depths, depth_folder);
-  } else {
-    for (std::size_t i = 0; i < colors.size(); ++i)
-      clip.frames.push_back({colors[i], depths[i], {}, {}, {}});
-    warnOfOtherNumbers(clip);
-  }
+  ClipFiles clip =
+      array.empty() ? pairWithImages(colors, depth_folder) : pairWithArray(colors, array);
   if (fs::exists(folder / "scene_camera.json"))
     addBopScene(folder, readText(folder / "scene_camera.json"), clip);
   else if (fs::is_directory(folder / "mask"))

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -25,11 +26,15 @@ struct FrameFiles {
   /// clip has no masks of single objects.
   std::vector<std::filesystem::path> object_masks;
   std::optional<double> mm_per_unit;  ///< of this frame's depth; nullopt: as the clip's
+  std::uint64_t array_index = 0;      ///< picture of ClipFiles::depth_array
 };
 
 /// Files of a clip with their declarations.
 struct ClipFiles {
   std::vector<FrameFiles> frames;  ///< in order of time, at least one
+  /// File with the depth of all frames (npy_stack.hpp), which FrameFiles::depth names too. Empty:
+  /// each frame has a file of its own.
+  std::filesystem::path depth_array;
   /// True: the masks are key masks, which only some frames have.
   bool key_masks = false;
   double fps = 25.0;                       ///< frames/s
@@ -46,15 +51,17 @@ struct ClipFiles {
 /// Throws SourceError. The layouts are: * TUM RGB-D: rgb.txt and depth.txt have lines "timestamp
 /// file". Each colour frame is paired with the nearest depth frame at most 20 ms away. No depth
 /// frame is used twice. Depth has 5000 units per metre, and the field of view is a Kinect's. *
-/// Otherwise there is a folder of PNG or JPEG colour images (rgb/, color/, colour/, image/ or
-/// images/) and a folder of depth images (depth/, aligned_depth/, depth_aligned/ or depths/; PNG,
-/// JPEG, TIFF, EXR, PGM or NPY). If both folders have equally many files, files are paired in the
-/// order of their names (numbers in names count by value). One warning is logged if the frame
-/// numbers of a pair differ. Otherwise files are paired by the frame numbers in their names. A
-/// colour image without depth is then a gap. * BOP: the second layout with scene_camera.json
-/// (bop_scene.hpp). * Otherwise the second layout may also have mask/. If mask/ has as many files
-/// as the colour folder, each frame has a mask. If it has fewer, they are key masks for the colour
-/// images of the same names.
+/// Otherwise there is a folder of colour images (rgb/, color/, colour/, image/ or images/; PNG or
+/// JPEG, else WebP, BMP or PPM) and a folder of depth images (depth/, aligned_depth/,
+/// depth_aligned/ or depths/; PNG, JPEG, TIFF, EXR, PGM or NPY, else PFM or NPZ). Instead of the
+/// folder of depth images there may be one array with as many pictures as there are colour images
+/// (depth.npy, depths.npy, depth.npz or depths.npz). If both folders have equally many files, files
+/// are paired in the order of their names (numbers in names count by value). One warning is logged
+/// if the frame numbers of a pair differ. Otherwise files are paired by the frame numbers in their
+/// names. A colour image without depth is then a gap. * BOP: the second layout with
+/// scene_camera.json (bop_scene.hpp). * Otherwise the second layout may also have mask/. If mask/
+/// has as many files as the colour folder, each frame has a mask. If it has fewer, they are key
+/// masks for the colour images of the same names.
 [[nodiscard]] ClipFiles findClipFiles(const std::filesystem::path& folder);
 
 /// Natural sort order: returns whether name `a` precedes name `b`. It compares numbers in names by
