@@ -108,7 +108,7 @@ TEST_F(ColorFile, ChangedFilesAreRefusedOrHaveTheirSize) {
     for (int i = 0; i < 300; ++i) {
       std::string bytes = good;
       if (i % 3 == 0) bytes.resize(random() % bytes.size());
-      for (unsigned n = 1 + random() % 6; n > 0 && !bytes.empty(); --n)
+      for (auto n = 1 + random() % 6; n > 0 && !bytes.empty(); --n)
         bytes[random() % std::min<std::size_t>(bytes.size(), 60)] =
             static_cast<char>(random() % 256);
       const ImageResult image = decodeImage(
