@@ -27,7 +27,7 @@ class DepthSequence {
   /// Begins again: next() returns the first picture.
   virtual void rewind() = 0;
   /// Returns the name for messages of the file with picture `index`. Requires: index < count().
-  [[nodiscard]] virtual std::string nameOf(std::uint64_t index) const = 0;
+  [[nodiscard]] virtual std::string pictureName(std::uint64_t index) const = 0;
 };
 
 }  // namespace hapticast::server

@@ -35,7 +35,7 @@ class NpyStack final : public DepthSequence {
   [[nodiscard]] std::optional<ImageResult> next() override;
   bool skip() override;
   void rewind() override { next_ = 0; }
-  [[nodiscard]] std::string nameOf(std::uint64_t /*index*/) const override { return name_; }
+  [[nodiscard]] std::string pictureName(std::uint64_t /*index*/) const override { return name_; }
 
   /// Moves to picture `index`, which next() then returns. Requires: index < count().
   void seek(std::uint64_t index) { next_ = index; }

@@ -40,7 +40,7 @@ cv::Mat slope_m() {
 std::string npy(const std::string& type, const cv::Mat& matrix, int version = 1,
                 const std::string& fortran = "False") {
   return npyFile(type, std::to_string(matrix.rows) + ", " + std::to_string(matrix.cols),
-                 bytesOf(matrix), version, fortran);
+                 toBytes(matrix), version, fortran);
 }
 
 std::string npz(const std::string& type, const cv::Mat& matrix, int method) {
@@ -190,7 +190,7 @@ TEST_F(DepthFile, WrongHeadersAreNamed) {
   EXPECT_THAT(error(npy(">f4", slope_mm())), HasSubstr("(numpy: a.astype(np.float32), in m)"));
   EXPECT_THAT(error(npy("<u2", slope_mm(), 1, "True")), HasSubstr("is in the order of Fortran"));
   EXPECT_THAT(error(npy("<u2", slope_mm(), 9)), HasSubstr("is not a whole NPY array"));
-  EXPECT_THAT(error(npyFile("<u2", "1, 24, 32", bytesOf(slope_mm()))),
+  EXPECT_THAT(error(npyFile("<u2", "1, 24, 32", toBytes(slope_mm()))),
               HasSubstr("has the shape (1, 24, 32), not (height, width)"));
   EXPECT_THAT(error(npy("<u2", cv::Mat(1, 9000, CV_16UC1))),
               HasSubstr("is 9000x1, larger than 8192 px a side"));

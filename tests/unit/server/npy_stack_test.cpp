@@ -40,7 +40,7 @@ std::string stackFile(const std::string& type = "<u2") {
     if (type == "<f2") picture.convertTo(picture, CV_16F, 1e-3);
     if (type == "<f4") picture.convertTo(picture, CV_32F, 1e-3);
     if (type == "<f8") picture.convertTo(picture, CV_64F, 1e-3);
-    content += bytesOf(picture);
+    content += toBytes(picture);
   }
   return npyFile(type, std::to_string(kStackCount) + ", 24, 32", content);
 }

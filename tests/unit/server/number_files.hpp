@@ -18,7 +18,7 @@ inline std::string littleEndian(std::uint64_t value, int count) {
   return bytes;
 }
 
-inline std::string bytesOf(const cv::Mat& matrix) {
+inline std::string toBytes(const cv::Mat& matrix) {
   return {reinterpret_cast<const char*>(matrix.data), matrix.total() * matrix.elemSize()};
 }
 
