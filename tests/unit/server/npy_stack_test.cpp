@@ -130,7 +130,7 @@ TEST_F(NpyStackFile, WrongArchivesAreNamed) {
               HasSubstr("is cut off (it has 3 of 5 pictures)"));
 }
 
-TEST_F(NpyStackFile, ADamagedArchivePlaysWhatIsWhole) {
+TEST_F(NpyStackFile, ADamagedArchiveKeepsItsFirstPictures) {
   std::string archive = npzFile({{"d.npy", stackFile()}});
   archive[5000] = static_cast<char>(archive[5000] + 1);  // in frame 3: the sum of all bytes fails
   NpyStack sum(folder.write("sum.npz", archive));
