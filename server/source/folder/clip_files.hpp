@@ -50,19 +50,25 @@ struct ClipFiles {
 /// Returns the files of the clip in `folder`, with the declarations of its meta.json if it has one.
 /// Throws SourceError. The layouts are: * TUM RGB-D: rgb.txt and depth.txt have lines "timestamp
 /// file". Each colour frame is paired with the nearest depth frame at most 20 ms away. No depth
-/// frame is used twice. Depth has 5000 units per metre, and the field of view is a Kinect's. *
-/// Otherwise there is a folder of colour images (rgb/, color/, colour/, image/ or images/; PNG or
-/// JPEG, else WebP, BMP or PPM) and a folder of depth images (depth/, aligned_depth/,
-/// depth_aligned/ or depths/; PNG, JPEG, TIFF, EXR, PGM or NPY, else PFM or NPZ). Instead of the
-/// folder of depth images there may be one array with as many pictures as there are colour images
-/// (depth.npy, depths.npy, depth.npz or depths.npz). If both folders have equally many files, files
-/// are paired in the order of their names (numbers in names count by value). One warning is logged
-/// if the frame numbers of a pair differ. Otherwise files are paired by the frame numbers in their
-/// names. A colour image without depth is then a gap. * BOP: the second layout with
+/// frame is used twice (timed_images.hpp). Depth has 5000 units per metre, and the field of view is
+/// a Kinect's. * Otherwise there is a folder of colour images (rgb/, color/, colour/, image/ or
+/// images/; PNG or JPEG, else WebP, BMP or PPM) and a folder of depth images (depth/,
+/// aligned_depth/, depth_aligned/ or depths/; PNG, JPEG, TIFF, EXR, PGM or NPY, else PFM or NPZ).
+/// Instead of the folder of depth images there may be one array with as many pictures as there are
+/// colour images (depth.npy, depths.npy, depth.npz or depths.npz). If all names are time stamps and
+/// images are missing, files are paired by time (pairByStamps()). Otherwise, if both folders have
+/// equally many files, files are paired in the order of their names (numbers in names count by
+/// value). One warning is logged if the frame numbers of a pair differ. Otherwise files are paired
+/// by the frame numbers in their names. A colour image without depth is then a gap. * BOP: the
+/// second layout with
 /// scene_camera.json (bop_scene.hpp). * Otherwise the second layout may also have mask/. If mask/
 /// has as many files as the colour folder, each frame has a mask. If it has fewer, they are key
 /// masks for the colour images of the same names.
 [[nodiscard]] ClipFiles findClipFiles(const std::filesystem::path& folder);
+
+/// Returns the depth images in `folder`, in the order of their names. Throws SourceError.
+[[nodiscard]] std::vector<std::filesystem::path> listDepthImages(
+    const std::filesystem::path& folder);
 
 /// Natural sort order: returns whether name `a` precedes name `b`. It compares numbers in names by
 /// value: frame2 < frame10.

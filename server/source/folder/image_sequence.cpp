@@ -198,10 +198,13 @@ ImageResult ImageSequence::readDepth(const FrameFiles& files, const cv::Mat& col
   if (near_is_dark_) depth.image = 255.0F - depth.image;
   const cv::Size size = depth.image.size();
   if (size != depth_size_) {
+    const bool is_own = depth_size_ == own_size_;
+    const bool other_aspect = is_own && !isSameAspect(size, own_size_);
     return {{},
             "is " + sizeText(size.width, size.height) + ", but the clip's " +
-                (depth_size_ == own_size_ ? "colour" : "depth") + " is " +
-                sizeText(depth_size_.width, depth_size_.height)};
+                (is_own ? "colour" : "depth") + " is " +
+                sizeText(depth_size_.width, depth_size_.height) +
+                (other_aspect ? aspectRemedy(size, own_size_) : "")};
   }
   depth.image = scaleDepth(depth.image, format_.kind, color);
   return depth;

@@ -15,7 +15,7 @@ namespace hapticast::server {
 namespace {
 
 constexpr std::size_t kMostHeader_bytes = 65'536;  // NumPy writes at most that into version 1
-constexpr std::uint64_t kMostLength = 1'000'000'000;
+constexpr std::uint64_t kMostLength = 10'000'000;  // pictures of ninety hours
 
 struct NpyType {
   std::string_view name;

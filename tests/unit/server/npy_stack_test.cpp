@@ -113,7 +113,9 @@ TEST_F(NpyStackFile, WrongFilesAreNamed) {
   EXPECT_THAT(stackError("a.npy", npyFile("<f8", "5, 9000, 9000", "")),
               HasSubstr("is 9000x9000, larger than"));
   EXPECT_THAT(stackError("a.npy", npyFile("<f8", "999999999, 4320, 8192", "")),
-              HasSubstr("(it has 0 of 999999999 pictures)"));
+              HasSubstr("has the shape (999999999, 4320, 8192), not (frames, height, width)"));
+  EXPECT_THAT(stackError("a.npy", npyFile("<f8", "9999999, 4320, 8192", "")),
+              HasSubstr("(it has 0 of 9999999 pictures)"));
   EXPECT_THAT(stackError("a.npy", npyFile("<f8", "99999999999999999999, 4, 4", "")),
               HasSubstr("not (frames, height, width)"));
   EXPECT_THAT(errorOf([&] { NpyStack stack(folder / "none.npz"); }), HasSubstr("cannot be read"));
@@ -173,6 +175,36 @@ TEST_F(NpyStackFile, AFolderPlaysToAndFroUnlessItsDepthIsCompressed) {
   folder.write("depth.npz", npzFile({{"d.npy", stackFile(), 8}}));
   EXPECT_THAT(errorOf([this] { ImageSequence(folder.string(), 0.0, true); }),
               HasSubstr("depth.npz: is compressed, so it cannot play --to-and-fro"));
+}
+
+TEST_F(NpyStackFile, AColourVideoHasItsDepth) {
+  if (std::system("ffmpeg -version >/dev/null 2>&1") != 0) GTEST_SKIP() << "needs ffmpeg";
+  folder.ffmpeg("-r 20 -i rgb/%d.png -c:v ffv1 -pix_fmt bgr0 c.mkv");
+  const std::string spec = (folder / "c.mkv").string() + "," + (folder / "depths.npz").string();
+  EXPECT_THAT(openError(spec), HasSubstr("depths.npz: cannot be read"));
+  folder.write("depths.npz", npzFile({{"depths.npy", stackFile("<f4")}}));
+  const auto source = openSource(spec, 0.0);
+  EXPECT_EQ(source->info().depth_kind, DepthKind::kMetric);
+  EXPECT_EQ(source->info().frame_count, 5U);
+  EXPECT_NEAR(source->info().fps, 20.0, 0.01);
+  for (int round = 0; round < 2; ++round) {
+    EXPECT_TRUE(source->skip());
+    for (int i = 1; i < kStackCount; ++i) {
+      const auto frame = source->read();
+      ASSERT_TRUE(frame);
+      EXPECT_EQ(frame->index, static_cast<std::uint64_t>(i));
+      cv::Mat truth;
+      stackPicture_mm(i).convertTo(truth, CV_32F);
+      EXPECT_LE(cv::norm(frame->depth, truth, cv::NORM_INF), 1e-3);
+    }
+    EXPECT_FALSE(source->read());
+    source->rewind();
+  }
+  const auto flagError = [&](DepthCode code) {
+    return errorOf([&] { (void)openSource(spec, 0.0, false, {Layout::kSeparate, code}); });
+  };
+  EXPECT_THAT(flagError(DepthCode::kHue), HasSubstr("is an array, which has no hues"));
+  EXPECT_THAT(flagError(DepthCode::kInverse), HasSubstr("has depth in mm"));
 }
 
 TEST_F(NpyStackFile, AFolderWithAnotherNumberOfColoursIsRefused) {
