@@ -10,14 +10,17 @@
 
 #include "common/text.hpp"
 #include "server/source/folder/image_sequence.hpp"
+#include "server/source/folder/video_folder.hpp"
 #include "server/source/known_files.hpp"
 #include "server/source/live/network_stream.hpp"
 #include "server/source/live/openni_camera.hpp"
 #include "server/source/live/v4l2_camera.hpp"
+#include "server/source/picture/npy_stack.hpp"
 #include "server/source/rgbd_source.hpp"
 #include "server/source/stream_url.hpp"
 #include "server/source/synthetic/synthetic_source.hpp"
 #include "server/source/video/video_clip.hpp"
+#include "server/source/video/video_with_depth.hpp"
 
 namespace hapticast::server {
 
@@ -88,18 +91,50 @@ bool isFile(const std::string& path) {
   return fs::is_regular_file(path, error);
 }
 
+bool isFolder(const std::string& path) {
+  std::error_code error;
+  return fs::is_directory(path, error);
+}
+
+std::unique_ptr<RgbdSource> openFolder(const std::string& folder, double fps, bool to_and_fro,
+                                       const VideoLayout& layout) {
+  auto video = layout.color_glob.empty() ? openVideoFolder(folder, fps, layout) : nullptr;
+  if (video == nullptr) return std::make_unique<ImageSequence>(folder, fps, to_and_fro, layout);
+  if (to_and_fro)
+    throw SourceError(folder +
+                      ": has a video, but only images play --to-and-fro; use --loop alone");
+  return video;
+}
+
+/// Opens a colour video whose depth is one array.
+std::unique_ptr<RgbdSource> openVideoWithArray(const std::string& color, const std::string& depth,
+                                               double fps, const VideoLayout& layout) {
+  if (layout.code == DepthCode::kHue)
+    throw SourceError(depth + ": is an array, which has no hues; leave --depth-code out");
+  auto video = std::make_unique<VideoFile>(color);
+  auto array = std::make_unique<NpyStack>(depth);
+  VideoDepthFacts facts;
+  facts.name = fileName(color);
+  facts.fps = fps;
+  facts.layout = layout;
+  return std::make_unique<VideoWithDepth>(std::move(video), std::move(array), std::move(facts));
+}
+
 std::unique_ptr<RgbdSource> openPair(const std::string& spec, double fps,
                                      const VideoLayout& layout) {
-  // File names may contain commas: prefers the split at which both files exist.
+  // File names may contain commas: prefers the split at which both exist.
   std::size_t comma = spec.find(',');
   for (std::size_t at = comma; at != std::string::npos; at = spec.find(',', at + 1)) {
-    if (isFile(spec.substr(0, at)) && isFile(spec.substr(at + 1))) comma = at;
+    const std::string depth = spec.substr(at + 1);
+    if (isFile(spec.substr(0, at)) && (isFile(depth) || isFolder(depth))) comma = at;
   }
   const std::string color = spec.substr(0, comma);
   const std::string depth = spec.substr(comma + 1);
   if (color.empty() || depth.empty()) {
     throw SourceError(spec + ": one of the two videos is missing; use COLOR,DEPTH");
   }
+  if (isFile(color) && isFolder(depth)) return openVideoWithDepth(color, depth, fps, layout);
+  if (isArrayName(depth)) return openVideoWithArray(color, depth, fps, layout);
   return std::make_unique<VideoClip>(color, depth, fps, layout);
 }
 
@@ -178,7 +213,7 @@ std::unique_ptr<RgbdSource> openSource(const std::string& spec, double fps, bool
     return openCamera(spec, view.substr(kCamera.size()), fps, mm_per_unit);
   if (view.starts_with(kV4l2)) return openV4l2(spec, spec.substr(kV4l2.size()), fps, mm_per_unit);
   if (view.starts_with(kOpenni)) return openOpenniCamera(spec.substr(kOpenni.size()), fps);
-  if (is_folder) return std::make_unique<ImageSequence>(spec, fps, to_and_fro, layout);
+  if (is_folder) return openFolder(spec, fps, to_and_fro, layout);
   refuseOtherKinds(spec);
   if (isFile(spec)) {
     refuseKnownFile(spec);

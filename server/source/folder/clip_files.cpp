@@ -3,20 +3,15 @@
 
 #include <spdlog/spdlog.h>
 #include <algorithm>
-#include <array>
-#include <cctype>
-#include <cmath>
-#include <fstream>
-#include <initializer_list>
-#include <iterator>
+#include <cstdint>
 #include <map>
-#include <span>
-#include <string_view>
-#include <utility>
 
-#include "common/text.hpp"
 #include "server/source/folder/bop_scene.hpp"
+#include "server/source/folder/frame_number.hpp"
 #include "server/source/folder/image_lists.hpp"
+#include "server/source/folder/text_file.hpp"
+#include "server/source/folder/timed_images.hpp"
+#include "server/source/picture/npy_stack.hpp"
 #include "server/source/rgbd_source.hpp"
 
 namespace hapticast::server {
@@ -24,23 +19,6 @@ namespace hapticast::server {
 namespace fs = std::filesystem;
 
 namespace {
-
-// Horizontal field of view of TUM's recordings: the recommended focal length of 525 px at 640 px.
-constexpr double kKinect_deg = 62.7;
-constexpr std::uintmax_t kMaxText_bytes = 16U << 20U;
-
-std::string readText(const fs::path& file) {
-  std::error_code error;
-  const std::uintmax_t size = fs::file_size(file, error);
-  if (error) throw SourceError(file.string() + ": cannot be read (" + error.message() + ")");
-  if (size > kMaxText_bytes) {
-    throw SourceError(file.string() + ": is larger than 16 MiB; that is no list of frames");
-  }
-  std::ifstream in(file, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-  if (!in) throw SourceError(file.string() + ": cannot be read");
-  return text;
-}
 
 void requireCount(const std::string& place, std::size_t count, std::size_t colors) {
   if (count == colors) return;
@@ -73,19 +51,6 @@ void addMasks(const fs::path& folder, ClipFiles& clip) {
   }
 }
 
-// Returns the frame number in the name of an image, its last digits. A time stamp is none: it has a
-// dot, or more than 9 digits.
-std::optional<double> frameNumber(const fs::path& image) {
-  constexpr std::size_t kMostDigits = 9;
-  const std::string name = image.stem().string();
-  const auto isDigit = [](unsigned char c) { return std::isdigit(c) != 0; };
-  const auto end = std::find_if(name.rbegin(), name.rend(), isDigit);
-  const auto begin = std::find_if_not(end, name.rend(), isDigit);
-  const std::string digits(begin.base(), end.base());
-  if (digits.size() > kMostDigits || name.find('.') != std::string::npos) return std::nullopt;
-  return parseNumber(digits);
-}
-
 // Warns of the first pair whose names have other frame numbers.
 void warnOfOtherNumbers(const ClipFiles& clip) {
   for (const FrameFiles& frame : clip.frames) {
@@ -104,7 +69,7 @@ void warnOfOtherNumbers(const ClipFiles& clip) {
 std::vector<FrameFiles> pairByNumber(const std::vector<fs::path>& colors,
                                      const std::vector<fs::path>& depths,
                                      const std::string& depth_place) {
-  std::map<double, fs::path> by_number;
+  std::map<std::uint64_t, fs::path> by_number;
   for (const fs::path& depth : depths) {
     if (const auto number = frameNumber(depth)) by_number[*number] = depth;
   }
@@ -123,100 +88,39 @@ std::vector<FrameFiles> pairByNumber(const std::vector<fs::path>& colors,
   return frames;
 }
 
-ClipFiles findInFolders(const fs::path& folder, const VideoLayout& layout) {
-  const auto [colors, depths, depth_place] = findImages(folder, layout);
+/// Returns a clip of `colors` with the depth pictures in the file `array`, in their order.
+ClipFiles pairWithArray(const std::vector<fs::path>& colors, const fs::path& array) {
+  requireCount(array.string(), NpyStack(array).count(), colors.size());
   ClipFiles clip;
+  clip.depth_array = array;
+  for (std::size_t i = 0; i < colors.size(); ++i)
+    clip.frames.push_back({colors[i], array, {}, {}, {}, i});
+  return clip;
+}
+
+/// Returns a clip of the colour and depth images `images`.
+ClipFiles pairImages(const ImageLists& images) {
+  const auto& [colors, depths, depth_place, array] = images;
+  ClipFiles clip;
+  if (pairByStamps(colors, depths, clip)) return clip;
   if (depths.size() != colors.size()) {
     clip.frames = pairByNumber(colors, depths, depth_place);
-  } else {
-    for (std::size_t i = 0; i < colors.size(); ++i)
-      clip.frames.push_back({colors[i], depths[i], {}, {}, {}});
-    warnOfOtherNumbers(clip);
+    return clip;
   }
+  for (std::size_t i = 0; i < colors.size(); ++i)
+    clip.frames.push_back({colors[i], depths[i], {}, {}, {}});
+  warnOfOtherNumbers(clip);
+  return clip;
+}
+
+ClipFiles findInFolders(const fs::path& folder, const VideoLayout& layout) {
+  const ImageLists images = findImages(folder, layout);
+  ClipFiles clip = images.depth_array.empty() ? pairImages(images)
+                                              : pairWithArray(images.colors, images.depth_array);
   if (fs::exists(folder / "scene_camera.json"))
     addBopScene(folder, readText(folder / "scene_camera.json"), clip);
   else if (const fs::path masks = findFolder(folder, {"mask"}); !masks.empty())
     addMasks(masks, clip);
-  return clip;
-}
-
-struct TimedFile {
-  double time_s;
-  fs::path file;
-};
-
-std::vector<TimedFile> readTumList(const fs::path& list) {
-  std::vector<TimedFile> files;
-  const std::string text = readText(list);
-  std::size_t line_number = 0;
-  for (std::size_t at = 0; at < text.size();) {
-    const std::size_t end = std::min(text.find('\n', at), text.size());
-    std::string_view line(text.data() + at, end - at);
-    at = end + 1;
-    ++line_number;
-    while (!line.empty() && std::isspace(static_cast<unsigned char>(line.back())) != 0) {
-      line.remove_suffix(1);
-    }
-    if (line.empty() || line.front() == '#') continue;
-    const std::size_t space = line.find_first_of(" \t");
-    const auto time_s = parseNumber(line.substr(0, space));
-    if (!time_s || space == std::string_view::npos) {
-      throw SourceError(list.string() + ": line " + std::to_string(line_number) +
-                        " is not \"timestamp file\"; correct or remove it");
-    }
-    line.remove_prefix(line.find_first_not_of(" \t", space));
-    files.push_back({*time_s, list.parent_path() / line});
-  }
-  if (files.empty()) throw SourceError(list.string() + ": lists no frames");
-  std::stable_sort(files.begin(), files.end(),
-                   [](const TimedFile& a, const TimedFile& b) { return a.time_s < b.time_s; });
-  return files;
-}
-
-double medianRate(const std::vector<double>& times_s) {
-  std::vector<double> steps;
-  for (std::size_t i = 1; i < times_s.size(); ++i) steps.push_back(times_s[i] - times_s[i - 1]);
-  if (steps.empty()) return 25.0;
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  const double fps = 1.0 / *middle;
-  return fps >= 1.0 && fps <= 240.0 ? fps : 25.0;
-}
-
-ClipFiles findTum(const fs::path& folder) {
-  constexpr double kTolerance_s = 0.020;
-  const auto colors = readTumList(folder / "rgb.txt");
-  const auto depths = readTumList(folder / "depth.txt");
-  const auto earlier = [](const TimedFile& file, double time_s) { return file.time_s < time_s; };
-  // Maps a depth index to its nearest colour frame, so that each depth frame is used once.
-  std::map<std::size_t, std::size_t> pairs;
-  for (std::size_t i = 0; i < colors.size(); ++i) {
-    const double time_s = colors[i].time_s;
-    const auto after = std::lower_bound(depths.begin(), depths.end(), time_s, earlier);
-    auto j = static_cast<std::size_t>(after - depths.begin());
-    const auto distance = [&](std::size_t depth, std::size_t color) {
-      return std::abs(depths[depth].time_s - colors[color].time_s);
-    };
-    if (j == depths.size() || (j > 0 && distance(j - 1, i) <= distance(j, i))) --j;
-    if (distance(j, i) > kTolerance_s) continue;
-    const auto [taken, is_new] = pairs.try_emplace(j, i);
-    if (!is_new && distance(j, i) < distance(j, taken->second)) taken->second = i;
-  }
-  if (pairs.empty()) {
-    throw SourceError(folder.string() +
-                      ": no timestamp in depth.txt is within 20 ms of one in "
-                      "rgb.txt; both need the same clock");
-  }
-  ClipFiles clip;
-  std::vector<double> times_s;
-  for (const auto& [depth, color] : pairs) {
-    clip.frames.push_back({colors[color].file, depths[depth].file, {}, {}, {}});
-    times_s.push_back(colors[color].time_s);
-  }
-  clip.fps = medianRate(times_s);
-  clip.declared_depth_bits = 16;
-  clip.mm_per_unit = 0.2;
-  clip.fov_deg = kKinect_deg;
   return clip;
 }
 

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -26,11 +27,15 @@ struct FrameFiles {
   /// clip has no masks of single objects.
   std::vector<std::filesystem::path> object_masks;
   std::optional<double> mm_per_unit;  ///< of this frame's depth; nullopt: as the clip's
+  std::uint64_t array_index = 0;      ///< picture of ClipFiles::depth_array
 };
 
 /// Files of a clip with their declarations.
 struct ClipFiles {
   std::vector<FrameFiles> frames;  ///< in order of time, at least one
+  /// File with the depth of all frames (npy_stack.hpp), which FrameFiles::depth names too. Empty:
+  /// each frame has a file of its own.
+  std::filesystem::path depth_array;
   /// True: the masks are key masks, which only some frames have.
   bool key_masks = false;
   double fps = 25.0;                       ///< frames/s
@@ -47,13 +52,15 @@ struct ClipFiles {
 /// Throws SourceError. The layouts are:
 ///
 /// * TUM RGB-D: rgb.txt and depth.txt have lines "timestamp file". Each colour frame is paired with
-///   the nearest depth frame at most 20 ms away. No depth frame is used twice. Depth has 5000 units
-///   per metre, and the field of view is a Kinect's.
+///   the nearest depth frame at most 20 ms away. No depth frame is used twice (timed_images.hpp).
+///   Depth has 5000 units per metre, and the field of view is a Kinect's.
 ///
-/// * Otherwise the images of findImages(). If there are as many depth images as colour images, they
-///   are paired in the order of their names (numbers in names count by value). One warning is
-///   logged if the frame numbers of a pair differ. Otherwise they are paired by the frame numbers
-///   in their names. A colour image without depth is then a gap.
+/// * Otherwise the images of findImages(). If all names are time stamps and images are missing,
+///   they are paired by time (pairByStamps()). Otherwise, if there are as many depth images as
+///   colour images, they are paired in the order of their names (numbers in names count by value).
+///   One warning is logged if the frame numbers of a pair differ. Otherwise they are paired by the
+///   frame numbers in their names. A colour image without depth is then a gap. In place of depth
+///   images there may be one array with as many pictures as there are colour images.
 ///
 /// * BOP: the second layout with scene_camera.json (bop_scene.hpp).
 ///

@@ -22,11 +22,14 @@ constexpr const char* kOtherwise =
     "; put colour images into rgb/ and depth images into depth/, or name both with --color 'GLOB' "
     "and --depth 'GLOB'";
 
+using Endings = std::span<const std::string_view>;
 constexpr std::array<std::string_view, 3> kColorEndings{".png", ".jpg", ".jpeg"};
+constexpr std::array<std::string_view, 3> kOtherColorEndings{".webp", ".bmp", ".ppm"};
 constexpr std::array<std::string_view, 8> kDepthEndings{".png",  ".jpg", ".jpeg", ".tif",
                                                         ".tiff", ".exr", ".pgm",  ".npy"};
+constexpr std::array<std::string_view, 2> kOtherDepthEndings{".pfm", ".npz"};
 
-bool isImage(const fs::path& file, std::span<const std::string_view> endings) {
+bool isImage(const fs::path& file, Endings endings) {
   const std::string extension = toLower(file.extension().string());
   return std::find(endings.begin(), endings.end(), extension) != endings.end();
 }
@@ -37,8 +40,7 @@ void sortNaturally(std::vector<fs::path>& files) {
   });
 }
 
-std::vector<fs::path> listImages(const fs::path& folder,
-                                 std::span<const std::string_view> endings) {
+std::vector<fs::path> listFiles(const fs::path& folder, Endings endings) {
   std::vector<fs::path> files;
   std::error_code error;
   for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
@@ -48,6 +50,11 @@ std::vector<fs::path> listImages(const fs::path& folder,
   if (error) throw SourceError(folder.string() + ": cannot be read (" + error.message() + ")");
   sortNaturally(files);
   return files;
+}
+
+std::vector<fs::path> listImages(const fs::path& folder, Endings endings, Endings others) {
+  std::vector<fs::path> files = listFiles(folder, endings);
+  return files.empty() ? listFiles(folder, others) : files;
 }
 
 /// Returns the files that match the pattern `glob` in `folder`. Throws SourceError if none does.
@@ -73,7 +80,7 @@ std::vector<fs::path> listMatches(const fs::path& folder, const std::string& glo
 /// Returns the images that lie in `folder` itself, without colours or depths if it has none.
 ImageLists sortFlatImages(const fs::path& folder) {
   ImageLists lists;
-  for (const fs::path& file : listImages(folder, kDepthEndings)) {
+  for (const fs::path& file : listFiles(folder, kDepthEndings)) {
     const std::string name = toLower(file.stem().string());
     const auto has = [&name](const char* word) { return name.find(word) != std::string::npos; };
     if (has("conf") || has("mask")) continue;
@@ -87,10 +94,21 @@ ImageLists sortFlatImages(const fs::path& folder) {
   return lists;
 }
 
+fs::path findDepthArray(const fs::path& folder) {
+  for (const char* name : {"depth.npy", "depths.npy", "depth.npz", "depths.npz"}) {
+    if (fs::is_regular_file(folder / name)) return folder / name;
+  }
+  return {};
+}
+
 }  // namespace
 
 std::vector<fs::path> listColorImages(const fs::path& folder) {
-  return listImages(folder, kColorEndings);
+  return listImages(folder, kColorEndings, kOtherColorEndings);
+}
+
+std::vector<fs::path> listDepthImages(const fs::path& folder) {
+  return listImages(folder, kDepthEndings, kOtherDepthEndings);
 }
 
 fs::path findFolder(const fs::path& folder, std::initializer_list<const char*> names) {
@@ -124,21 +142,23 @@ ImageLists findImages(const fs::path& folder, const VideoLayout& layout) {
                       (fs::is_empty(folder) ? ": is empty" : ": has no folder rgb/ or color/") +
                       kOtherwise);
   }
-  if (depth_folder.empty()) {
-    throw SourceError(folder.string() +
-                      ": has no folder depth/; put a depth image for each colour image into it");
-  }
-  ImageLists lists{listImages(color_folder, kColorEndings), listImages(depth_folder, kDepthEndings),
-                   depth_folder.string()};
+  ImageLists lists{listColorImages(color_folder), {}, depth_folder.string()};
   if (lists.colors.empty())
-    throw SourceError(color_folder.string() + ": has no PNG or JPEG images; put the frames there");
-  if (lists.depths.empty()) {
-    throw SourceError(
-        depth_folder.string() +
-        ": has no PNG, JPEG, TIFF, EXR, PGM or NPY images; put a depth image for each "
-        "colour image there");
+    throw SourceError(color_folder.string() +
+                      ": has no PNG, JPEG, WebP, BMP or PPM images; put the frames there");
+  if (depth_folder.empty()) {
+    lists.depth_array = findDepthArray(folder);
+    if (!lists.depth_array.empty()) return lists;
+    throw SourceError(folder.string() +
+                      ": has no folder depth/; put a depth image for each colour image into it, or "
+                      "the depth of all frames into one array depth.npy or depth.npz");
   }
-  return lists;
+  lists.depths = listDepthImages(depth_folder);
+  if (!lists.depths.empty()) return lists;
+  throw SourceError(
+      depth_folder.string() +
+      ": has no PNG, JPEG, TIFF, EXR, PGM, PFM, NPY or NPZ images; put a depth image for each "
+      "colour image there");
 }
 
 bool precedesNaturally(const std::string& a, const std::string& b) {

@@ -41,6 +41,7 @@ DepthFormat detectFormat(const std::filesystem::path& file, const cv::Mat& first
 ImageSequence::ImageSequence(const std::filesystem::path& folder, double fps, bool to_and_fro,
                              const VideoLayout& layout)
     : files_(findClipFiles(folder, layout)), layout_(layout) {
+  if (!files_.depth_array.empty()) openArray(to_and_fro);
   if (to_and_fro && files_.frames.size() > 2) {
     const std::vector<FrameFiles> back(files_.frames.rbegin() + 1, files_.frames.rend() - 1);
     files_.frames.insert(files_.frames.end(), back.begin(), back.end());
@@ -52,7 +53,7 @@ ImageSequence::ImageSequence(const std::filesystem::path& folder, double fps, bo
   const ImageResult color = readColorFile(first.color);
   if (!color.ok())
     throw SourceError(first.color.string() + ": " + color.problem + "; mend this first frame");
-  const ImageResult depth = readRawFile(first.depth);
+  const ImageResult depth = readRawDepth(first);
   if (!depth.ok())
     throw SourceError(first.depth.string() + ": " + depth.problem + "; mend this first frame");
   format_ = detectFormat(first.depth, depth.image, files_);
@@ -176,19 +177,37 @@ ImageResult ImageSequence::readColor(const std::filesystem::path& file) const {
   return color;
 }
 
+void ImageSequence::openArray(bool to_and_fro) {
+  array_ = std::make_unique<NpyStack>(files_.depth_array);
+  if (to_and_fro && !array_->seeksBackwards())
+    throw SourceError(
+        files_.depth_array.string() +
+        ": is compressed, so it cannot play --to-and-fro; save it without compression "
+        "(numpy: np.save)");
+}
+
+ImageResult ImageSequence::readRawDepth(const FrameFiles& files) const {
+  if (!array_) return readRawFile(files.depth);
+  array_->seek(files.array_index);
+  return array_->next().value_or(ImageResult{{}, "has lost pictures"});
+}
+
 ImageResult ImageSequence::readDepth(const FrameFiles& files, const cv::Mat& color) const {
   DepthFormat format = format_;
   if (!layout_.depth_unit_mm) format.mm_per_unit = files.mm_per_unit.value_or(format.mm_per_unit);
-  ImageResult depth = readRawFile(files.depth);
+  ImageResult depth = readRawDepth(files);
   if (depth.ok()) depth = toDepth(depth.image, format);
   if (!depth.ok()) return depth;
   if (layout_.code == DepthCode::kInverse) depth.image = 255.0F - depth.image;
   const cv::Size size = depth.image.size();
   if (size != depth_size_) {
+    const bool is_own = depth_size_ == own_size_;
+    const bool other_aspect = is_own && !isSameAspect(size, own_size_);
     return {{},
             "is " + sizeText(size.width, size.height) + ", but the clip's " +
-                (depth_size_ == own_size_ ? "colour" : "depth") + " is " +
-                sizeText(depth_size_.width, depth_size_.height)};
+                (is_own ? "colour" : "depth") + " is " +
+                sizeText(depth_size_.width, depth_size_.height) +
+                (other_aspect ? aspectRemedy(size, own_size_) : "")};
   }
   depth.image = scaleDepth(depth.image, format_.kind, color);
   return depth;

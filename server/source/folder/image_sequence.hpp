@@ -4,11 +4,13 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "server/source/folder/clip_files.hpp"
 #include "server/source/picture/image_file.hpp"
+#include "server/source/picture/npy_stack.hpp"
 #include "server/source/rgbd_source.hpp"
 #include "server/source/skipped_frames.hpp"
 #include "server/source/video_layout.hpp"
@@ -46,6 +48,11 @@ class ImageSequence final : public RgbdSource {
   [[nodiscard]] std::string otherSize(const cv::Mat& image) const;
   /// Returns the colour image in `file` at the size of the frames, or its problem.
   [[nodiscard]] ImageResult readColor(const std::filesystem::path& file) const;
+  /// Opens the array with the depth of all frames. Throws SourceError if `to_and_fro` is true and
+  /// the array can only be read forwards.
+  void openArray(bool to_and_fro);
+  /// Returns the depth image of `files` as it is in its file, or its problem.
+  [[nodiscard]] ImageResult readRawDepth(const FrameFiles& files) const;
   /// Returns the depth image of `files` at the size of `color`, the picture of the frame, or its
   /// problem.
   [[nodiscard]] ImageResult readDepth(const FrameFiles& files, const cv::Mat& color) const;
@@ -60,6 +67,7 @@ class ImageSequence final : public RgbdSource {
   static bool hasVanished(const FrameFiles& frame);
 
   ClipFiles files_;
+  std::unique_ptr<NpyStack> array_;  // depth of all frames; null: each frame has its own file
   SourceInfo info_;
   DepthFormat format_;
   VideoLayout layout_;

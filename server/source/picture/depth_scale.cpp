@@ -264,6 +264,13 @@ bool isSameAspect(cv::Size a, cv::Size b) {
   return std::abs(first - second) <= kTolerance * std::max(first, second);
 }
 
+std::string aspectRemedy(cv::Size depth, cv::Size color) {
+  const bool turned = isSameAspect({depth.height, depth.width}, color);
+  return turned && !isSameAspect(depth, color)
+             ? "; turn it by 90 degrees (ffmpeg -i FILE -vf transpose=1 OUT)"
+             : "; scale one to the other's size";
+}
+
 cv::Mat scaleDepth(const cv::Mat& depth, DepthKind kind, const cv::Mat& color) {
   if (depth.size() == color.size()) return depth;
   cv::Mat scaled;

@@ -12,6 +12,10 @@ namespace hapticast::server {
 /// Returns whether both sizes have the same aspect ratio, within 1 %.
 [[nodiscard]] bool isSameAspect(cv::Size a, cv::Size b);
 
+/// Returns what to do about depth whose aspect ratio is not that of the colour, as the end of an
+/// error message: to turn it if it lies on its side, else to scale it.
+[[nodiscard]] std::string aspectRemedy(cv::Size depth, cv::Size color);
+
 /// Returns `depth` (CV_32FC1) at the size of `color` (CV_8UC3). It interpolates no values, because
 /// a mean of near and far, or of a depth and "not measured", is no valid depth. Each pixel has the
 /// value of the nearest pixel of `depth`, except where depth is enlarged near a depth edge. There

@@ -14,54 +14,18 @@
 #include <vector>
 
 #include "common/haptic_frame.hpp"
-#include "server/source/picture/depth_file.hpp"
+#include "server/source/picture/byte_stream.hpp"
+#include "server/source/picture/npy_array.hpp"
+#include "server/source/picture/npz_file.hpp"
+#include "server/source/picture/pfm_file.hpp"
+#include "server/source/picture/picture_header.hpp"
 
 namespace hapticast::server {
-
-std::optional<PictureSize> jpegSize(std::span<const std::uint8_t> jpeg) {
-  const auto word = [&](std::size_t at) -> std::uint32_t {
-    return (std::uint32_t{jpeg[at]} << 8U) | jpeg[at + 1];
-  };
-  if (jpeg.size() < 4 || word(0) != 0xFFD8) return std::nullopt;
-  // Segments: FF, marker, big-endian length (which counts itself), content.
-  std::size_t at = 2;
-  while (at + 4 <= jpeg.size() && jpeg[at] == 0xFF) {
-    const std::uint8_t marker = jpeg[at + 1];
-    if (marker == 0xFF) {  // a fill byte
-      ++at;
-      continue;
-    }
-    const std::uint32_t length = word(at + 2);
-    if (length < 2) return std::nullopt;
-    // SOF0..SOF15 without DHT, JPG and DAC.
-    if (marker >= 0xC0 && marker <= 0xCF && marker != 0xC4 && marker != 0xC8 && marker != 0xCC) {
-      if (length < 8 || at + 9 > jpeg.size()) return std::nullopt;
-      return PictureSize{word(at + 7), word(at + 5)};
-    }
-    at += 2 + std::size_t{length};
-  }
-  return std::nullopt;
-}
 
 namespace {
 
 constexpr std::uintmax_t kMaxFile_bytes = 64U << 20U;
 constexpr float kFarthest_mm = 1e7F;  // 10 km: a float beyond it is no measured depth
-
-using Bytes = std::span<const std::uint8_t>;
-
-std::optional<PictureSize> pngSize(Bytes bytes) {
-  constexpr std::array<std::uint8_t, 8> kSignature{0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
-  if (bytes.size() < 24 || !std::equal(kSignature.begin(), kSignature.end(), bytes.begin())) {
-    return std::nullopt;
-  }
-  const auto bigEndian = [&](std::size_t at) {
-    std::uint32_t value = 0;
-    for (const std::uint8_t byte : bytes.subspan(at, 4)) value = value << 8U | byte;
-    return value;
-  };
-  return PictureSize{bigEndian(16), bigEndian(20)};
-}
 
 /// Reads the whole file. Returns the problem, or "".
 std::string readBytes(const std::filesystem::path& file, std::vector<std::uint8_t>& bytes) {
@@ -85,18 +49,23 @@ ImageResult readFile(const std::filesystem::path& file, int flags) {
 }  // namespace
 
 ImageResult decodeImage(std::span<const std::uint8_t> bytes, int flags) {
-  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  if (isNpy(bytes)) return decodeNpy(bytes);
-  auto size = pngSize(bytes);
-  if (!size) size = jpegSize(bytes);
-  const bool has_end_mark = size.has_value();
-  if (!size) size = depthFileSize(bytes);
-  if (!size) return {{}, "is not a whole PNG, JPEG, TIFF, EXR, PGM or NPY image"};
-  if (!sizeReadable(size->width_px, size->height_px))
-    return {{}, describeTooLarge(size->width_px, size->height_px)};
-  // Decoders would fill a missing part with grey.
-  const std::string_view last = bytes[0] == 0x89 ? "IEND" : "\xFF\xD9";
-  if (has_end_mark && text.rfind(last) == std::string_view::npos) return {{}, "is cut off"};
+  if (isNpy(bytes)) {
+    MemoryStream stream(bytes);
+    return readNpyMatrix(stream);
+  }
+  if (isZip(bytes)) {
+    const StreamResult npz = openNpz(bytes);
+    return npz.stream ? readNpyMatrix(*npz.stream) : ImageResult{{}, npz.problem};
+  }
+  if (isPfm(bytes)) return decodePfm(bytes);
+  const auto header = readPictureHeader(bytes);
+  if (!header) {
+    return {{}, "is not a whole PNG, JPEG, WebP, BMP, PPM, PGM, TIFF, EXR, PFM, NPY or NPZ image"};
+  }
+  const PictureSize size = header->size;
+  if (!sizeReadable(size.width_px, size.height_px))
+    return {{}, describeTooLarge(size.width_px, size.height_px)};
+  if (!header->problem.empty()) return {{}, header->problem};
   // Decoders describe damaged files on stderr. The caller reports each with its name.
   [[maybe_unused]] static const auto kBefore =
       cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
@@ -108,8 +77,8 @@ ImageResult decodeImage(std::span<const std::uint8_t> bytes, int flags) {
   } catch (const cv::Exception&) {
     image.release();
   }
-  if (image.empty() || image.cols != static_cast<int>(size->width_px) ||
-      image.rows != static_cast<int>(size->height_px))
+  if (image.empty() || image.cols != static_cast<int>(size.width_px) ||
+      image.rows != static_cast<int>(size.height_px))
     return {{}, "cannot be decoded"};
   return {image, ""};
 }
@@ -142,7 +111,10 @@ bool sizeAllowed(int width_px, int height_px) {
 
 ImageResult readColorFile(const std::filesystem::path& file) {
   // Ignores the orientation tag of phones, because depth images have none.
-  return readFile(file, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
+  ImageResult color = readFile(file, cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
+  if (color.ok() && color.image.type() != CV_8UC3)
+    return {{}, "is a matrix of numbers, not a colour image"};
+  return color;
 }
 
 ImageResult readRawFile(const std::filesystem::path& file) {

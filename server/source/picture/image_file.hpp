@@ -10,21 +10,10 @@
 #include <span>
 #include <string>
 
+#include "server/source/picture/picture_header.hpp"
 #include "server/source/rgbd_source.hpp"
 
 namespace hapticast::server {
-
-/// Size of a picture. It is read from the header of the file, before a decoder allocates memory.
-/// Thread: any.
-struct PictureSize {
-  std::uint32_t width_px = 0;
-  std::uint32_t height_px = 0;
-  bool operator==(const PictureSize&) const = default;
-};
-
-/// Returns the size of a JPEG picture from its frame header (ITU T.81 annex B), without decoding.
-/// Returns nullopt if there is no such header.
-[[nodiscard]] std::optional<PictureSize> jpegSize(std::span<const std::uint8_t> jpeg);
 
 /// An image, or a phrase with its problem ("is cut off").
 struct ImageResult {
@@ -64,8 +53,9 @@ inline constexpr std::int64_t kMostPixels = std::int64_t{8192} * 4320;
 [[nodiscard]] bool sizeAllowed(int width_px, int height_px);
 
 /// Return the image of a file of at most 64 MiB and a size that is readable, or the problem of the
-/// file. The formats are PNG, JPEG and those of depth_file.hpp. readColorFile() converts the image
-/// to BGR (CV_8UC3). readRawFile() does not convert it.
+/// file. The formats are those of picture_header.hpp, and PFM, NPY and NPZ with one matrix.
+/// readColorFile() converts the image to BGR (CV_8UC3). It refuses PFM, NPY and NPZ. readRawFile()
+/// does not convert the image, but floats have 32 bits.
 [[nodiscard]] ImageResult readColorFile(const std::filesystem::path& file);
 [[nodiscard]] ImageResult readRawFile(const std::filesystem::path& file);
 

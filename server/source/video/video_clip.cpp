@@ -71,6 +71,10 @@ void VideoClip::startTracks() {
 bool VideoClip::grab() {
   if (ended_) return false;
   if (grabFrame()) {
+    if (by_time_ && std::isfinite(color_time_s_)) {
+      const double slot = std::round(color_time_s_ * nominalRate());
+      next_ = std::max(next_, static_cast<std::uint64_t>(std::max(slot, 0.0)));
+    }
     ++next_;
     return true;
   }
@@ -83,7 +87,7 @@ bool VideoClip::grab() {
   return false;
 }
 
-bool VideoClip::grabFrame() { return isPair() ? grabByNumber() : grabByTime(); }
+bool VideoClip::grabFrame() { return isPair() && !by_time_ ? grabByNumber() : grabByTime(); }
 
 void VideoClip::throwNoFrame(const VideoChannel& channel) const {
   const bool began = info_.width_px > 0;
@@ -116,7 +120,7 @@ bool VideoClip::grabByTime() {
     return false;
   }
   if (hasHalves()) return true;
-  const double time_s = color_.file->time_s(color_.track);
+  const double time_s = color_.time_s();
   if (std::isfinite(time_s) && time_s <= color_time_s_) {
     problem_ = "has a time stamp that runs back; write the file anew (ffmpeg -i FILE -map 0 OUT)";
     return true;
@@ -124,7 +128,8 @@ bool VideoClip::grabByTime() {
   if (!std::isfinite(time_s)) return true;  // a damaged frame
   color_time_s_ = time_s;
   if (followColor()) return true;
-  if (next_ > 0)
+  if (by_time_ && next_ == 0) throwNoFrame(depth_);
+  if (!by_time_ && next_ > 0)  // checkTimes() named the end of a pair
     logCut(
         fmt::format("{}: its depth ends after {} frames, before its colour; the clip is cut "
                     "there",
@@ -134,15 +139,29 @@ bool VideoClip::grabByTime() {
 
 bool VideoClip::followColor() {
   const double fps = depth_.facts().fps;
-  VideoFile& video = *depth_.file;
   // Half a period of the depth, and what containers round.
-  const double tolerance_s = 0.51 / (fps >= 1.0 ? fps : 25.0);
-  while (!depth_grabbed_ || video.time_s(depth_.track) < color_time_s_ - tolerance_s) {
-    depth_grabbed_ = video.grab(depth_.track);
-    if (!depth_grabbed_) return false;
+  double tolerance_s = 0.51 / (fps >= 1.0 ? fps : 25.0);
+  double least_s = color_time_s_ - tolerance_s;
+  if (by_time_) {
+    constexpr double kSame_s = 1e-6;
+    const std::vector<double>& times_s = by_time_->depth.times_s;
+    tolerance_s = by_time_->depth.tolerance_s();
+    if (color_time_s_ > times_s.back() + tolerance_s) return false;
+    least_s = nearestTime_s(times_s, color_time_s_) - kSame_s;
   }
-  if (video.time_s(depth_.track) > color_time_s_ + tolerance_s)
-    problem_ = "has no depth at its time";
+  if (!grabDepthFrom(least_s)) return false;
+  if (std::abs(depth_.time_s() - color_time_s_) <= tolerance_s) return true;
+  problem_ = depth_damaged_ ? "has depth that cannot be decoded" : "has no depth at its time";
+  return true;
+}
+
+bool VideoClip::grabDepthFrom(double least_s) {
+  for (bool damaged = false; !depth_grabbed_ || depth_.time_s() < least_s;) {
+    depth_grabbed_ = depth_.file->grab(depth_.track);
+    if (!depth_grabbed_) return false;
+    damaged = damaged || !std::isfinite(depth_.time_s());
+    depth_damaged_ = damaged;
+  }
   return true;
 }
 
@@ -172,7 +191,7 @@ std::string VideoClip::load(RgbdFrame& frame) {
   };
   cv::Mat raw;
   const std::string problem = retrieve(frame.color, raw);
-  if (!problem.empty()) return describeProblem(depth_, problem);
+  if (!problem.empty()) return describeProblem(color_, problem);
   const bool color = frame.color.size() == color_size_;
   if (!color || raw.size() != depth_size_) {
     const cv::Size wanted = color ? depth_size_ : color_size_;

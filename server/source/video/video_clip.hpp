@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Source from video, in one of three forms. A pair has two files, whose frames are paired by
-// number. A file or stream with two tracks has frames that are paired by time. A file or stream
-// with one track has colour and depth in the halves of its pictures. 8-bit depth is height (near is
-// white). Depth with more bits is in mm. Thread: one.
+// Source from video, in one of three forms. A pair has two files, whose frames are paired by time,
+// or by number if there are no times (frame_times.hpp). A file or stream with two tracks has frames
+// that are paired by time. A file or stream with one track has colour and depth in the halves of
+// its pictures. 8-bit depth is height (near is white). Depth with more bits is in mm. Thread: one.
 #pragma once
 
 #include <cstddef>
@@ -17,6 +17,7 @@
 #include "server/source/picture/image_file.hpp"
 #include "server/source/rgbd_source.hpp"
 #include "server/source/skipped_frames.hpp"
+#include "server/source/video/frame_times.hpp"
 #include "server/source/video/video_file.hpp"
 #include "server/source/video_layout.hpp"
 
@@ -26,7 +27,10 @@ namespace hapticast::server {
 struct VideoChannel {
   std::shared_ptr<VideoFile> file;
   std::size_t track = 0;
+  double start_s = 0.0;  ///< time on the clock of the file that counts as 0
 
+  /// Returns the time of the frame, s; negative infinity if there is none.
+  [[nodiscard]] double time_s() const { return file->time_s(track) - start_s; }
   [[nodiscard]] const VideoTrack& facts() const { return file->tracks()[track]; }
 };
 
@@ -34,9 +38,13 @@ struct VideoChannel {
 class VideoClip final : public RgbdSource {
  public:
   /// Opens a pair of files and decodes their first frames. `fps` > 0 overrides the colour video's
-  /// rate, frames/s. The clip ends with the shorter file. Throws SourceError if the files' aspect
-  /// ratios differ, or if their frame counts differ by more than five. It also throws if both are
-  /// one file, or if the depth is in false colours and the code of `layout` is not kHue.
+  /// rate, frames/s. If both files state times (belongByTime()), each colour frame has the depth
+  /// frame that is nearest in time, counted from the first frame of each file. RgbdFrame::index is
+  /// then the time at the nominal rate of the colour, so it has gaps where frames are missing. One
+  /// warning names the frames without a partner. Otherwise frames belong together by number. The
+  /// clip ends with the shorter file. Throws SourceError if the files' aspect ratios differ, or if
+  /// their lengths differ by more than five frames. It also throws if both are one file, or if the
+  /// depth is in false colours and the code of `layout` is not kHue.
   VideoClip(const std::string& color_file, const std::string& depth_file, double fps,
             const VideoLayout& layout = {});
   /// Decodes the first frame of `video`, of which no track may have started. `fps`: as above. With
@@ -71,6 +79,14 @@ class VideoClip final : public RgbdSource {
   /// Prepares the registration of a Kinect's depth from its attached calibration. Logs a warning if
   /// that is impossible. Throws SourceError if the calibration is damaged.
   void prepareRegistration();
+  /// Reads the times of both files of a pair. Sets `by_time_` if they decide which frames belong
+  /// together. Logs a warning if numbers decide although times are missing in one of the files.
+  void choosePairing();
+  /// Logs a warning that names the frames of a pair without a partner at their time. Throws
+  /// SourceError if the durations of the files differ by more than five frames.
+  void checkTimes() const;
+  /// Returns the nominal rate of the colour, frames/s.
+  [[nodiscard]] double nominalRate() const;
   /// Logs a warning if the files of a pair state different frame rates.
   void warnOfOtherRate() const;
   /// Returns the number of frames, of a pair that of the shorter file; nullopt if it is not stated.
@@ -80,13 +96,16 @@ class VideoClip final : public RgbdSource {
 
   /// Moves to the next frame and counts it. Returns false at the end.
   bool grab();
-  /// Moves both channels to the next frame; `next_` is still its number. Returns false at the end.
+  /// Moves both channels to the next frame, whose number is `next_` or larger. Returns false at the
+  /// end.
   /// Throws SourceError if there is no first frame.
   bool grabFrame();
   bool grabByNumber();
   bool grabByTime();
   /// Moves the depth to the frame of the colour's time. Returns false at the end of the depth.
   bool followColor();
+  /// Moves the depth to its first frame from `least_s` on. Returns false at the end of the depth.
+  bool grabDepthFrom(double least_s);
   /// Throws the SourceError of a file without a first frame.
   [[noreturn]] void throwNoFrame(const VideoChannel& channel) const;
   /// Logs once that one channel ends before the other.
@@ -98,7 +117,14 @@ class VideoClip final : public RgbdSource {
   /// Sets pictures of `frame`. Returns the problem with the file's name, or "".
   std::string load(RgbdFrame& frame);
 
+  /// Times of the files of a pair whose frames belong together by time.
+  struct PairTimes {
+    FrameTimes color;
+    FrameTimes depth;
+  };
+
   VideoLayout layout_;
+  std::optional<PairTimes> by_time_;
   VideoChannel color_;
   VideoChannel depth_;
   SourceInfo info_;
@@ -109,6 +135,7 @@ class VideoClip final : public RgbdSource {
   std::optional<CameraModel> camera_;                               // of the colour, if known
   double color_time_s_ = -std::numeric_limits<double>::infinity();  // latest so far
   bool depth_grabbed_ = false;  // whether the depth has a frame, of a pairing by time
+  bool depth_damaged_ = false;  // whether damaged depth was passed on the way to that frame
   std::string problem_;         // problem of the frame's time; "" if depth belongs to colour
   std::uint64_t next_ = 0;
   std::uint32_t epoch_ = 0;

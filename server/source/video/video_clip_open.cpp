@@ -99,6 +99,7 @@ VideoClip::VideoClip(std::unique_ptr<VideoFile> video, const VideoLayout& layout
 void VideoClip::begin(double fps) {
   requireSizes();
   prepareRegistration();
+  if (isPair()) choosePairing();
   startTracks();
   cv::Mat color;
   cv::Mat depth;
@@ -114,7 +115,8 @@ void VideoClip::begin(double fps) {
   describe(color, depth, fps);
   if (camera_) info_.camera = scaleCamera(*camera_, info_);
   if (info_.live) return;
-  if (isPair()) warnOfOtherRate();
+  if (by_time_) checkTimes();
+  if (isPair() && !by_time_) warnOfOtherRate();
   info_.frame_count = countFrames();
   rewind();
   epoch_ = 0;
@@ -129,7 +131,7 @@ void VideoClip::describe(const cv::Mat& color, const cv::Mat& raw, double fps) {
   if (!isSameAspect(depth.size(), color.size())) {
     throw SourceError(file + ": is " + sizeText(depth.cols, depth.rows) +
                       ", but the colour video is " + sizeText(color.cols, color.rows) +
-                      "; scale one to the other's size");
+                      aspectRemedy(depth.size(), color.size()));
   }
   if (isColorCoded(depth))
     throw SourceError(file + ": shows depth as colours; make it grey (near is white)");
@@ -144,9 +146,7 @@ void VideoClip::describe(const cv::Mat& color, const cv::Mat& raw, double fps) {
   info_.name = fileName(color_.file->file());
   setSize(info_, color_size_, color_.file->file());
   if (depth_size_ != color_size_) logScaledDepth(file, depth_size_, frameSize(info_));
-  // Without a plausible rate of the file, the clip has that of most films.
-  const double stated = color_.facts().fps;
-  info_.fps = fps > 0.0 ? fps : (stated >= 1.0 && stated <= 240.0 ? stated : 25.0);
+  info_.fps = fps > 0.0 ? fps : nominalRate();
   info_.depth_kind = format_.kind;
 }
 
@@ -215,6 +215,56 @@ void VideoClip::prepareRegistration() {
       file, text.empty() ? "without calibration" : "of sizes that its calibration does not know");
 }
 
+void VideoClip::choosePairing() {
+  const auto readTimes = [](const VideoChannel& channel) {
+    return describeTimes(VideoFile(channel.file->file()).readTimes(channel.track));
+  };
+  PairTimes times{readTimes(color_), readTimes(depth_)};
+  if (belongByTime(times.color, times.depth)) {
+    color_.start_s = times.color.start_s;
+    depth_.start_s = times.depth.start_s;
+    by_time_ = std::move(times);
+    return;
+  }
+  const bool gaps = times.color.has_gaps || times.depth.has_gaps;
+  if (!times.color.usable() || !times.depth.usable() || !gaps) return;
+  spdlog::warn(
+      "--source {}: has as many frames as the colour video, but other times ({:.2f} s, and the "
+      "colour {:.2f} s); the server pairs frames by number, so make one anew with the times of the "
+      "other if the depth does not fit",
+      depth_.file->file(), times.depth.duration_s(), times.color.duration_s());
+}
+
+void VideoClip::checkTimes() const {
+  const FrameTimes& color = by_time_->color;
+  const FrameTimes& depth = by_time_->depth;
+  const double most_s =
+      static_cast<double>(kCountTolerance) * std::max(1.0 / color.fps, 1.0 / depth.fps);
+  if (std::abs(color.duration_s() - depth.duration_s()) > most_s) {
+    throw SourceError(fmt::format(
+        "{}: lasts {:.2f} s, but the colour video lasts {:.2f} s; cut both to the same time",
+        depth_.file->file(), depth.duration_s(), color.duration_s()));
+  }
+  const auto warn = [](const VideoChannel& channel, const char* missing, const LoneFrames& lone) {
+    if (lone.count == 0) return;
+    spdlog::warn("--source {}: has no {} for {} of its frames, the first at {:.3f} s",
+                 channel.file->file(), missing, lone.count, lone.first_s);
+  };
+  warn(color_, "depth", findLone(color, depth));
+  warn(depth_, "colour", findLone(depth, color));
+}
+
+double VideoClip::nominalRate() const {
+  constexpr double kSameRate = 0.01;  // chosen: the file's exact rate, if frames have it
+  const double stated = color_.facts().fps;
+  const bool plausible = stated >= 1.0 && stated <= 240.0;
+  if (by_time_) {
+    const double fps = by_time_->color.fps;
+    return plausible && std::abs(stated - fps) <= kSameRate * fps ? stated : fps;
+  }
+  return plausible ? stated : 25.0;  // the rate of most films
+}
+
 void VideoClip::warnOfOtherRate() const {
   constexpr double kSameRate = 0.01;  // chosen: 29.97 and 30 frames/s are one rate
   const double color = color_.facts().fps;
@@ -228,6 +278,10 @@ void VideoClip::warnOfOtherRate() const {
 }
 
 std::optional<std::uint64_t> VideoClip::countFrames() const {
+  if (by_time_) {
+    const double last_s = std::min(by_time_->color.times_s.back(), by_time_->depth.times_s.back());
+    return static_cast<std::uint64_t>(std::llround(last_s * nominalRate())) + 1;
+  }
   const std::uint64_t colors = color_.facts().frame_count;
   const std::uint64_t depths = isPair() ? depth_.facts().frame_count : colors;
   if (colors == 0 || depths == 0) return std::nullopt;

@@ -28,7 +28,8 @@ namespace {
 
 constexpr std::size_t kMostWaiting_bytes = 256U << 20U;  // chosen: a second of raw pictures
 constexpr std::size_t kMostWaiting_packets = 2000;
-constexpr int kMostTries = 4096;  // packets without a picture, as OpenCV allows
+constexpr std::size_t kMostTimes = 4'000'000;  // 18 hours of 60 frames/s
+constexpr int kMostTries = 4096;               // packets without a picture, as OpenCV allows
 
 struct ScalerDelete {
   void operator()(SwsContext* scaler) const { sws_freeContext(scaler); }
@@ -258,6 +259,25 @@ std::string VideoFile::attachment(const std::string& name) const {
             static_cast<std::size_t>(std::max(about.extradata_size, 0))};
   }
   return "";
+}
+
+std::vector<double> VideoFile::readTimes(std::size_t track) {
+  const AVStream& stream = *parts_->decoders.at(track).stream;
+  for (unsigned i = 0; i < parts_->format->nb_streams; ++i) {
+    AVStream& other = *parts_->format->streams[i];
+    if (other.index != stream.index) other.discard = AVDISCARD_ALL;
+  }
+  std::vector<double> times_s;
+  for (;;) {
+    const PacketPtr packet(av_packet_alloc());
+    if (packet == nullptr || av_read_frame(parts_->format.get(), packet.get()) < 0) break;
+    if (packet->stream_index != stream.index || (packet->flags & AV_PKT_FLAG_DISCARD) != 0)
+      continue;
+    if (packet->pts == AV_NOPTS_VALUE || times_s.size() == kMostTimes) return {};
+    times_s.push_back(static_cast<double>(packet->pts) * av_q2d(stream.time_base));
+  }
+  std::sort(times_s.begin(), times_s.end());
+  return times_s;
 }
 
 void VideoFile::start(std::size_t track) {

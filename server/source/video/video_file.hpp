@@ -66,6 +66,10 @@ class VideoFile {
   [[nodiscard]] const std::vector<VideoTrack>& tracks() const;
   /// Returns the bytes of the file that is attached under `name`; "" if there is none.
   [[nodiscard]] std::string attachment(const std::string& name) const;
+  /// Reads the whole file without decoding. Returns the times of all frames of `track`, s, on the
+  /// clock that all tracks share, ascending. Returns an empty vector if the file does not state the
+  /// time of each frame, or if it has more than 4 million. Nothing can be decoded afterwards.
+  [[nodiscard]] std::vector<double> readTimes(std::size_t track);
   /// Begins to decode `track`, before its first grab(). Throws SourceError if that is impossible.
   void start(std::size_t track);
   /// Moves `track` to its next frame. Returns false at its end. A damaged frame counts as a frame.

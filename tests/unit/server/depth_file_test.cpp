@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: MIT
-// Depth in the formats that people have: TIFF, EXR, PGM, NPY. Made by OpenCV and by hand, cut, with
-// wrong headers, and as a clip with the usual names of folders and with gaps.
-#include "server/source/picture/depth_file.hpp"
-
+// Depth in the formats that people have: TIFF, EXR, PGM, PFM, NPY, NPZ. Made by OpenCV and by hand,
+// cut, with wrong headers, and as a clip with the usual names of folders and with gaps.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <bit>
 #include <fstream>
 #include <iterator>
 #include <random>
 
 #include "server/source/folder/image_sequence.hpp"
+#include "tests/unit/server/number_files.hpp"
 #include "tests/unit/server/source_files.hpp"
 
 namespace hapticast::server {
@@ -37,18 +38,26 @@ cv::Mat slope_m() {
 }
 
 std::string npy(const std::string& type, const cv::Mat& matrix, int version = 1,
-                const std::string& order = "False") {
-  std::string header = "{'descr': '" + type + "', 'fortran_order': " + order + ", 'shape': (" +
-                       std::to_string(matrix.rows) + ", " + std::to_string(matrix.cols) + "), }";
-  while ((header.size() + (version == 1 ? 10 : 12) + 1) % 64 != 0) header += ' ';
-  header += '\n';
-  std::string text = "\x93NUMPY";
-  text += static_cast<char>(version);
-  text += '\0';
-  for (int i = 0; i < (version == 1 ? 2 : 4); ++i)
-    text += static_cast<char>(header.size() >> (8 * i) & 0xFFU);
-  text += header;
-  text.append(reinterpret_cast<const char*>(matrix.data), matrix.total() * matrix.elemSize());
+                const std::string& fortran = "False") {
+  return npyFile(type, std::to_string(matrix.rows) + ", " + std::to_string(matrix.cols),
+                 toBytes(matrix), version, fortran);
+}
+
+std::string npz(const std::string& type, const cv::Mat& matrix, int method) {
+  return npzFile({{"arr_0.npy", npy(type, matrix), method}});
+}
+
+/// Returns a PFM file, whose lowest row is the first one.
+std::string pfm(const cv::Mat& image, bool big_endian) {
+  std::string text = "Pf\n" + std::to_string(image.cols) + " " + std::to_string(image.rows) +
+                     (big_endian ? "\n1.0\n" : "\n-1.0\n");
+  for (int v = image.rows - 1; v >= 0; --v) {
+    for (int u = 0; u < image.cols; ++u) {
+      std::string bytes = littleEndian(std::bit_cast<std::uint32_t>(image.at<float>(v, u)), 4);
+      if (big_endian) std::reverse(bytes.begin(), bytes.end());
+      text += bytes;
+    }
+  }
   return text;
 }
 
@@ -116,6 +125,40 @@ TEST_F(DepthFile, FloatsAreMetres) {
   EXPECT_LT(error_mm(), 1e-3);
 }
 
+TEST_F(DepthFile, HalfFloatsAreMetres) {
+  cv::Mat half;
+  slope_m().convertTo(half, CV_16F);
+  fill(".npy", npy("<f2", half));
+  EXPECT_GT(error_mm(), 0.0) << "eleven bits are not exact";
+  EXPECT_LT(error_mm(), 0.5);
+}
+
+TEST_F(DepthFile, PfmOfBothByteOrdersHasItsLowestRowFirst) {
+  for (const bool big_endian : {false, true}) {
+    fill(".pfm", pfm(slope_m(), big_endian));
+    EXPECT_LT(error_mm(), 1e-3) << big_endian;
+  }
+}
+
+TEST_F(DepthFile, NpzWithOneMatrixIsRead) {
+  for (const int method : {0, 8}) {
+    fill(".npz", npz("<u2", slope_mm(), method));
+    EXPECT_EQ(error_mm(), 0.0) << method;
+    fill(".npz", npz("<f4", slope_m(), method));
+    EXPECT_LT(error_mm(), 1e-3) << method;
+  }
+  fill(".npz", npzFile({{"focal.npy", "x"}, {"depth.npy", npy("<u2", slope_mm())}}));
+  EXPECT_EQ(error_mm(), 0.0) << "of several arrays the one with the name";
+}
+
+TEST_F(DepthFile, OtherFormatsCountOnlyWithoutTheUsualOnes) {
+  fill(".npy", npy("<u2", slope_mm()));
+  fill(".npz", std::string("x"));
+  fill(".pfm", std::string("x"));
+  folder.write("rgb/0.bmp", std::string("x"));
+  EXPECT_EQ(error_mm(), 0.0);
+}
+
 TEST_F(DepthFile, AScaleOfTheAuthorCountsForFloatsToo) {
   cv::Mat cm;
   slope_mm().convertTo(cm, CV_32F, 0.1);
@@ -141,15 +184,48 @@ TEST_F(DepthFile, WrongHeadersAreNamed) {
     fill(".npy", text);
     return openError();
   };
-  EXPECT_THAT(error(npy("<i8", slope_mm())), HasSubstr("has values of the type '<i8'"));
-  EXPECT_THAT(error(npy("<u2", slope_mm(), 1, "True")), HasSubstr("is not an NPY matrix"));
-  EXPECT_THAT(error(npy("<u2", slope_mm(), 9)), HasSubstr("is not an NPY matrix"));
+  EXPECT_THAT(error(npy("<i8", slope_mm())),
+              HasSubstr("has values of the type '<i8', not |u1, <u2, <f2, <f4 or <f8; convert it "
+                        "(numpy: a.astype(np.uint16), in mm)"));
+  EXPECT_THAT(error(npy(">f4", slope_mm())), HasSubstr("(numpy: a.astype(np.float32), in m)"));
+  EXPECT_THAT(error(npy("<u2", slope_mm(), 1, "True")), HasSubstr("is in the order of Fortran"));
+  EXPECT_THAT(error(npy("<u2", slope_mm(), 9)), HasSubstr("is not a whole NPY array"));
+  EXPECT_THAT(error(npyFile("<u2", "1, 24, 32", toBytes(slope_mm()))),
+              HasSubstr("has the shape (1, 24, 32), not (height, width)"));
   EXPECT_THAT(error(npy("<u2", cv::Mat(1, 9000, CV_16UC1))),
               HasSubstr("is 9000x1, larger than 8192 px a side"));
   EXPECT_THAT(error(npy("<u2", slope_mm()).substr(0, 600)), HasSubstr("is cut off"));
   std::filesystem::remove_all(folder / "depth");
   folder.write("depth/0.xyz", std::string("x"));
-  EXPECT_THAT(openError(), HasSubstr("depth: has no PNG, JPEG, TIFF, EXR, PGM or NPY images"));
+  EXPECT_THAT(openError(),
+              HasSubstr("depth: has no PNG, JPEG, TIFF, EXR, PGM, PFM, NPY or NPZ images"));
+}
+
+TEST_F(DepthFile, WrongPfmAndNpzAreNamed) {
+  const auto error = [this](const std::string& ending, const std::string& text) {
+    fill(ending, text);
+    return openError();
+  };
+  const std::string good = pfm(slope_m(), false);
+  EXPECT_THAT(error(".pfm", "PF" + good.substr(2)), HasSubstr("is a PFM image in colours"));
+  EXPECT_THAT(error(".pfm", "Pf\n32\n"), HasSubstr("is not a whole PFM image"));
+  EXPECT_THAT(error(".pfm", "Pf\n32 -24\n-1\n"), HasSubstr("is not a whole PFM image"));
+  EXPECT_THAT(error(".pfm", "Pf\n99999 99999\n-1\n"), HasSubstr("is 99999x99999, larger than"));
+  EXPECT_THAT(error(".pfm", good.substr(0, good.size() - 1)), HasSubstr("is cut off"));
+  std::filesystem::remove_all(folder / "depth");
+  std::filesystem::create_directories(folder / "depth");
+  const std::string archive = npz("<u2", slope_mm(), 8);
+  EXPECT_THAT(error(".npz", archive.substr(0, archive.size() / 2)), HasSubstr("is cut off"));
+  EXPECT_THAT(error(".npz", npzFile({{"a.npy", "x"}, {"b.npy", "x"}})),
+              HasSubstr("has the arrays a, b, but none has the name depths or depth"));
+  EXPECT_THAT(error(".npz", npzFile({{"a.txt", "x"}})), HasSubstr("has no array"));
+  EXPECT_THAT(error(".npz", npzFile({{"a.npy", npyFile("<f8", "8192, 8192", "")}})),
+              HasSubstr("is 8192x8192, larger than"));
+  EXPECT_THAT(error(".npz", npzFile({{"a.npy", npyFile("<f8", "4320, 8192", "")}})),
+              HasSubstr("is cut off"));
+  std::string damaged = npz("<u2", slope_mm(), 0);
+  damaged[500] = static_cast<char>(damaged[500] + 1);
+  EXPECT_THAT(error(".npz", damaged), HasSubstr("is cut off or damaged"));
 }
 
 TEST_F(DepthFile, CutAndChangedFilesAreRefusedOrHaveTheirSize) {
@@ -157,8 +233,10 @@ TEST_F(DepthFile, CutAndChangedFilesAreRefusedOrHaveTheirSize) {
   fill(".exr", slope_m());
   fill(".pgm", slope_mm());
   fill(".npy", npy("<f4", slope_m()));
+  fill(".pfm", pfm(slope_m(), false));
+  fill(".npz", npz("<f4", slope_m(), 8));
   std::mt19937 random(34);
-  for (const std::string name : {"0.tif", "0.exr", "0.pgm", "0.npy"}) {
+  for (const std::string name : {"0.tif", "0.exr", "0.pgm", "0.npy", "0.pfm", "0.npz"}) {
     const std::string good = readBytes("depth/" + name);
     for (int i = 0; i < 200; ++i) {
       std::string bytes = good;
