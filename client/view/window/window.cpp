@@ -18,6 +18,8 @@ namespace hapticast::client {
 
 namespace {
 
+constexpr std::uint32_t kFullscreen = SDL_WINDOW_FULLSCREEN_DESKTOP;
+
 [[noreturn]] void throwFailure(const char* what) {
   throw std::runtime_error(fmt::format("{} ({})", what, SDL_GetError()));
 }
@@ -56,8 +58,8 @@ struct ViewerWindow::Gui {
       SDL_SetError("SDL cannot open the named display");
       end("no display");
     }
-    const std::uint32_t flags = SDL_WINDOW_RESIZABLE | SDL_WINDOW_ALLOW_HIGHDPI |
-                                (fullscreen ? SDL_WINDOW_FULLSCREEN_DESKTOP : 0U);
+    const std::uint32_t flags =
+        SDL_WINDOW_RESIZABLE | SDL_WINDOW_ALLOW_HIGHDPI | (fullscreen ? kFullscreen : 0U);
     window = SDL_CreateWindow("hapticast", SDL_WINDOWPOS_CENTERED, SDL_WINDOWPOS_CENTERED, width_px,
                               height_px, flags);
     if (window == nullptr) end("no window");
@@ -221,8 +223,8 @@ cv::Mat ViewerWindow::pixels() const {
 }
 
 void ViewerWindow::toggleFullscreen() {
-  const bool is = (SDL_GetWindowFlags(gui_->window) & SDL_WINDOW_FULLSCREEN_DESKTOP) != 0;
-  SDL_SetWindowFullscreen(gui_->window, is ? 0U : SDL_WINDOW_FULLSCREEN_DESKTOP);
+  const bool is = (SDL_GetWindowFlags(gui_->window) & kFullscreen) == kFullscreen;
+  SDL_SetWindowFullscreen(gui_->window, is ? 0U : kFullscreen);
 }
 
 void ViewerWindow::savePicture() {
