@@ -10,6 +10,8 @@ namespace hapticast::server {
 
 namespace {
 
+constexpr double kMost_s = 1e6;  // chosen: 11 days; times from outside may be anything
+
 /// Returns the period of frames without a gap, from the steps between frames. Requires a step.
 double findPeriod_s(const std::vector<double>& steps_s) {
   // The lower quartile: up to three of four steps may be gaps.
@@ -42,7 +44,7 @@ FrameTimes describeTimes(std::vector<double> times_s) {
   double slots = 0.0;
   for (const double step_s : steps_s) slots += std::max(1.0, std::round(step_s / period_s));
   out.fps = slots / times_s.back();
-  if (!(out.fps >= 1.0 && out.fps <= 240.0)) return out;
+  if (!(out.fps >= 1.0 && out.fps <= 240.0) || times_s.back() > kMost_s) return out;
   out.has_gaps = slots > static_cast<double>(steps_s.size());
   out.times_s = std::move(times_s);
   return out;

@@ -25,8 +25,8 @@ struct FrameTimes {
 };
 
 /// Returns what `times_s` say: the times of all frames on the clock of their file, ascending and
-/// finite. The result is not usable if there are fewer than two times, or if the rate is not 1 to
-/// 240 frames/s.
+/// finite. The result is not usable if there are fewer than two times, if the rate is not 1 to 240
+/// frames/s, or if they last longer than a million seconds.
 [[nodiscard]] FrameTimes describeTimes(std::vector<double> times_s);
 
 /// Returns whether the frames of two files belong together by their times, and not by their
