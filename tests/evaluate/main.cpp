@@ -27,7 +27,7 @@ void addOptions(CLI::App& app, Options& options) {
                  "Of the scenes of motion or the parts of network (force, safety, clocks), vision "
                  "(held, surface, deform, or held/NAME for its scenes of this name) and "
                  "stability (theory, maps, chain, silence, links, inertia, integrators, life, "
-                 "cases, lies, honest), only this one");
+                 "cases, false_streams, honest), only this one");
   app.add_option("--set", options.set,
                  "Which draw of the held scenes of vision: 1 is the one that methods are tuned on, "
                  "any other is drawn afresh")

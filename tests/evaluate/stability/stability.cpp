@@ -42,7 +42,7 @@ static void evaluateStability(const Options& options) {
                {"integrators", stabilityIntegrators},
                {"life", stabilityLife},
                {"cases", stabilityCases},
-               {"lies", stabilityFalseStreams},
+               {"false_streams", stabilityFalseStreams},
                {"honest", stabilityHonest}};
   for (const auto& [name, run] : parts) {
     if (!options.only.empty() && options.only != name) continue;

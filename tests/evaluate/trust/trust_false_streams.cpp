@@ -44,8 +44,8 @@ void stabilityFalseStreams(const StabilityReport& to) {
   onAllCores(runs.size(), [&](std::size_t i) {
     runs[i].got = client::runFalseStream(*runs[i].false_stream, seconds);
   });
-  Table lines{
-      {"lie", "verdict", "force N", "mJ in 10 s", "step N up", "down", "step not the tip's N"}};
+  Table lines{{"false stream", "verdict", "force N", "mJ in 10 s", "step N up", "down",
+               "step not the tip's N"}};
   double most_mJ = 0.0;
   double relative_mJ = -1e9;
   double meter_mJ = 0.0;
@@ -77,31 +77,33 @@ void stabilityFalseStreams(const StabilityReport& to) {
     }
     most_N = std::max(most_N, trace.max_force_N);
     finite = finite && trace.finite;
-    to.report.add({run.false_stream->name, "lie_work", testing::verdictName(verdict), work_mJ, "mJ",
-                   0.0, true});
+    to.report.add({run.false_stream->name, "false_stream_work", testing::verdictName(verdict),
+                   work_mJ, "mJ", 0.0, true});
     lines.push_back({run.false_stream->name, testing::verdictName(verdict),
                      text("%.2f", trace.max_force_N), text("%.0f", work_mJ),
                      text("%.2f", trace.max_rise_N), text("%.2f", trace.max_fall_N),
                      text("%.2f", trace.max_unexplained_N)});
   }
   to.report.require(
-      text("lies (%zu, %.0f s each): all forces finite, largest", runs.size(), seconds), "<= 3.3 N",
-      text("%.2f N", most_N), finite && most_N <= 3.3 + 1e-9);
-  to.report.require("lies that meet another verdict than theirs", "none",
+      text("false streams (%zu, %.0f s each): all forces finite, largest", runs.size(), seconds),
+      "<= 3.3 N", text("%.2f N", most_N), finite && most_N <= 3.3 + 1e-9);
+  to.report.require("false streams that meet another verdict than theirs", "none",
                     text("%zu (%s); %d limited ones lost trust in the end", differing.size(),
                          differing.empty() ? "-" : differing.front().c_str(), in_the_end),
                     differing.empty());
-  to.report.require("lies: net work on the user's port, largest over any 10 s",
+  to.report.require("false streams: net work on the user's port, largest over any 10 s",
                     "<= 500 mJ (aim 100)", text("%.0f mJ", most_mJ), most_mJ <= 500.0);
   to.report.require(
-      text("lies: relative port under pumped stiffness and friction, net of %.0f s", net_s),
+      text("false streams: relative port under pumped stiffness and friction, net of %.0f s",
+           net_s),
       "<= 3 mJ (aim 1)", text("%.1f mJ", relative_mJ), relative_mJ <= 3.0);
-  to.report.require("lies: the client's meters against the energy summed from forces and true ways",
-                    "all within 5 % or 2 mJ",
-                    text("%d of %zu are not, off by %.1f mJ at most (%s)", misread, runs.size(),
-                         meter_mJ, meter_of.c_str()),
-                    misread == 0);
-  to.report.addTable("lies", lines);
+  to.report.require(
+      "false streams: the client's meters against the energy summed from forces and true ways",
+      "all within 5 % or 2 mJ",
+      text("%d of %zu are not, off by %.1f mJ at most (%s)", misread, runs.size(), meter_mJ,
+           meter_of.c_str()),
+      misread == 0);
+  to.report.addTable("false_streams", lines);
 }
 
 }  // namespace hapticast::evaluate

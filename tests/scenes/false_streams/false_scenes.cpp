@@ -156,16 +156,16 @@ FalseStreams motion() {
          t.motion().acceleration_mm_s2 = {1e5 * wave(t.t_s, 3.0), 1e5 * wave(t.t_s, 3.0, 1.57),
                                           0.0};
        }},
-      {"velocity_lies", kHold, kHarmless,
+      {"velocity_is_false", kHold, kHarmless,
        [](OutgoingFrame& t) { t.motion().velocity_mm_s.z() = 1e6 * square(t.t_s, 6.0); }},
-      {"velocity_lies_x", kHold, kHarmless,
+      {"velocity_is_false_x", kHold, kHarmless,
        [](OutgoingFrame& t) { t.motion().velocity_mm_s.x() = 2000.0 * square(t.t_s, 3.0); }},
-      {"velocity_and_acceleration_lie", kHold, kTrustLost,
+      {"velocity_and_acceleration_are_false", kHold, kTrustLost,
        [](OutgoingFrame& t) {
          t.motion().velocity_mm_s.z() = 90.0 * square(t.t_s, 6.25);
          t.motion().acceleration_mm_s2.z() = 1e5 * square(t.t_s, 6.25);
        }},
-      {"position_lies", kHold, kHarmless,
+      {"position_is_false", kHold, kHarmless,
        [](OutgoingFrame& t) {
          t.motion().position_mm = {t.between(-1e4, 1e4), t.between(-1e4, 1e4),
                                    t.between(-1e4, 1e4)};
