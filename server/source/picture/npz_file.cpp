@@ -47,7 +47,7 @@ class MemberStream final : public ByteStream {
   zip_stat_t facts_;
   Member member_;  // null after a failure
   std::uint64_t at_ = 0;
-  // A deflated member cannot be read from here on.
+  // Where a read has failed. A deflated member cannot be read from here on.
   std::uint64_t broken_at_ = std::numeric_limits<std::uint64_t>::max();
 };
 
@@ -58,9 +58,11 @@ bool MemberStream::read(std::span<std::uint8_t> target) {
     at_ += static_cast<std::uint64_t>(count);
     target = target.subspan(static_cast<std::size_t>(count));
   }
-  // A read at the end checks the sum of all bytes.
+  if (at_ != facts_.size) return true;
+  // A read at the end checks the sum of all bytes, unless a stored member was read in another
+  // order. A wrong sum stays wrong.
   std::uint8_t none = 0;
-  return at_ != facts_.size || zip_fread(member_.get(), &none, 1) == 0 || fail();
+  return (at_ < broken_at_ && zip_fread(member_.get(), &none, 1) == 0) || fail();
 }
 
 bool MemberStream::fail() {
