@@ -30,12 +30,42 @@ const std::map<std::string, DepthCode> kDepthCodes{
 const std::map<std::string, DepthCode> kDepthNear{{"bright", DepthCode::kGrey},
                                                   {"dark", DepthCode::kInverse}};
 
+/// Adds the flags about the files, the place, the code and the unit of depth.
+void addLayoutOptions(CLI::App& app, VideoLayout& layout) {
+  addChoice(
+      app, "--layout", layout.layout, kLayouts,
+      "The place of the depth in a single video file: a track of its own (separate), or a half "
+      "of the picture. Colour is on the left or at the top; with --depth-code hue it is on the "
+      "right or below. Default: separate");
+  CLI::Option* const code =
+      addChoice(app, "--depth-code", layout.code, kDepthCodes,
+                "Depth with 8 bits: grey (near is bright), inverse (as --depth-near dark), or, in "
+                "videos, hue (Record3D: 3 m for the whole circle of hues). Default: grey");
+  addChoice(app, "--depth-near", layout.code, kDepthNear,
+            "Where grey depth with 8 bits is near, in folders and videos. Default: bright")
+      ->default_str("")  // a configuration file with all defaults would have both
+      ->excludes(code);
+  addNumber(app, "--depth-unit", layout.depth_unit_mm, 1e-3, 1e4, "MM",
+            "mm of one unit of depth, in folders, videos and v4l2: 0.2 for TUM and ORB-SLAM "
+            "(1/5000 m), 1 for mm, 1000 for metres. Default: as the source states, else 1 for "
+            "integers and 1000 for floats");
+  app.add_option("--color", layout.color_glob,
+                 "The colour images of a folder, as a pattern relative to it, e.g. 'frame_*.jpg'; "
+                 "needs --depth. Default: the server recognises the layout")
+      ->type_name("GLOB");
+  app.add_option("--depth", layout.depth_glob,
+                 "The depth images of a folder, as a pattern relative to it, e.g. 'depth_*.png'")
+      ->type_name("GLOB");
+}
+
 void addSourceOptions(CLI::App& app, Settings& settings) {
   app.add_option(
          "--source", settings.source,
          "The video to stream: synthetic:bounce|approach|tumble|still, a folder of RGB-D "
          "images (rgb/ and depth/, or TUM's rgb.txt and depth.txt), COLOR,DEPTH (two video "
-         "files), FILE (one video file with colour and depth), camera:N,M (colour camera, depth "
+         "files; depth may also be a folder of images or an array NPY, NPZ), FILE (one video file "
+         "with "
+         "colour and depth), camera:N,M (colour camera, depth "
          "camera), openni:[DEVICE] (a camera of OpenNI2), v4l2:COLOR,DEPTH (two nodes of "
          "a camera, 16-bit depth), URL (a live stream with colour and depth: rtsp, rtsps, srt, "
          "http, "
@@ -45,30 +75,7 @@ void addSourceOptions(CLI::App& app, Settings& settings) {
       ->required();
   addNumber(app, "--fps", settings.fps, 1.0, 240.0, "1..240",
             "Frames a second; default: the source's own");
-  addChoice(
-      app, "--layout", settings.layout.layout, kLayouts,
-      "The place of the depth in a single video file: a track of its own (separate), or a half "
-      "of the picture. Colour is on the left or at the top; with --depth-code hue it is on the "
-      "right or below. Default: separate");
-  CLI::Option* const code =
-      addChoice(app, "--depth-code", settings.layout.code, kDepthCodes,
-                "Depth with 8 bits: grey (near is bright), inverse (as --depth-near dark), or, in "
-                "videos, hue (Record3D: 3 m for the whole circle of hues). Default: grey");
-  addChoice(app, "--depth-near", settings.layout.code, kDepthNear,
-            "Where grey depth with 8 bits is near, in folders and videos. Default: bright")
-      ->default_str("")  // a configuration file with all defaults would have both
-      ->excludes(code);
-  addNumber(app, "--depth-unit", settings.layout.depth_unit_mm, 1e-3, 1e4, "MM",
-            "mm of one unit of depth, in folders, videos and v4l2: 0.2 for TUM and ORB-SLAM "
-            "(1/5000 m), 1 for mm, 1000 for metres. Default: as the source states, else 1 for "
-            "integers and 1000 for floats");
-  app.add_option("--color", settings.layout.color_glob,
-                 "The colour images of a folder, as a pattern relative to it, e.g. 'frame_*.jpg'; "
-                 "needs --depth. Default: the server recognises the layout")
-      ->type_name("GLOB");
-  app.add_option("--depth", settings.layout.depth_glob,
-                 "The depth images of a folder, as a pattern relative to it, e.g. 'depth_*.png'")
-      ->type_name("GLOB");
+  addLayoutOptions(app, settings.layout);
   app.add_flag("--loop", settings.loop, "Start again at the end of the clip");
   app.add_flag("--to-and-fro", settings.to_and_fro,
                "Play the images of a folder forwards, then backwards; with --loop no jump remains");

@@ -128,6 +128,7 @@ struct NatsConnection::Library {
       throw AddressError(text + ": " + what + ": " + natsStatus_GetText(status));
   }
   void setOptions(const NatsAddress& address, const NatsCredentials& credentials);
+  void setCredentials(const NatsAddress& address, const NatsCredentials& credentials);
   void connect();
 };
 
@@ -157,10 +158,18 @@ void NatsConnection::Library::setOptions(const NatsAddress& address,
   set(natsOptions_SetDisconnectedCB(made, onLost, &text));
   set(natsOptions_SetReconnectedCB(made, onFound, &text));
   set(natsOptions_SetClosedCB(made, onClosed, &running));
-  if (!address.password.empty())
+  setCredentials(address, credentials);
+}
+
+void NatsConnection::Library::setCredentials(const NatsAddress& address,
+                                             const NatsCredentials& credentials) {
+  natsOptions* const made = options.get();
+  const auto set = [this](natsStatus status) { require(status, "an option of libnats fails"); };
+  if (!address.password.empty()) {
     set(natsOptions_SetUserInfo(made, address.user.c_str(), address.password.c_str()));
-  else if (!address.user.empty())
+  } else if (!address.user.empty()) {
     set(natsOptions_SetToken(made, address.user.c_str()));
+  }
   if (!credentials.creds_file.empty()) {
     requireFile("--nats-creds", credentials.creds_file);
     set(natsOptions_SetUserCredentialsFromFiles(made, credentials.creds_file.c_str(), nullptr));

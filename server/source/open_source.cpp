@@ -10,7 +10,6 @@
 
 #include "common/text.hpp"
 #include "server/source/folder/image_sequence.hpp"
-#include "server/source/folder/video_folder.hpp"
 #include "server/source/known_files.hpp"
 #include "server/source/live/network_stream.hpp"
 #include "server/source/live/openni_camera.hpp"
@@ -21,6 +20,7 @@
 #include "server/source/synthetic/synthetic_source.hpp"
 #include "server/source/video/video_clip.hpp"
 #include "server/source/video/video_with_depth.hpp"
+#include "server/source/video_folder.hpp"
 
 namespace hapticast::server {
 

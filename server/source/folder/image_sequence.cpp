@@ -49,27 +49,8 @@ ImageSequence::ImageSequence(const std::filesystem::path& folder, double fps, bo
   // A gap has no depth.
   const auto whole = std::find_if(files_.frames.begin(), files_.frames.end(),
                                   [](const FrameFiles& frame) { return !frame.depth.empty(); });
-  const FrameFiles& first = *whole;
-  const ImageResult color = readColorFile(first.color);
-  if (!color.ok())
-    throw SourceError(first.color.string() + ": " + color.problem + "; mend this first frame");
-  const ImageResult depth = readRawDepth(first);
-  if (!depth.ok())
-    throw SourceError(first.depth.string() + ": " + depth.problem + "; mend this first frame");
-  format_ = detectFormat(first.depth, depth.image, files_);
-  if (layout.code == DepthCode::kInverse && format_.kind == DepthKind::kMetric)
-    throw SourceError(first.depth.string() +
-                      ": has depth in mm, so leave --depth-near and --depth-code out");
-  setDepthUnit(format_, layout.depth_unit_mm, first.depth.string());
-  info_.name = fileName(folder);
-  own_size_ = color.image.size();
-  setSize(info_, own_size_, folder.string());
-  chooseDepthSize(folder, depth.image);
-  warnOfOtherSize(folder);
+  describe(folder, *whole);
   info_.fps = fps > 0.0 ? fps : files_.fps;
-  info_.depth_kind = format_.kind;
-  info_.mm_per_unit =
-      layout.depth_unit_mm.value_or(first.mm_per_unit.value_or(format_.mm_per_unit));
   info_.frame_count = files_.frames.size();
   info_.key_masks = files_.key_masks;
   if (files_.camera) info_.camera = scaleCamera(*files_.camera, info_);
@@ -80,6 +61,28 @@ ImageSequence::ImageSequence(const std::filesystem::path& folder, double fps, bo
   const auto index = static_cast<std::uint64_t>(whole - files_.frames.begin());
   if (const std::string problem = load(index, frame); !problem.empty())
     throw SourceError(problem + "; mend this first frame");
+}
+
+void ImageSequence::describe(const std::filesystem::path& folder, const FrameFiles& first) {
+  const ImageResult color = readColorFile(first.color);
+  if (!color.ok())
+    throw SourceError(first.color.string() + ": " + color.problem + "; mend this first frame");
+  const ImageResult depth = readRawDepth(first);
+  if (!depth.ok())
+    throw SourceError(first.depth.string() + ": " + depth.problem + "; mend this first frame");
+  format_ = detectFormat(first.depth, depth.image, files_);
+  if (layout_.code == DepthCode::kInverse && format_.kind == DepthKind::kMetric)
+    throw SourceError(first.depth.string() +
+                      ": has depth in mm, so leave --depth-near and --depth-code out");
+  setDepthUnit(format_, layout_.depth_unit_mm, first.depth.string());
+  info_.name = fileName(folder);
+  own_size_ = color.image.size();
+  setSize(info_, own_size_, folder.string());
+  chooseDepthSize(folder, depth.image);
+  warnOfOtherSize(folder);
+  info_.depth_kind = format_.kind;
+  info_.mm_per_unit =
+      layout_.depth_unit_mm.value_or(first.mm_per_unit.value_or(format_.mm_per_unit));
 }
 
 void ImageSequence::chooseDepthSize(const std::filesystem::path& folder, const cv::Mat& first) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/source/folder/video_folder.hpp"
+#include "server/source/video_folder.hpp"
 
 #include <algorithm>
 #include <array>
