@@ -64,6 +64,7 @@ std::optional<NatsAddress> parseNatsAddress(std::string_view text) {
     if (!readUser(servers.substr(0, at), address)) return std::nullopt;
     servers.remove_prefix(at + 1);
   }
+  if (servers.find('@') != std::string_view::npos) return std::nullopt;
   while (true) {
     const std::size_t comma = servers.find(',');
     const auto server = parseEndpoint(servers.substr(0, comma), Endpoint{"", kNatsPort});

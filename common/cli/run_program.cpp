@@ -9,6 +9,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <exception>
+#include <iostream>
 
 #include "common/text.hpp"
 
@@ -37,6 +38,7 @@ void startLog(const std::string& name) {
 int runProgram(bool quiet, const std::function<int()>& run) {
   if (quiet) spdlog::set_level(spdlog::level::warn);
   std::signal(SIGPIPE, SIG_IGN);  // the reader of the log may end first
+  std::cerr.rdbuf(nullptr);       // only libraries write there, for example about a damaged picture
   try {
     return run();
   } catch (const std::exception& error) {

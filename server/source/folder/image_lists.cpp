@@ -142,17 +142,17 @@ ImageLists findImages(const fs::path& folder, const VideoLayout& layout) {
                       (fs::is_empty(folder) ? ": is empty" : ": has no folder rgb/ or color/") +
                       kOtherwise);
   }
-  ImageLists lists{listColorImages(color_folder), {}, depth_folder.string()};
-  if (lists.colors.empty())
-    throw SourceError(color_folder.string() +
-                      ": has no PNG, JPEG, WebP, BMP or PPM images; put the frames there");
-  if (depth_folder.empty()) {
-    lists.depth_array = findDepthArray(folder);
-    if (!lists.depth_array.empty()) return lists;
+  const fs::path array = depth_folder.empty() ? findDepthArray(folder) : fs::path();
+  if (depth_folder.empty() && array.empty()) {
     throw SourceError(folder.string() +
                       ": has no folder depth/; put a depth image for each colour image into it, or "
                       "the depth of all frames into one array depth.npy or depth.npz");
   }
+  ImageLists lists{listColorImages(color_folder), {}, depth_folder.string(), array};
+  if (lists.colors.empty())
+    throw SourceError(color_folder.string() +
+                      ": has no PNG, JPEG, WebP, BMP or PPM images; put the frames there");
+  if (!array.empty()) return lists;
   lists.depths = listDepthImages(depth_folder);
   if (!lists.depths.empty()) return lists;
   throw SourceError(

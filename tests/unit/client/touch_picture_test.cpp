@@ -43,7 +43,11 @@ cv::Rect differing(const cv::Mat& a, const cv::Mat& b) {
 
 TEST(TouchPicture, ConeStandsAtTheHipAndTheArrowGrowsWithTheForce) {
   const cv::Mat picture(480, 640, CV_8UC3, cv::Scalar(90, 90, 90));
-  const auto drawn = [&](double force_N) { return drawnScene(picture, pressing(0, force_N)); };
+  const auto drawn = [&](double force_N) {
+    TickReport report = pressing(0, force_N);
+    report.hip_mm.z() = 0.0;
+    return drawnScene(picture, report);
+  };
   const cv::Mat none = drawn(0.0);
   // (40, 20) mm is (480, 160) px of 640 x 480, which is 506 px high here.
   const ScenePlace place({}, {0.0, 0.0}, {900.0, 506.0});
@@ -131,17 +135,23 @@ TEST(TouchPicture, WithoutAForceAtTheDeviceThereIsNoArrow) {
   EXPECT_EQ(differing(drawnScene({}, report), drawnScene({}, none)).area(), 0);
 }
 
-TEST(TouchPicture, BeforeContactALineShowsTheHeightAboveTheSurface) {
+TEST(TouchPicture, BeforeContactALineLeadsToTheSpotThatTheHipWouldTouch) {
   TickReport report = pressing(0, 0.0);
-  const cv::Mat without = drawnScene({}, report);
   report.object_present = report.over_object = true;
-  const auto measureLine_px = [&](double height_mm) {
+  const auto findLine = [&](double height_mm) {
     report.height_at_hip_mm = height_mm;
-    return differing(without, drawnScene({}, report)).height;
+    cv::Mat line;
+    cv::inRange(drawnScene({}, report), kGapColor, kGapColor, line);
+    return cv::boundingRect(line);
   };
-  EXPECT_GT(measureLine_px(2.0), measureLine_px(7.0));
-  EXPECT_GT(measureLine_px(7.0), 0);
-  EXPECT_EQ(measureLine_px(10.5), 0) << "below the surface";
+  const ScenePlace place({}, {0.0, 0.0}, {900.0, 506.0});
+  const Vec2 spot = place.fromNominal(report.hip_mm.head<2>());
+  for (const double height_mm : {2.0, 7.0}) {
+    const cv::Rect line = findLine(height_mm);
+    EXPECT_NEAR(line.y + line.height, spot.y(), 6.0) << "its lower end, " << height_mm;
+  }
+  EXPECT_GT(findLine(2.0).height, findLine(7.0).height);
+  EXPECT_EQ(findLine(10.5).height, 0) << "below the surface";
 }
 
 TEST(TouchPicture, PlotKeepsPeaksBetweenItsPoints) {
@@ -170,7 +180,7 @@ TEST(TouchPicture, TheAxisOfThePlotShowsTheTimeOfTheRun) {
 
 TEST(TouchPicture, AHipBesideThePictureIsShownAtItsEdge) {
   TickReport report = pressing(0, 0.0);
-  report.hip_mm = {0.0, 63.0, 10.0};  // 3 mm above the upper edge
+  report.hip_mm = {0.0, 63.0, 0.0};  // 3 mm above the upper edge
   EXPECT_EQ(drawnScene({}, report).at<cv::Vec3b>(0, 450), cv::Vec3b(255, 255, 255));
 }
 

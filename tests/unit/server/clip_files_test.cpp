@@ -6,7 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "server/source/folder/clip_files.hpp"
+#include "server/source/folder/clip_meta.hpp"
+#include "server/source/folder/image_lists.hpp"
 #include "server/source/picture/json_object.hpp"
 #include "server/source/rgbd_source.hpp"
 

@@ -59,23 +59,24 @@ class LayoutsTest : public VideoFilesTest {
   void writeColors(const Name& name = numbered("rgb/", ".png")) const {
     for (int i = 0; i < kFrames; ++i) folder.write(name(i), frames().colors[std::size_t(i)]);
   }
+  /// Writes depths that are `far` times those of the clip.
   void writeDepths(const Name& name = numbered("depth/", ".png"), double mm_per_unit = 1.0,
-                   bool floats = false) const {
+                   bool floats = false, double far = 1.0) const {
     for (int i = 0; i < kFrames; ++i) {
-      const cv::Mat& depth_mm = frames().depths[std::size_t(i)];
+      const cv::Mat depth_mm = frames().depths[std::size_t(i)] * far;
       folder.write(name(i),
                    floats ? asFloats(depth_mm, mm_per_unit) : inUnits(depth_mm, mm_per_unit));
     }
   }
-  /// Expects that `spec` has the clip's frames and depths, up to `few_mm`.
+  /// Expects that `spec` has the clip's frames, and `far` times its depths, up to `few_mm`.
   static void expectRight(const std::string& spec, const VideoLayout& layout = {},
-                          double few_mm = kFew_mm) {
+                          double few_mm = kFew_mm, double far = 1.0) {
     const auto source = openSource(spec, 24.0, false, layout);
     for (int i = 0; i < kFrames; ++i) {
       const auto frame = source->read();
       ASSERT_TRUE(frame) << i;
       cv::Mat truth_mm;
-      frames().depths[std::size_t(i)].convertTo(truth_mm, CV_32F);
+      frames().depths[std::size_t(i)].convertTo(truth_mm, CV_32F, far);
       EXPECT_LE(cv::norm(frame->depth, truth_mm, cv::NORM_INF), few_mm) << i;
       EXPECT_LE(cv::norm(frame->color, frames().colors[std::size_t(i)], cv::NORM_L1) /
                     double(3 * frame->color.total()),
@@ -105,12 +106,13 @@ struct UnitRow {
   bool floats;
   double few_mm;          ///< half of a unit, and rounding
   const char* suggested;  ///< in the warning without the flag
+  double far = 1.0;       ///< depths of the scene against those of the clip
 };
 
 TEST_F(LayoutsTest, EveryUnitOpensRightWithItsFlagAndIsSuspectedWithoutIt) {
   for (const UnitRow& row : {
-           UnitRow{"TUM, ORB-SLAM: 1/5000 m", 0.2, false, 0.11, "--depth-unit 0.2 ("},
-           UnitRow{"RealSense: 0.1 mm", 0.1, false, 0.06, "--depth-unit 0.1 ("},
+           UnitRow{"TUM, ORB-SLAM: 1/5000 m", 0.2, false, 0.11, "--depth-unit 0.2 (", 3.0},
+           UnitRow{"RealSense: 0.1 mm", 0.1, false, 0.06, "--depth-unit 0.1 (", 2.0},
            UnitRow{"FFmpeg, gray12le", 16.0, false, 8.1, "--depth-unit 16 ("},
            UnitRow{"FFmpeg, gray10le", 64.0, false, 32.1, "--depth-unit 64 ("},
            UnitRow{"mm as floats", 1.0, true, 0.01, "--depth-unit 1 ("},
@@ -118,8 +120,8 @@ TEST_F(LayoutsTest, EveryUnitOpensRightWithItsFlagAndIsSuspectedWithoutIt) {
     SCOPED_TRACE(row.program);
     writeColors();
     const std::string ending = row.floats ? ".tiff" : ".png";
-    writeDepths(numbered("depth/", ending), row.mm_per_unit, row.floats);
-    expectRight(folder.string(), withUnit(row.mm_per_unit), row.few_mm);
+    writeDepths(numbered("depth/", ending), row.mm_per_unit, row.floats, row.far);
+    expectRight(folder.string(), withUnit(row.mm_per_unit), row.few_mm, row.far);
     EXPECT_EQ(warningsOf(folder.string(), withUnit(row.mm_per_unit)), "");
     EXPECT_THAT(warningsOf(folder.string()), HasSubstr(row.suggested));
     std::filesystem::remove_all(folder / "depth");

@@ -235,7 +235,7 @@ TEST(ServerSettings, APrintedConfigFileHasEachFlagAndItsDefault) {
   Probe::expectConfigOfDefaults({"--source", "synthetic:still"});
   const Probe config({"--print-config"});
   EXPECT_EQ(config.exit_code, 0) << "without --source, too";
-  for (const char* line : {"\n#source =\n", "\n#listen = 0.0.0.0:7447\n", "\n#transport = udp\n",
+  for (const char* line : {"\n#source =\n", "\n#listen = [::]:7447\n", "\n#transport = udp\n",
                            "\n#max-clients = 64\n", "\n#fps =\n", "\n#loop = false\n"})
     EXPECT_NE(config.output.find(line), std::string::npos) << line << config.output;
   for (const std::string_view flag : ownFlags(kServerProgram))

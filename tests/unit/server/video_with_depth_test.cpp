@@ -27,7 +27,7 @@ class VideoWithDepthFiles : public VideoFilesTest {
   void writeVideo(const std::string& name, cv::Size size = {64, 48}) const {
     std::ofstream out(folder / "v.raw", std::ios::binary);
     for (int i = 0; i < kFrames; ++i) {
-      const cv::Mat picture(size, CV_8UC3, cv::Scalar::all(10 + 4 * i));
+      const cv::Mat picture(size, CV_8UC3, cv::Scalar::all(10 + 15 * i));
       out.write(reinterpret_cast<const char*>(picture.data),
                 static_cast<std::streamsize>(picture.total() * picture.elemSize()));
     }
@@ -56,7 +56,7 @@ class VideoWithDepthFiles : public VideoFilesTest {
     std::vector<int> numbers;
     while (const auto frame = source.read()) {
       const int i = static_cast<int>(frame->index);
-      EXPECT_NEAR(frame->color.at<cv::Vec3b>(9, 9)[1], 10 + 4 * i, 1);
+      EXPECT_NEAR(frame->color.at<cv::Vec3b>(9, 9)[1], 10 + 15 * i, 4);
       EXPECT_EQ(frame->depth.size(), frame->color.size());
       EXPECT_EQ(frame->depth.at<float>(9, 9), static_cast<float>(500 + 100 * i));
       EXPECT_NEAR(frame->clip_time_s, i / source.info().fps, 1e-9);
