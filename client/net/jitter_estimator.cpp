@@ -12,10 +12,10 @@ namespace {
 constexpr std::size_t kMaxSamples = std::size_t{5} * 240;  // the window at the highest frame rate
 }
 
-void JitterEstimator::reset() {
+void JitterEstimator::reset(LocalTime now) {
   samples_.clear();
-  last_arrival_.reset();
-  outage_end_.reset();
+  last_arrival_ = now;
+  outage_end_ = now;
 }
 
 void JitterEstimator::add(const FrameArrival& frame, Duration interval) {

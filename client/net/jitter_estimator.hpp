@@ -44,8 +44,9 @@ class JitterEstimator {
   /// `max_delay`: largest delay, at most kMaxDelay.
   explicit JitterEstimator(Duration max_delay = kMaxDelay) : max_delay_(max_delay) {}
 
-  /// Removes all stored frames.
-  void reset();
+  /// Removes all stored frames. A connection begins at `now`: frames that were due before belong to
+  /// an outage.
+  void reset(LocalTime now);
   [[nodiscard]] Duration maxDelay() const { return max_delay_; }
 
   /// Adds a frame of a stream with frames of `interval`.

@@ -39,7 +39,7 @@ void Receiver::describe(const StreamDescription& description, LocalTime now) {
   if (!described_ || !(description.workspace == latest_.workspace)) {
     decode_thread_.reset(description.workspace);
   }
-  if (!described_ || description.pipeline_latency != latest_.pipeline_latency) jitter_.reset();
+  if (!described_ || description.pipeline_latency != latest_.pipeline_latency) jitter_.reset(now);
   described_ = true;
   latest_.pipeline_latency = description.pipeline_latency;
   latest_.frame_interval = fromSeconds(1.0 / description.fps);

@@ -2,7 +2,7 @@
 """A server, an edge or a client that stands still (SIGSTOP), as a hand in contact perceives it.
 
 For each stop the table has: the time after its end until the force is back, and how much longer the playout delay is
-two frame intervals and two seconds later. The hand holds the HIP 6 mm deep in the ball of synthetic:still.
+two frame intervals and two seconds later. The hand rests on the ball of synthetic:still (--hand follow).
 """
 import csv
 import json
@@ -15,7 +15,6 @@ STEADY_s = 6.0  # before the stop: the delay has adapted to the link
 AFTER_s = 4.0
 INTERVAL_s = 0.04
 STOPS_s = (0.3, 0.8, 1.5, 3.0, 10.0)
-HOLD = "0,0,0,35\n1,0,0,35\n1.5,0,0,12\n1000,0,0,12\n"
 
 
 def read_log(file):
@@ -47,8 +46,6 @@ def evaluate(rows, from_stop_to_end_s, stop_s):
 
 def run(lab, name, stopped, transport, stop_s):
     """Returns the row of one stop. `stopped`: server, edge or client."""
-    hold = lab.out / "hold.csv"
-    hold.write_text(HOLD)
     log = lab.out / f"{name}.csv"
     flags = ["--source", "synthetic:still", "--loop"]
     if stopped == "edge":
@@ -58,7 +55,7 @@ def run(lab, name, stopped, transport, stop_s):
     serving = lab.server(f"{name}.edge", "--source", channel) if stopped == "edge" else server
     host, port = serving.address()
     client = lab.start(f"{name}.client", lab.build / "client/hapticast-client", f"{host}:{port}", "--device", "virtual",
-                       "--hand", hold, "--view", "off", "--fault-dir", lab.out, "--log", log, "--transport", transport,
+                       "--hand", "follow", "--view", "off", "--fault-dir", lab.out, "--log", log, "--transport", transport,
                        "--summary", lab.out / f"{name}.json")
     client.wait_for("connected: ")
     time.sleep(STEADY_s)

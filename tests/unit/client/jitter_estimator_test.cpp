@@ -60,6 +60,16 @@ TEST(JitterEstimator, OneOutageDecidesNothingHoweverManyFramesItDelayed) {
   }
 }
 
+TEST(JitterEstimator, FramesThatWereDueBeforeTheConnectionDecideNothing) {
+  JitterEstimator jitter;
+  jitter.reset(localTime(5.0));
+  for (int i = 0; i < 3; ++i) addFrame(jitter, 5.01, milliseconds(3000));
+  addFrame(jitter, 5.02, milliseconds(1000));  // the first one in time, after a hole
+  EXPECT_EQ(jitter.delay(kFrame), milliseconds(45));
+  addSteady(jitter, 5.06, 3);
+  EXPECT_EQ(jitter.delay(kFrame), milliseconds(65));
+}
+
 TEST(JitterEstimator, ASecondOutageWithinTheWindowCounts) {
   JitterEstimator jitter;
   double next_s = addOutage(jitter, addSteady(jitter, 0.0, 100), 0.8);
@@ -91,7 +101,7 @@ TEST(JitterEstimator, StaysWithinItsBounds) {
   JitterEstimator jitter;
   jitter.add({localTime(0), Duration::max(), localTime(0)}, kFrame);
   EXPECT_EQ(jitter.delay(kFrame), JitterEstimator::kMaxDelay);
-  jitter.reset();
+  jitter.reset(localTime(-10));
   jitter.add({localTime(0), Duration::min(), localTime(0)}, kFrame);
   EXPECT_EQ(jitter.delay(kFrame), kFrame) << "never less than the interpolation looks ahead";
   EXPECT_EQ(jitter.delay(std::chrono::seconds(3)), JitterEstimator::kMaxDelay);

@@ -170,13 +170,21 @@ TEST(ClientSettings, AFlagWinsOverTheConfigFile) {
 
 TEST(ClientSettings, ReportsAWrongValueWithFlagValueAndAllowedRange) {
   const std::vector<std::array<std::string, 3>> wrong = {
-      {"--device", "spoon", "mouse|touch|virtual"},  {"--transport", "upd", "multicast|tcp|udp"},
-      {"--redundancy", "5", "auto or 1..4"},         {"--redundancy", "some", "auto or 1..4"},
-      {"--origin-key", "First", "64 hex digits"},    {"--origin-key", "0123", "64 hex digits"},
-      {"--surface", "flat", "normal|perturbed"},     {"--method", "best", "hapticast|thesis"},
-      {"--seconds", "nan", "0.001 to 1000000000"},   {"--seconds", "0", "0.001 to 1000000000"},
-      {"--seconds", "1e300", "0.001 to 1000000000"}, {"server", "host:99999", "HOST[:PORT]"},
-      {"server", "host:0", "port 1..65535"},         {"server", "a b", "HOST[:PORT]"}};
+      {"--device", "spoon", "mouse|touch|virtual"},
+      {"--device", "Omni", "did you mean touch?"},
+      {"--transport", "upd", "multicast|tcp|udp"},
+      {"--redundancy", "5", "auto or 1..4"},
+      {"--redundancy", "some", "auto or 1..4"},
+      {"--origin-key", "First", "64 hex digits"},
+      {"--origin-key", "0123", "64 hex digits"},
+      {"--surface", "flat", "normal|perturbed"},
+      {"--method", "best", "hapticast|thesis"},
+      {"--seconds", "nan", "0.001 to 1000000000"},
+      {"--seconds", "0", "0.001 to 1000000000"},
+      {"--seconds", "1e300", "0.001 to 1000000000"},
+      {"server", "host:99999", "HOST[:PORT]"},
+      {"server", "host:0", "port 1..65535"},
+      {"server", "a b", "HOST[:PORT]"}};
   for (const auto& [flag, value, allowed] : wrong) {
     std::vector<std::string> arguments;
     if (flag != "server") arguments.push_back(flag);
