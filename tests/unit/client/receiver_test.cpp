@@ -324,8 +324,8 @@ TEST_F(ReceiverTest, TheErrorOfTheServersClockCountsUntilItsNextPong) {
 }
 
 TEST_F(ReceiverTest, AsksForAPlayoutDelayThatCoversTheJitter) {
-  receiver.connected(description, localTime(1));
-  syncClock(1.1);
+  receiver.connected(description, localTime(0));
+  syncClock(0.1);
   EXPECT_EQ(stream.load().playout_delay_target, fromSeconds(0.040) + JitterEstimator::kMargin);
   arrive(frame(1), 3.0);  // the frame a viewer is sent on joining may be old
   for (std::uint64_t id = 2; id <= 200; ++id) arrive(frame(id), id % 10 == 0 ? 0.060 : 0.010);

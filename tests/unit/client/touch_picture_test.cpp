@@ -141,7 +141,7 @@ TEST(TouchPicture, BeforeContactALineLeadsToTheSpotThatTheHipWouldTouch) {
   const auto findLine = [&](double height_mm) {
     report.height_at_hip_mm = height_mm;
     cv::Mat line;
-    const cv::Scalar near(30, 30, 30);  // of lines with soft edges
+    const cv::Scalar near(16, 16, 16);  // of lines with soft edges
     cv::inRange(drawnScene({}, report), kGapColor - near, kGapColor + near, line);
     return cv::boundingRect(line);
   };
