@@ -139,6 +139,32 @@ TEST_F(ProgramsRelayTest, ANatsServerMayRestart) {
   interrupt(*origin);
 }
 
+class ProgramsRelayUserTest : public ProgramsRelayTest {
+ protected:
+  [[nodiscard]] std::string settings() const override {
+    return "authorization { users: [ { user: me, password: \"p@ss/word\" } ] }\n";
+  }
+};
+
+TEST_F(ProgramsRelayUserTest, AUserOfNatsIsAcceptedAndNeverLogged) {
+  const std::string channel = "nats://me:p%40ss%2Fword@" + nats_->host() + "/lab";
+  const auto origin = startServer({"--source", "synthetic:bounce", "--loop", "--publish", channel});
+  const auto edge = startServer({"--source", channel});
+  const auto client = startViewer(addressOf(*edge), "user");
+  EXPECT_TRUE(framesArrive("user"));
+  interrupt(*client);
+  const auto stranger = startServer({"--source", "nats://me:wrong@" + nats_->host() + "/lab"});
+  EXPECT_EQ(stranger->wait(kSoon), 1);
+  EXPECT_NE(stranger->output().find("NATS refuses the credentials"), std::string::npos)
+      << stranger->output();
+  interrupt(*edge);
+  interrupt(*origin);
+  for (const Process* each : {origin.get(), edge.get(), client.get(), stranger.get()}) {
+    for (const char* secret : {"p%40ss", "p@ss", "wrong"})
+      EXPECT_EQ(each->output().find(secret), std::string::npos) << each->output();
+  }
+}
+
 TEST_F(ProgramsRelayTest, IgnoresMessagesOfUnauthorisedSenders) {
   const auto origin = startOrigin();
   const auto edge = startEdge();

@@ -32,6 +32,7 @@ def evaluate(rows, from_stop_to_end_s, stop_s):
     steady_N = sorted(row[2] for row in rows)[9 * len(rows) // 10]
     client_end_s = next(row[0] for row in reversed(rows) if row[2] > 0.5 * steady_N)
     begin_s = client_end_s - from_stop_to_end_s
+    rows = [row for row in rows if row[0] <= client_end_s]
     before = [row for row in rows if begin_s - 1.0 < row[0] < begin_s]
     usual_N = sum(row[2] for row in before) / len(before)
     usual_s = sum(row[0] - row[1] for row in before) / len(before)
