@@ -154,9 +154,10 @@ void App::Impl::runEvents() {
     sendContact();
     const ConnectionStats& stats = session_.stats();
     if (!ui_.update(stats)) stop();
-    // The time runs while no server answers, and from the first frame on.
-    any_frame_ = any_frame_ || last_report_.lookup != Lookup::kEmpty;
-    if (!any_frame_ && stats.connected) begin = clock_.now();
+    // The time does not run during the scan of a clip, and begins again with the first frame.
+    const bool first = !any_frame_ && last_report_.lookup != Lookup::kEmpty;
+    if (first || (!any_frame_ && stats.connected && stats.scan_share < 1.0)) begin = clock_.now();
+    any_frame_ = any_frame_ || first;
     if (const auto text = session_.listServers(clock_.now())) spdlog::warn("{}", *text);
     std::this_thread::sleep_for(kTurn);
     time_is_over_ =

@@ -298,8 +298,8 @@ void addOutputOptions(CLI::App& app, Settings& settings) {
                  "else in ~/.local/state")
       ->type_name("DIR");
   addNumber(app, "--seconds", settings.seconds, 0.001, 1e9, "S",
-            "Stop S seconds after the first frame, or if no server answers for S seconds; default: "
-            "at Ctrl-C");
+            "Stop S seconds after the first frame, or if none arrives for S seconds; default: at "
+            "Ctrl-C");
   app.add_flag("--quiet", settings.quiet, "Only warnings and errors");
 }
 

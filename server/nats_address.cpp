@@ -41,12 +41,11 @@ std::optional<std::string> decodePercent(std::string_view text) {
 bool readUser(std::string_view text, NatsAddress& address) {
   const std::size_t colon = text.find(':');
   const auto user = decodePercent(text.substr(0, colon));
-  const auto password =
-      decodePercent(colon == std::string_view::npos ? "" : text.substr(colon + 1));
-  if (!user || !password || user->empty()) return false;
+  if (!user || user->empty()) return false;
   address.user = *user;
-  address.password = *password;
-  return true;
+  if (colon == std::string_view::npos) return true;
+  address.password = decodePercent(text.substr(colon + 1));
+  return address.password.has_value();
 }
 
 }  // namespace

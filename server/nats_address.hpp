@@ -24,9 +24,9 @@ inline constexpr const char* kNatsForm =
 struct NatsAddress {
   std::vector<Endpoint> servers;  ///< at least one; the connection uses one of them
   std::string channel;
-  /// User of all servers. Without a password it is a token, as NATS defines it. Empty: none.
+  /// User of all servers; without a password it is a token, as NATS defines it. Empty: none.
   std::string user;
-  std::string password;
+  std::optional<std::string> password;
 
   bool operator==(const NatsAddress&) const = default;
 };

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 #include <vector>
 
@@ -25,11 +26,12 @@ void JitterEstimator::add(const FrameArrival& frame, Duration interval) {
   const auto event = std::find_if(samples_.rbegin(), samples_.rend(), [&](const Sample& each) {
     return outage && each.outage_end == outage;
   });
+  Sample sample{frame.at, needed, outage};
   if (event != samples_.rend()) {
-    event->needed = std::max(event->needed, needed);
-  } else {
-    samples_.push_back({frame.at, needed, outage});
+    sample.needed = std::max(event->needed, needed);
+    samples_.erase(std::next(event).base());
   }
+  samples_.push_back(sample);
   while (samples_.front().arrival + kWindow < frame.at || samples_.size() > kMaxSamples)
     samples_.pop_front();
 }

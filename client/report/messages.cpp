@@ -72,7 +72,9 @@ std::optional<std::string> LateFrameLog::onCounts(const ReceiverCounts& counts, 
   const std::uint64_t too_late = counts.too_late - second_.too_late;
   second_ = counts;
   second_begin_ = now;
-  if (first || 2 * too_late <= received || !interval_.allow(now)) return std::nullopt;
+  constexpr std::uint64_t kFew = 5;  // chosen: a pause delays one frame
+  if (first || received < kFew || 2 * too_late <= received || !interval_.allow(now))
+    return std::nullopt;
   return fmt::format(
       "frames arrive later than the largest playout delay ({:g} ms): the stream counts as "
       "interrupted; a larger --max-delay shows it, if the network is not at fault",

@@ -165,8 +165,8 @@ void NatsConnection::Library::setCredentials(const NatsAddress& address,
                                              const NatsCredentials& credentials) {
   natsOptions* const made = options.get();
   const auto set = [this](natsStatus status) { require(status, "an option of libnats fails"); };
-  if (!address.password.empty()) {
-    set(natsOptions_SetUserInfo(made, address.user.c_str(), address.password.c_str()));
+  if (address.password) {
+    set(natsOptions_SetUserInfo(made, address.user.c_str(), address.password->c_str()));
   } else if (!address.user.empty()) {
     set(natsOptions_SetToken(made, address.user.c_str()));
   }

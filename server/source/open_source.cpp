@@ -142,20 +142,24 @@ std::unique_ptr<RgbdSource> openPair(const std::string& spec, double fps,
 bool isPair(const std::string& spec) { return spec.find(',') != std::string::npos; }
 
 /// Throws SourceError for flags about depth that this source cannot obey.
-void requireFlags(const std::string& spec, bool is_video, const VideoLayout& layout) {
+void requireFlags(const std::string& spec, bool is_video, bool is_named,
+                  const VideoLayout& layout) {
   std::error_code error;
   const bool folder = fs::is_directory(spec, error);
-  if (!layout.color_glob.empty() && !folder)
-    throw SourceError(spec + ": only a folder of images has --color and --depth; leave them out");
-  const bool camera = spec.starts_with(kCamera) || spec.starts_with(kV4l2);
-  if (layout.depth_unit_mm && !folder && !is_video && !camera)
-    throw SourceError(spec + ": states the unit of its depth itself; leave --depth-unit out");
+  if (!layout.color_glob.empty() && !folder && (is_video || is_named))
+    throw SourceError(hideCredentials(spec) +
+                      ": only a folder of images has --color and --depth; leave them out");
+  const bool own_unit = spec.starts_with(kSynthetic) || spec.starts_with(kOpenni);
+  if (layout.depth_unit_mm && own_unit)
+    throw SourceError(hideCredentials(spec) +
+                      ": states the unit of its depth itself; leave --depth-unit out");
   const bool inverse_folder = layout.code == DepthCode::kInverse && folder;
   const bool single = is_video && isFile(spec);
   if (layout.layout != Layout::kSeparate && !single)
-    throw SourceError(spec + ": only a single video file has a --layout; leave the flag out");
+    throw SourceError(hideCredentials(spec) +
+                      ": only a single video file has a --layout; leave the flag out");
   if (layout.code != DepthCode::kGrey && !is_video && !inverse_folder) {
-    throw SourceError(spec +
+    throw SourceError(hideCredentials(spec) +
                       ": cannot obey --depth-near dark or --depth-code (hue: only videos; inverse: "
                       "videos and folders); leave the flag out");
   }
@@ -203,10 +207,12 @@ std::unique_ptr<RgbdSource> openSource(const std::string& spec, double fps, bool
   std::error_code error;
   const bool is_folder = fs::is_directory(spec, error);
   if (to_and_fro && !is_folder)
-    throw SourceError(spec + ": only a folder of images plays --to-and-fro; use --loop alone");
+    throw SourceError(hideCredentials(spec) +
+                      ": only a folder of images plays --to-and-fro; use --loop alone");
   const bool is_named = view.starts_with(kSynthetic) || view.starts_with(kCamera) ||
                         view.starts_with(kOpenni) || view.starts_with(kV4l2);
-  requireFlags(spec, !is_named && (isFile(spec) || isPair(spec)), layout);
+  refuseOtherKinds(spec);
+  requireFlags(spec, !is_named && (isFile(spec) || isPair(spec)), is_named, layout);
   const double mm_per_unit = layout.depth_unit_mm.value_or(1.0);
   if (view.starts_with(kSynthetic)) return openSynthetic(view.substr(kSynthetic.size()), fps);
   if (view.starts_with(kCamera))
@@ -214,9 +220,8 @@ std::unique_ptr<RgbdSource> openSource(const std::string& spec, double fps, bool
   if (view.starts_with(kV4l2)) return openV4l2(spec, spec.substr(kV4l2.size()), fps, mm_per_unit);
   if (view.starts_with(kOpenni)) return openOpenniCamera(spec.substr(kOpenni.size()), fps);
   if (is_folder) return openFolder(spec, fps, to_and_fro, layout);
-  refuseOtherKinds(spec);
   if (isFile(spec)) {
-    refuseKnownFile(spec);
+    if (layout.layout == Layout::kSeparate) refuseKnownFile(spec);
     return openSingle(spec, fps, layout);
   }
   if (isPair(spec)) return openPair(spec, fps, layout);

@@ -13,6 +13,7 @@
 #include "common/text.hpp"
 #include "server/source/folder/clip_meta.hpp"
 #include "server/source/folder/depth_folder.hpp"
+#include "server/source/folder/image_lists.hpp"
 #include "server/source/folder/text_file.hpp"
 #include "server/source/video/video_with_depth.hpp"
 
@@ -22,10 +23,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::array<std::string_view, 7> kColorFolders{"rgb",    "color",   "colour",   "image",
-                                                        "images", "rgb_png", "color_png"};
-constexpr std::array<std::string_view, 5> kDepthFolders{"depth", "aligned_depth", "depth_aligned",
-                                                        "depths", "depth_png"};
 constexpr std::array<std::string_view, 3> kColorVideos{"rgb", "color", "colour"};
 constexpr std::array<std::string_view, 6> kVideoEndings{".mp4",  ".mov", ".mkv",
                                                         ".webm", ".avi", ".m4v"};
@@ -38,19 +35,17 @@ bool isOneOf(const std::array<std::string_view, count>& names, const std::string
 /// What a folder has at its top.
 struct Content {
   std::vector<fs::path> videos;
-  std::optional<fs::path> depth_folder;
-  bool has_color_folder = false;
+  fs::path color_folder;  ///< empty: none
+  fs::path depth_folder;  ///< empty: none
 };
 
 Content listContent(const fs::path& folder) {
-  Content content;
+  Content content{{}, findColorFolder(folder), findDepthFolder(folder)};
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
     const fs::path& path = entry.path();
     const std::string name = path.filename().string();
-    if (entry.is_directory()) {
-      content.has_color_folder = content.has_color_folder || isOneOf(kColorFolders, name);
-      if (isOneOf(kDepthFolders, name)) content.depth_folder = path;
-    } else if (name.front() != '.' && isOneOf(kVideoEndings, path.extension().string())) {
+    if (!entry.is_directory() && name.front() != '.' &&
+        isOneOf(kVideoEndings, path.extension().string())) {
       content.videos.push_back(path);
     }
   }
@@ -128,8 +123,9 @@ std::unique_ptr<RgbdSource> openVideoFolder(const fs::path& folder, double fps,
                                             const VideoLayout& layout) try {
   if (fs::exists(folder / "rgb.txt") && fs::exists(folder / "depth.txt")) return nullptr;
   const Content content = listContent(folder);
-  if (content.videos.empty() || !content.depth_folder || content.has_color_folder) return nullptr;
-  return join(chooseVideo(content.videos, folder), *content.depth_folder, folder, fps, layout);
+  if (content.videos.empty() || content.depth_folder.empty() || !content.color_folder.empty())
+    return nullptr;
+  return join(chooseVideo(content.videos, folder), content.depth_folder, folder, fps, layout);
 } catch (const fs::filesystem_error& error) {
   throw SourceError(folder.string() + ": cannot be read (" + error.code().message() + ")");
 }

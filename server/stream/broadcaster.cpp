@@ -70,14 +70,15 @@ void Broadcaster::sendAll(const What&... what) {
 
 void Broadcaster::publish(EncodedFrame frame) {
   onIo([this, frame = std::move(frame)] {
-    if (isTooLarge(frame)) return;
+    if (isTooLarge(frame)) return sendAll();  // only flushes the queues
     const std::uint64_t dropped = stale_.dropped();
     const auto next = stale_.push(frame, media_clock_.now(), description_.pipeline_latency,
                                   fromSeconds(1.0 / description_.fps));
     if (stale_.dropped() != dropped) {
       for (const auto& viewer : viewers_) viewer->requireKeyFrame();
     }
-    if (next) send(*next);
+    if (next) return send(*next);
+    sendAll();
   });
 }
 

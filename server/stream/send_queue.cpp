@@ -26,6 +26,11 @@ void SendQueue::dropOldest(std::uint64_t& cause) {
   ++cause;
 }
 
+void SendQueue::requireKeyFrame() {
+  while (!frames_.empty()) dropOldest(counts_.frames_dropped_old);
+  needs_key_frame_ = true;
+}
+
 void SendQueue::pushFrame(EncodedFrame frame) {
   while (!frames_.empty() && frames_.front().media_time + kMaxAge < frame.media_time) {
     dropOldest(counts_.frames_dropped_old);

@@ -47,8 +47,9 @@ class SendQueue {
   void pushFrame(EncodedFrame frame);
   /// Sets the picture to send. It replaces a picture that still waits.
   void pushVideo(EncodedVideo video);
-  /// Makes the next frame a key frame.
-  void requireKeyFrame() { needs_key_frame_ = true; }
+  /// Drops the frames that wait, because the stream leaves out the frame after them. The next frame
+  /// is sent as a key frame.
+  void requireKeyFrame();
   /// Removes all frames and pictures. Call it when viewers can no longer use them, for example
   /// after a change of the workspace. The next frame is sent as a key frame.
   void clearFrames();

@@ -153,14 +153,14 @@ TEST_F(ProgramsRelayUserTest, AUserOfNatsIsAcceptedAndNeverLogged) {
   const auto client = startViewer(addressOf(*edge), "user");
   EXPECT_TRUE(framesArrive("user"));
   interrupt(*client);
-  const auto stranger = startServer({"--source", "nats://me:wrong@" + nats_->host() + "/lab"});
+  const auto stranger = startServer({"--source", "nats://me:s3cr3t@" + nats_->host() + "/lab"});
   EXPECT_EQ(stranger->wait(kSoon), 1);
   EXPECT_NE(stranger->output().find("NATS refuses the credentials"), std::string::npos)
       << stranger->output();
   interrupt(*edge);
   interrupt(*origin);
   for (const Process* each : {origin.get(), edge.get(), client.get(), stranger.get()}) {
-    for (const char* secret : {"p%40ss", "p@ss", "wrong"})
+    for (const char* secret : {"p%40ss", "p@ss", "s3cr3t"})
       EXPECT_EQ(each->output().find(secret), std::string::npos) << each->output();
   }
 }

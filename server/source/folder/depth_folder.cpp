@@ -56,7 +56,8 @@ DepthFolder::DepthFolder(const fs::path& folder, std::optional<std::uint64_t> co
     return frameNumber(image).has_value();
   });
   files_ = numbered ? numberByName(images) : numberByOrder(images, folder, color_frames);
-  if (files_.begin()->first != 1 || files_.rbegin()->first != color_frames) return;
+  const std::uint64_t last = files_.rbegin()->first;
+  if (files_.begin()->first != 1 || !color_frames || last < *color_frames) return;
   NumberedFiles from_zero;
   for (auto& [number, file] : files_) from_zero[number - 1] = std::move(file);
   files_ = std::move(from_zero);

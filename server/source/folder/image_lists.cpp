@@ -124,6 +124,14 @@ fs::path findFolder(const fs::path& folder, std::initializer_list<const char*> n
   return {};
 }
 
+fs::path findColorFolder(const fs::path& folder) {
+  return findFolder(folder, {"rgb", "color", "colour", "image", "images", "rgb_png", "color_png"});
+}
+
+fs::path findDepthFolder(const fs::path& folder) {
+  return findFolder(folder, {"depth", "aligned_depth", "depth_aligned", "depths", "depth_png"});
+}
+
 ImageLists findImages(const fs::path& folder, const VideoLayout& layout) {
   if (layout.color_glob.empty() != layout.depth_glob.empty())
     throw SourceError("--color and --depth: each needs the other; give both, or none");
@@ -131,10 +139,8 @@ ImageLists findImages(const fs::path& folder, const VideoLayout& layout) {
     return {listMatches(folder, layout.color_glob, "--color"),
             listMatches(folder, layout.depth_glob, "--depth"),
             (folder / layout.depth_glob).string()};
-  const fs::path color_folder =
-      findFolder(folder, {"rgb", "color", "colour", "image", "images", "rgb_png", "color_png"});
-  const fs::path depth_folder =
-      findFolder(folder, {"depth", "aligned_depth", "depth_aligned", "depths", "depth_png"});
+  const fs::path color_folder = findColorFolder(folder);
+  const fs::path depth_folder = findDepthFolder(folder);
   if (color_folder.empty()) {
     ImageLists flat = sortFlatImages(folder);
     if (!flat.colors.empty() && !flat.depths.empty()) return flat;

@@ -39,6 +39,11 @@ struct ImageLists {
 [[nodiscard]] std::vector<std::filesystem::path> listDepthImages(
     const std::filesystem::path& folder);
 
+/// Return the folder of the colour or depth images in `folder`, by the names of findImages(). Return
+/// an empty path if there is none.
+[[nodiscard]] std::filesystem::path findColorFolder(const std::filesystem::path& folder);
+[[nodiscard]] std::filesystem::path findDepthFolder(const std::filesystem::path& folder);
+
 /// Returns the first of `names` that is a folder in `folder`, in capital or small letters. Returns
 /// an empty path if none is.
 [[nodiscard]] std::filesystem::path findFolder(const std::filesystem::path& folder,

@@ -54,10 +54,13 @@ bool belongByTime(const FrameTimes& color, const FrameTimes& depth) {
   if (!color.usable() || !depth.usable()) return false;
   if (color.times_s.size() == depth.times_s.size() && !(color.has_gaps && depth.has_gaps))
     return false;
-  if (color.has_gaps || depth.has_gaps) return true;
   const double frames = std::abs(static_cast<double>(color.times_s.size()) -
                                  static_cast<double>(depth.times_s.size()));
   const double seconds = std::abs(color.duration_s() - depth.duration_s());
+  // A program that makes depth frame by frame forgets the gaps of the colour.
+  constexpr double kFewFrames = 5.5;  // chosen, as for the lengths of pairs
+  const bool made_by_frame = frames <= kFewFrames && seconds * color.fps > kFewFrames;
+  if (color.has_gaps || depth.has_gaps) return !made_by_frame;
   return seconds * color.fps + 0.5 < frames;
 }
 

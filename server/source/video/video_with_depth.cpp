@@ -27,6 +27,7 @@ VideoWithDepth::VideoWithDepth(std::unique_ptr<VideoFile> video,
       throw SourceError(video_->file() + ": has no frame that can be decoded; use another file");
     color = video_->retrieveColor(0);
   }
+  info_.frame_count = countFrames();
   ImageResult first{{}, "has no depth"};
   std::uint64_t index = 0;
   for (std::string problem; !first.ok(); ++index) {
@@ -36,7 +37,6 @@ VideoWithDepth::VideoWithDepth(std::unique_ptr<VideoFile> video,
     if (problem.empty()) problem = depth_->pictureName(index) + ": " + first.problem;
   }
   describe(color, first.image, depth_->pictureName(index - 1));
-  info_.frame_count = countFrames();
   rewind();
   epoch_ = 0;
 }

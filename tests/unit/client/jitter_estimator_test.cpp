@@ -70,6 +70,16 @@ TEST(JitterEstimator, FramesThatWereDueBeforeTheConnectionDecideNothing) {
   EXPECT_EQ(jitter.delay(kFrame), milliseconds(65));
 }
 
+TEST(JitterEstimator, FramesThatAreAlwaysTooLateEndInTheLargestDelay) {
+  JitterEstimator jitter;
+  jitter.reset(localTime(0.0));
+  for (int i = 0; i < 1000; ++i) {
+    addFrame(jitter, 0.04 * i, milliseconds(8000));
+    EXPECT_LE(jitter.delay(kFrame), JitterEstimator::kMaxDelay);
+  }
+  EXPECT_EQ(jitter.delay(kFrame), JitterEstimator::kMaxDelay);
+}
+
 TEST(JitterEstimator, ASecondOutageWithinTheWindowCounts) {
   JitterEstimator jitter;
   double next_s = addOutage(jitter, addSteady(jitter, 0.0, 100), 0.8);
