@@ -53,7 +53,7 @@ void runEdge(const Settings& settings, const Clock& clock, ReadSettings reread) 
     if (!open && subscriber.description()) {
       const StreamDescription description = *subscriber.description();
       service.open(description.name);
-      spdlog::info("streaming {} ({} x {}, {:g} frames/s)", settings.source,
+      spdlog::info("streaming {} ({} x {}, {:g} frames/s)", toString(address),
                    description.workspace.width_px, description.workspace.height_px,
                    description.fps);
       open = true;
