@@ -122,12 +122,12 @@ std::string toText(const ObjectFacts& facts, DepthKind kind) {
                                  facts.id, 100.0 * facts.share, metric ? facts.near : facts.far,
                                  metric ? facts.far : facts.near, unit);
   if (facts.mapped) {
-    const auto& [near, far] = *facts.mapped;
+    const DepthRange range = *facts.mapped;
     // Depth of 8 bits has the levels 0 to 255 only.
-    const double from = metric ? near : std::clamp(near, 0.0, 255.0);
-    const double to = metric ? far : std::clamp(far, 0.0, 255.0);
+    const double from = metric ? range.near_mm : std::clamp(range.near_mm, 0.0, 255.0);
+    const double to = metric ? range.far_mm : std::clamp(range.far_mm, 0.0, 255.0);
     const auto computeHeight_mm = [&](double depth) {
-      return Workspace{}.depth_mm * (depth - far) / (near - far);
+      return Workspace{}.depth_mm * (depth - range.far_mm) / (range.near_mm - range.far_mm);
     };
     text.append(fmt::format("; {:.0f} to {:.0f}{} become {:.2g} to {:.2g} mm", from, to, unit,
                             computeHeight_mm(from), computeHeight_mm(to)));
