@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "client/net/dial.hpp"
 
+#include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <utility>
@@ -14,8 +16,17 @@ namespace {
 using Addresses = asio::ip::tcp::resolver::results_type;
 const DialError kStopped{"stopped"};
 
+/// Returns the addresses of localhost, which are the same everywhere (RFC 6761). A small system may
+/// have no resolver, and a list of hosts may lack one family. The last address gives the error.
+Addresses makeLocalhost(std::uint16_t port) {
+  const std::array<asio::ip::tcp::endpoint, 2> both{
+      {{asio::ip::address_v6::loopback(), port}, {asio::ip::address_v4::loopback(), port}}};
+  return Addresses::create(both.begin(), both.end(), "localhost", "");
+}
+
 asio::awaitable<Result<Addresses, DialError>> lookUp(asio::io_context& io, const Endpoint& server,
                                                      Duration deadline, DialCancellation& stop) {
+  if (server.host == "localhost") co_return makeLocalhost(server.port);
   // A look-up cannot be interrupted. It races against a timer, and a late one ends by itself.
   struct Race {
     explicit Race(asio::io_context& context) : resolver(context), timer(context) {}
@@ -38,10 +49,6 @@ asio::awaitable<Result<Addresses, DialError>> lookUp(asio::io_context& io, const
   stop.onStop({});
   if (stop.stopped()) co_return kStopped;
   if (!race->ec) co_return DialError{"the name resolution timed out"};
-  // A small system may have no resolver; "localhost" is the same everywhere (RFC 6761).
-  if (*race->ec && server.host == "localhost") {
-    co_return Addresses::create({asio::ip::address_v4::loopback(), server.port}, server.host, "");
-  }
   if (*race->ec == asio::error::host_not_found)
     co_return DialError{"there is no host of this name", true};
   if (*race->ec) co_return DialError{"the name cannot be resolved: " + race->ec->message()};
