@@ -99,19 +99,19 @@ void drawDashedArrow(cv::Mat& image, const Vec2& from, const Vec2& way, double w
   fill<3>(image, {end, end - head * along + side, end - head * along - side}, color);
 }
 
-/// Returns the height of the HIP above what lies under it, nominal mm: the object, or the ground of
-/// the picture beside it. 0 in contact and below.
-double heightAboveGround_mm(const TickReport& report) {
-  if (report.contact) return 0.0;
-  const double gap_mm = surfaceGap_mm(report).value_or(report.hip_mm.z());
-  return std::isfinite(gap_mm) ? std::max(gap_mm, 0.0) : 0.0;
+/// Returns how far the HIP is drawn above the spot that it would touch, nominal mm: less than its
+/// height above the object, so that it stays near the pointer. 0 beside objects and in contact.
+double computeDrawnHeight_mm(const TickReport& report) {
+  constexpr double kMost_mm = 12.0;  // chosen
+  const double gap_mm = report.contact ? 0.0 : surfaceGap_mm(report).value_or(0.0);
+  return gap_mm > 0.0 ? gap_mm / (1.0 + gap_mm / kMost_mm) : 0.0;
 }
 
 /// Draws the distance to the surface: a line from the HIP down to its shadow at `foot`, the spot
 /// that the HIP would touch.
 void drawGap(cv::Mat& image, const TickReport& report, const Vec2& foot, const Vec2& tip,
              double unit) {
-  if (!surfaceGap_mm(report) || !(heightAboveGround_mm(report) > 0.0)) return;
+  if (!(computeDrawnHeight_mm(report) > 0.0)) return;
   drawLine(image, tip, foot, kRimColor, 3.0 * unit);
   drawLine(image, tip, foot, kGapColor, unit);
   const cv::Size shadow(static_cast<int>(8.0 * unit), static_cast<int>(4.0 * unit));
@@ -211,7 +211,7 @@ void drawTouch(cv::Mat& image, const ScenePlace& place, const TickReport& report
   };
   const Vec2 foot = clampToPicture(place.fromNominal(report.hip_mm.head<2>()));
   const Vec2 tip = clampToPicture(
-      foot + clampPoint(heightAboveGround_mm(report) * place.pixelsPerMm() * kTowardsViewer));
+      foot + clampPoint(computeDrawnHeight_mm(report) * place.pixelsPerMm() * kTowardsViewer));
   const double unit = std::max(1.0, place.size().x() / 960.0);  // of lines, for large images
   if (pointer.known) {
     const Vec2 goal = place.fromNominal(pointer.position_mm.head<2>());
