@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A server, an edge or a client that stands still (SIGSTOP), as a hand in contact perceives it.
+"""A server, an edge or a client that stands still (SIGSTOP), and a network that is cut, at a hand in contact.
 
 For each stop the table has: the time after its end until the force is back, and how much longer the playout delay is
 two frame intervals and two seconds later. The hand rests on the ball of synthetic:still (--hand follow).
@@ -45,32 +45,58 @@ def evaluate(rows, from_stop_to_end_s, stop_s):
     return back_s, delays_s
 
 
-def run(lab, name, stopped, transport, stop_s):
-    """Returns the row of one stop. `stopped`: server, edge or client."""
-    log = lab.out / f"{name}.csv"
+def start_servers(lab, name, stopped):
+    """Starts a server, and an edge or a network if that is to be stopped. Returns the servers, those of viewers last,
+    and the address for viewers."""
     flags = ["--source", "synthetic:still", "--loop"]
-    if stopped == "edge":
+    if stopped == "network":
+        lab.make_network()
+        address = lab.add_host("host1", 1)
+        lab.add_host("host2", 2)
+        server = lab.server(f"{name}.server", *flags, host="host1", listen=f"{address}:7447")
+        server.wait_for("listening on ")
+        return [server], f"{address}:7447"
+    if stopped != "edge":
+        servers = [lab.server(f"{name}.server", *flags)]
+    else:
         channel = f"nats://{lab.nats()}/stall"
-        flags += ["--publish", channel]
-    server = lab.server(f"{name}.server", *flags)
-    serving = lab.server(f"{name}.edge", "--source", channel) if stopped == "edge" else server
-    host, port = serving.address()
-    client = lab.start(f"{name}.client", lab.build / "client/hapticast-client", f"{host}:{port}", "--device", "virtual",
-                       "--hand", "follow", "--view", "off", "--fault-dir", lab.out, "--log", log, "--transport", transport,
-                       "--summary", lab.out / f"{name}.json")
+        servers = [lab.server(f"{name}.server", *flags, "--publish", channel),
+                   lab.server(f"{name}.edge", "--source", channel)]
+    host, port = servers[-1].address()
+    return servers, f"{host}:{port}"
+
+
+def stop(lab, process, seconds):
+    """Stops a program, or without one the network. Returns the true length."""
+    begin_s = time.monotonic()
+    if process:
+        process.send(signal.SIGSTOP)
+    else:
+        lab.set_link("between1", False)
+    time.sleep(seconds)
+    if process:
+        process.send(signal.SIGCONT)
+    else:
+        lab.set_link("between1", True)
+    return time.monotonic() - begin_s
+
+
+def run(lab, name, stopped, transport, stop_s):
+    """Returns the row of one stop. `stopped`: server, edge, client or network."""
+    log = lab.out / f"{name}.csv"
+    servers, address = start_servers(lab, name, stopped)
+    client = lab.start(f"{name}.client", lab.build / "client/hapticast-client", address, "--device", "virtual",
+                       "--hand", "follow", "--view", "off", "--fault-dir", lab.out, "--log", log, "--transport",
+                       transport, "--summary", lab.out / f"{name}.json", host="host2" if stopped == "network" else None)
     client.wait_for("connected: ")
     time.sleep(STEADY_s)
-    process = {"server": server, "edge": serving, "client": client}[stopped]
     begin_s = time.monotonic()
-    process.send(signal.SIGSTOP)
-    time.sleep(stop_s)
-    process.send(signal.SIGCONT)
-    stopped_s = time.monotonic() - begin_s
+    stopped_s = stop(lab, {"server": servers[-1], "edge": servers[-1], "client": client}.get(stopped), stop_s)
     time.sleep(AFTER_s + (2.0 if stop_s > 2.0 else 0.0))
     end_s = time.monotonic()
     client.finish()
-    for each in {serving.popen.pid: serving, server.popen.pid: server}.values():
-        each.finish()
+    for server in reversed(servers):
+        server.finish()
     excess_N = json.loads((lab.out / f"{name}.json").read_text())["step_excess_max_N"]
     back_s, delays_s = evaluate(read_log(log), end_s - begin_s, stopped_s)
     return {"stopped": stopped, "transport": transport, "stop s": stop_s, "force back after s": f"{back_s:.2f}",
@@ -79,10 +105,11 @@ def run(lab, name, stopped, transport, stop_s):
 
 
 def run_stalls(build, out):
-    """Returns a row for each stop of a server, an edge and a client, by UDP and by TCP."""
+    """Returns a row for each stop of a server, an edge, a client and a network (as root), by UDP and by TCP."""
     stops = [(stopped, transport, stop_s) for stopped in ("server", "edge") for transport in ("udp", "tcp")
              for stop_s in STOPS_s]
     stops += [("client", transport, 4.0) for transport in ("udp", "tcp")]
+    stops += [("network", transport, 1.5) for transport in ("udp", "tcp")]
     rows = []
     for stopped, transport, stop_s in stops:
         with Lab(build, out) as lab:
