@@ -127,7 +127,7 @@ std::string toText(const ObjectFacts& facts, DepthKind kind) {
     const double from = metric ? range.near_mm : std::clamp(range.near_mm, 0.0, 255.0);
     const double to = metric ? range.far_mm : std::clamp(range.far_mm, 0.0, 255.0);
     const auto computeHeight_mm = [&](double depth) {
-      return Workspace{}.depth_mm * (depth - range.far_mm) / (range.near_mm - range.far_mm);
+      return Workspace{}.depth_mm * (depth - range.far_mm) / (range.near_mm - range.far_mm) + 0.0;
     };
     text.append(fmt::format("; {:.0f} to {:.0f}{} become {:.2g} to {:.2g} mm", from, to, unit,
                             computeHeight_mm(from), computeHeight_mm(to)));
