@@ -14,7 +14,6 @@
 #include "server/author/author_options.hpp"
 #include "server/scene_option.hpp"
 #include "server/settings.hpp"
-#include "server/source/stream_url.hpp"
 
 namespace hapticast::server {
 
@@ -208,8 +207,7 @@ void addRelayOptions(CLI::App& app, Settings& settings) {
   const auto set = [&settings](const std::string& text) {
     settings.publish = parseNatsAddress(text);
     if (!settings.publish)
-      throw CLI::ValidationError("--publish",
-                                 quote(hideCredentials(text)) + " is not " + kNatsForm);
+      throw CLI::ValidationError("--publish", quote(hideUser(text)) + " is not " + kNatsForm);
   };
   app.add_option_function<std::string>(
          "--publish", set,

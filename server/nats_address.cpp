@@ -74,6 +74,16 @@ std::optional<NatsAddress> parseNatsAddress(std::string_view text) {
   }
 }
 
+std::string hideUser(std::string_view text) {
+  constexpr std::string_view kAfterScheme = "://";
+  const std::size_t at = text.rfind('@');
+  if (at == std::string_view::npos) return std::string(text);
+  const std::size_t scheme = text.find(kAfterScheme);
+  std::string shown(
+      text.substr(0, scheme == std::string_view::npos ? 0 : scheme + kAfterScheme.size()));
+  return shown += text.substr(at + 1);
+}
+
 std::string toString(const NatsAddress& address) {
   std::vector<std::string> servers;
   servers.reserve(address.servers.size());

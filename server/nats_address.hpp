@@ -41,6 +41,10 @@ inline constexpr std::size_t kMostChannelBytes = 64;
 /// Returns the text of the address, without user and password.
 [[nodiscard]] std::string toString(const NatsAddress& address);
 
+/// Returns `text`, a part of the command line, without user and password: for messages about an
+/// address that is not valid.
+[[nodiscard]] std::string hideUser(std::string_view text);
+
 /// Credentials for NATS (--nats-creds, --nats-ca).
 struct NatsCredentials {
   std::string creds_file;  ///< file with JWT and NKey seed; empty: none
