@@ -3,7 +3,8 @@
 // stood still. A frame is stale if its age exceeds the usual age by kStaleAge. The usual age is
 // that of the last frame that left, so a server that is always late keeps its stream. The filter
 // holds a stale frame for two frame intervals. If a newer frame arrives meanwhile, the filter drops
-// the held one. Otherwise the held frame leaves late. Times are arguments. Thread: one (the network's).
+// the held one. Otherwise the held frame leaves late. Times are arguments. Thread: one (the
+// network's).
 #pragma once
 
 #include <cstdint>

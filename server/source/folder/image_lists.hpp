@@ -39,8 +39,8 @@ struct ImageLists {
 [[nodiscard]] std::vector<std::filesystem::path> listDepthImages(
     const std::filesystem::path& folder);
 
-/// Return the folder of the colour or depth images in `folder`, by the names of findImages(). Return
-/// an empty path if there is none.
+/// Return the folder of the colour or depth images in `folder`, by the names of findImages().
+/// Return an empty path if there is none.
 [[nodiscard]] std::filesystem::path findColorFolder(const std::filesystem::path& folder);
 [[nodiscard]] std::filesystem::path findDepthFolder(const std::filesystem::path& folder);
 

@@ -301,7 +301,8 @@ std::optional<LivePicture> V4l2Device::read(Duration longest) {
     if (auto picture = color_.takeNewest()) return picture;
   if (files[1].revents == 0) return std::nullopt;
   auto picture = depth_.takeNewest();
-  if (picture && picture->problem.empty() && info_.mm_per_unit != 1.0) picture->image = picture->image * info_.mm_per_unit;
+  if (picture && picture->problem.empty() && info_.mm_per_unit != 1.0)
+    picture->image = picture->image * info_.mm_per_unit;
   return picture;
 }
 
