@@ -206,7 +206,7 @@ Header netpbmHeader(Bytes bytes) {
   const auto largest = height_px ? takeNumber(text) : std::nullopt;
   if (!largest) return std::nullopt;
   // The decoder would leave a missing part undefined. Sides of 0 are refused later.
-  const std::uint64_t pixel_bytes = (color ? 3U : 1U) * (*largest > 255 ? 2U : 1U);
+  const std::uint64_t pixel_bytes = std::uint64_t{color ? 3U : 1U} * (*largest > 255 ? 2U : 1U);
   const std::uint64_t content_pixels = text.empty() ? 0 : (text.size() - 1) / pixel_bytes;
   return PictureHeader{{*width_px, *height_px},
                        cutIf(content_pixels < std::uint64_t{*width_px} * *height_px)};
