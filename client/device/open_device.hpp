@@ -22,7 +22,8 @@ struct DeviceKind {
   /// always available.
   std::vector<std::string> (*list)(const DeviceRequest& request) = nullptr;
   bool by_itself = true;  ///< true: --device auto may select this kind
-  /// Names of products of this kind, lower case, with a space after each.
+  /// Names of products, lower case, each followed by a space. For such a name after --device the
+  /// client suggests this kind.
   const char* products = "";
 };
 
