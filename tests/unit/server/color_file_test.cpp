@@ -99,7 +99,7 @@ TEST_F(ColorFile, AHugePictureIsRefusedByItsHeader) {
 }
 
 TEST_F(ColorFile, NumbersAreNoColours) {
-  EXPECT_THAT(colorError(".png", npyFile("|u1", "24, 36", std::string(24 * 36, 'x'))),
+  EXPECT_THAT(colorError(".png", npyFile("|u1", "24, 36", std::string(864, 'x'))),
               HasSubstr("is a matrix of numbers, not a colour image"));
 }
 

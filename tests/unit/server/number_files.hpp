@@ -75,9 +75,11 @@ inline std::string npzFile(const std::vector<NpzMember>& members) {
                               littleEndian(packed.size(), 4) +
                               littleEndian(member.content.size(), 4) +
                               littleEndian(member.name.size(), 2) + littleEndian(0, 2);
-    directory += "PK\x01\x02" + littleEndian(20, 2) + facts + littleEndian(0, 10) +
-                 littleEndian(file.size(), 4) + member.name;
-    file += "PK\x03\x04" + facts + member.name + packed;
+    for (const std::string& part : {std::string("PK\x01\x02"), littleEndian(20, 2), facts,
+                                    littleEndian(0, 10), littleEndian(file.size(), 4), member.name})
+      directory += part;
+    for (const std::string& part : {std::string("PK\x03\x04"), facts, member.name, packed})
+      file += part;
   }
   const std::string count = littleEndian(members.size(), 2);
   return file + directory + "PK\x05\x06" + littleEndian(0, 4) + count + count +

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <numeric>
 #include <random>
 #include <set>
 #include <vector>
@@ -108,8 +109,8 @@ TEST_F(TimedImages, RoundedTimesOfListsThatDifferAreRefused) {
 }
 
 TEST_F(TimedImages, AnImageThatIsListedTwiceIsUsedOnce) {
-  std::vector<int> colors;
-  for (int i = 0; i < 20; ++i) colors.push_back(i);
+  std::vector<int> colors(20);
+  std::iota(colors.begin(), colors.end(), 0);
   std::vector<int> twice = colors;
   twice.insert(twice.begin() + 7, 7);
   writeLists(twice, colors, seconds);

@@ -80,6 +80,7 @@ class VideoTimes : public VideoFilesTest {
   /// Frames `numbers` of a pair at 24 frames/s, each with its own depth.
   [[nodiscard]] static std::vector<Read> own(const std::vector<int>& numbers, double fps = 24.0) {
     std::vector<Read> frames;
+    frames.reserve(numbers.size());
     for (const int i : numbers) frames.push_back({static_cast<std::uint64_t>(i), i, i, i / fps});
     return frames;
   }
