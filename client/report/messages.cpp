@@ -118,6 +118,8 @@ std::string halted(const TickReport& report, const RearmPolicy& rearm) {
 
 // Longer than a join by any transport and a first key frame need.
 constexpr Duration kPatience = std::chrono::seconds(3);
+// Chosen: the user notices a force that is off for so long.
+constexpr Duration kDeepLong = std::chrono::milliseconds(300);
 
 }  // namespace
 
@@ -169,7 +171,11 @@ std::string HapticStatusLog::describeStatus(const TickReport& report) {
     stale_ = false;
     return "frames arrive again";
   }
-  if (hasActed(report, SafetyAction::kDisarmed) && deep_.allow(report.time))
+  if (!hasActed(report, SafetyAction::kDisarmed))
+    deep_since_.reset();
+  else if (!deep_since_)
+    deep_since_ = report.time;
+  if (deep_since_ && report.time - *deep_since_ > kDeepLong && deep_.allow(report.time))
     return "the hand is too deep in the object: no force until it leaves the object";
   if (hasActed(report, SafetyAction::kStiffness) && softer_.allow(report.time))
     return "a wall is softer than the stream asks for: --stiffness-limit or the device limits it";

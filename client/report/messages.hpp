@@ -116,6 +116,7 @@ class HapticStatusLog {
   bool logged_enable_ = false;            // logged once a run
   std::optional<LocalTime> empty_since_;  // no frame since then
   bool logged_empty_ = false;
+  std::optional<LocalTime> deep_since_;  // the hand is too deep for a force since then
   RateLimiter deep_ = RateLimiter::makeOnceAMinute();
   RateLimiter softer_ = RateLimiter::makeOnceAMinute();
   RateLimiter later_ = RateLimiter::makeOnceAMinute();

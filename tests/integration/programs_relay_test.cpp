@@ -220,13 +220,15 @@ class ProgramsRelayAccessTest : public ProgramsRelayTest {
 TEST_F(ProgramsRelayAccessTest, RefusedCredentialsAreOneLine) {
   const auto origin = startOrigin();
   EXPECT_EQ(origin->wait(kStart), 1) << origin->output();
-  EXPECT_TRUE(origin->output().ends_with("--publish " + nats_->channel("lab") +
-                                         ": NATS refuses the credentials; see --nats-creds\n"))
+  EXPECT_TRUE(origin->output().ends_with(
+      "--publish " + nats_->channel("lab") +
+      ": NATS refuses the credentials; see --nats-creds, or use " + server::kNatsForm + "\n"))
       << origin->output();
   const auto edge = startEdge();
   EXPECT_EQ(edge->wait(kStart), 1) << edge->output();
   EXPECT_TRUE(edge->output().ends_with("--source " + nats_->channel("lab") +
-                                       ": NATS refuses the credentials; see --nats-creds\n"))
+                                       ": NATS refuses the credentials; see --nats-creds, or use " +
+                                       server::kNatsForm + "\n"))
       << edge->output();
 }
 
