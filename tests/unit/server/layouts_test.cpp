@@ -29,9 +29,9 @@ const Frames& frames() {
     Frames all;
     for (int i = 0; i < kFrames; ++i) {
       const std::string file = fmt::format("/{:06d}.png", i);
-      all.colors.push_back(cv::imread("tests/data/typing_hands/rgb" + file));
+      all.colors.push_back(cv::imread(HAPTICAST_TESTS "/data/typing_hands/rgb" + file));
       all.depths.push_back(
-          cv::imread("tests/data/typing_hands/depth" + file, cv::IMREAD_UNCHANGED));
+          cv::imread(HAPTICAST_TESTS "/data/typing_hands/depth" + file, cv::IMREAD_UNCHANGED));
     }
     return all;
   }();

@@ -14,7 +14,10 @@ namespace hapticast::server {
 /// Returns `value` as `count` bytes, the lowest first.
 inline std::string littleEndian(std::uint64_t value, int count) {
   std::string bytes;
-  for (int i = 0; i < count; ++i) bytes += static_cast<char>(value >> (8 * i) & 0xFFU);
+  for (int i = 0; i < count; ++i) {
+    bytes += static_cast<char>(value & 0xFFU);
+    value >>= 8U;
+  }
   return bytes;
 }
 
