@@ -5,8 +5,11 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <set>
 #include <string>
+
+#include "server/source/rgbd_source.hpp"
 
 namespace hapticast::server {
 
@@ -16,6 +19,22 @@ class SkippedFrames {
   /// `live`: true if the source never delivers a frame again (no rewind).
   explicit SkippedFrames(bool live = false) : live_(live) {}
 
+  /// Returns the next usable frame of a source, or nullopt at its end. `grab` moves the source to
+  /// its next frame and returns false at the end. `load` sets the frame with its index, and returns
+  /// its problem, or "".
+  template <class Grab, class Load>
+  [[nodiscard]] std::optional<RgbdFrame> readNext(Grab grab, Load load) {
+    while (grab()) {
+      RgbdFrame frame;
+      const std::string problem = load(frame);
+      if (problem.empty()) {
+        endRun();
+        return frame;
+      }
+      add(frame.index, problem);
+    }
+    return std::nullopt;
+  }
   /// Adds the unusable frame `index`. `problem`: its cause, a phrase with the name of the file or
   /// device. Add the frames of a run in order.
   void add(std::uint64_t index, const std::string& problem);

@@ -27,19 +27,16 @@ std::shared_ptr<VideoFile> reopen(const VideoChannel& channel) {
 }  // namespace
 
 std::optional<RgbdFrame> VideoClip::read() {
-  while (grab()) {
-    RgbdFrame frame;
+  const auto next = [this](RgbdFrame& frame) {
     frame.index = next_ - 1;
     frame.epoch = epoch_;
     frame.clip_time_s = info_.live ? color_.file->time_s(color_.track)
                                    : static_cast<double>(frame.index) / info_.fps;
-    const std::string problem = load(frame);
-    if (problem.empty()) {
-      any_read_ = true;
-      skipped_.endRun();
-      return frame;
-    }
-    skipped_.add(frame.index, problem);
+    return load(frame);
+  };
+  if (auto frame = skipped_.readNext([this] { return grab(); }, next)) {
+    any_read_ = true;
+    return frame;
   }
   if (!any_read_) {
     throw SourceError(skipped_.cancelRun() +

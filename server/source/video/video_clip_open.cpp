@@ -10,15 +10,12 @@
 #include "server/source/picture/depth_code.hpp"
 #include "server/source/picture/depth_scale.hpp"
 #include "server/source/picture/picture_scale.hpp"
+#include "server/source/video/first_pictures.hpp"
 #include "server/source/video/video_clip.hpp"
 
 namespace hapticast::server {
 
 namespace {
-
-/// Videos of a pair that differ by up to so many frames are cut; a larger difference means that
-/// they do not belong together.
-constexpr std::uint64_t kCountTolerance = 5;
 
 /// Returns the track with depth; nullopt if that is not clear.
 std::optional<std::size_t> findDepthTrack(const std::vector<VideoTrack>& tracks) {
@@ -124,21 +121,10 @@ void VideoClip::begin(double fps) {
 
 void VideoClip::describe(const cv::Mat& color, const cv::Mat& raw, double fps) {
   const std::string& file = depth_.file->file();
-  const bool metric = raw.depth() != CV_8U;
-  if (metric && layout_.code != DepthCode::kGrey)
-    throw SourceError(file + ": has depth in mm, so leave --depth-near and --depth-code out");
-  const cv::Mat depth = decodeDepth(raw, layout_.code);
-  if (!isSameAspect(depth.size(), color.size())) {
-    throw SourceError(file + ": is " + sizeText(depth.cols, depth.rows) +
-                      ", but the colour video is " + sizeText(color.cols, color.rows) +
-                      aspectRemedy(depth.size(), color.size()));
-  }
-  if (isColorCoded(depth))
-    throw SourceError(file + ": shows depth as colours; make it grey (near is white)");
-  color_size_ = color.size();
-  depth_size_ = depth.size();
-  // Hue is a code of mm in 8 bits, so the decoded picture decides.
-  format_.kind = depth.depth() != CV_8U ? DepthKind::kMetric : DepthKind::kHeight;
+  const FirstPictures first = describeFirst(color, raw, layout_.code, file);
+  color_size_ = first.color_size;
+  depth_size_ = first.depth_size;
+  format_.kind = first.depth_kind;
   if (layout_.depth_unit_mm && (registration_ || layout_.code == DepthCode::kHue))
     throw SourceError(file + ": has depth in mm, so leave --depth-unit out");
   setDepthUnit(format_, layout_.depth_unit_mm, file);
@@ -257,12 +243,12 @@ void VideoClip::checkTimes() const {
 double VideoClip::nominalRate() const {
   constexpr double kSameRate = 0.01;  // chosen: the file's exact rate, if frames have it
   const double stated = color_.facts().fps;
-  const bool plausible = stated >= 1.0 && stated <= 240.0;
   if (by_time_) {
     const double fps = by_time_->color.fps;
-    return plausible && std::abs(stated - fps) <= kSameRate * fps ? stated : fps;
+    return std::abs(stated - fps) <= kSameRate * fps && plausibleRate(stated) == stated ? stated
+                                                                                        : fps;
   }
-  return plausible ? stated : 25.0;  // the rate of most films
+  return plausibleRate(stated);
 }
 
 void VideoClip::warnOfOtherRate() const {

@@ -9,6 +9,7 @@
 #include "server/source/picture/depth_code.hpp"
 #include "server/source/picture/depth_scale.hpp"
 #include "server/source/picture/picture_scale.hpp"
+#include "server/source/video/first_pictures.hpp"
 
 namespace hapticast::server {
 
@@ -42,21 +43,10 @@ VideoWithDepth::VideoWithDepth(std::unique_ptr<VideoFile> video,
 }
 
 void VideoWithDepth::describe(const cv::Mat& color, const cv::Mat& raw, const std::string& name) {
-  const bool metric = raw.depth() != CV_8U;
-  if (metric && facts_.layout.code != DepthCode::kGrey)
-    throw SourceError(name + ": has depth in mm, so leave --depth-near and --depth-code out");
-  const cv::Mat depth = decodeDepth(raw, facts_.layout.code);
-  if (!isSameAspect(depth.size(), color.size())) {
-    throw SourceError(name + ": is " + sizeText(depth.cols, depth.rows) +
-                      ", but the colour video is " + sizeText(color.cols, color.rows) +
-                      aspectRemedy(depth.size(), color.size()));
-  }
-  if (isColorCoded(depth))
-    throw SourceError(name + ": shows depth as colours; make it grey (near is white)");
-  color_size_ = color.size();
-  depth_size_ = depth.size();
-  // Hue is a code of mm in 8 bits, so the decoded picture decides.
-  format_.kind = depth.depth() != CV_8U ? DepthKind::kMetric : DepthKind::kHeight;
+  const FirstPictures first = describeFirst(color, raw, facts_.layout.code, name);
+  color_size_ = first.color_size;
+  depth_size_ = first.depth_size;
+  format_.kind = first.depth_kind;
   constexpr double kMm_m = 1000.0;  // estimators and simulators write metres
   format_.mm_per_unit = facts_.mm_per_unit.value_or(raw.depth() == CV_32F ? kMm_m : 1.0);
   setDepthUnit(format_, facts_.layout.depth_unit_mm, name);
@@ -64,8 +54,7 @@ void VideoWithDepth::describe(const cv::Mat& color, const cv::Mat& raw, const st
   info_.name = facts_.name;
   setSize(info_, color_size_, video_->file());
   if (depth_size_ != color_size_) logScaledDepth(name, depth_size_, frameSize(info_));
-  const double stated = video_->tracks().front().fps;
-  info_.fps = facts_.fps > 0.0 ? facts_.fps : (stated >= 1.0 && stated <= 240.0 ? stated : 25.0);
+  info_.fps = facts_.fps > 0.0 ? facts_.fps : plausibleRate(video_->tracks().front().fps);
   info_.depth_kind = format_.kind;
   if (facts_.camera) info_.camera = scaleCamera(*facts_.camera, info_);
   if (!info_.camera && facts_.fov_deg)
@@ -73,7 +62,6 @@ void VideoWithDepth::describe(const cv::Mat& color, const cv::Mat& raw, const st
 }
 
 std::uint64_t VideoWithDepth::countFrames() const {
-  constexpr std::uint64_t kCountTolerance = 5;  // as for pairs of videos
   const std::uint64_t depths = depth_->count();
   const std::uint64_t colors = video_->tracks().front().frame_count;
   if (colors == 0) return depths;
@@ -110,18 +98,15 @@ bool VideoWithDepth::grab() {
 bool VideoWithDepth::skip() { return grab() && depth_->skip(); }
 
 std::optional<RgbdFrame> VideoWithDepth::read() {
-  while (grab()) {
-    RgbdFrame frame;
+  const auto next = [this](RgbdFrame& frame) {
     frame.index = next_ - 1;
     frame.epoch = epoch_;
     frame.clip_time_s = static_cast<double>(frame.index) / info_.fps;
-    const std::string problem = load(frame);
-    if (problem.empty()) {
-      any_read_ = true;
-      skipped_.endRun();
-      return frame;
-    }
-    skipped_.add(frame.index, problem);
+    return load(frame);
+  };
+  if (auto frame = skipped_.readNext([this] { return grab(); }, next)) {
+    any_read_ = true;
+    return frame;
   }
   if (!any_read_) {
     const bool has_run = !skipped_.problem().empty();
