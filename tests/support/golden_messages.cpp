@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "tests/support/golden_messages.hpp"
 
+#include <numeric>
+
 #include "tests/support/coded.hpp"
 
 namespace hapticast::testing {
@@ -76,6 +78,12 @@ DatagramKey goldenKey() {
   DatagramKey key{7, {}, std::chrono::seconds(10)};
   for (std::size_t i = 0; i < key.bytes.size(); ++i) key.bytes[i] = static_cast<std::uint8_t>(i);
   return key;
+}
+
+SigningKey goldenSigningKey() {
+  KeyBytes seed{};
+  std::iota(seed.begin(), seed.end(), std::uint8_t{0});
+  return SigningKey(seed);
 }
 
 Welcome goldenWelcome() {

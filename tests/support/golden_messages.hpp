@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/protocol/messages.hpp"
+#include "common/transport/signature.hpp"
 
 namespace hapticast::testing {
 
@@ -20,5 +21,7 @@ StreamDescription goldenDescription();
 /// One that offers datagrams and a group.
 Welcome goldenWelcome();
 DatagramKey goldenKey();
+/// The key of the signed examples. Its seed is the bytes 00 01 02 .. 1f.
+SigningKey goldenSigningKey();
 
 }  // namespace hapticast::testing

@@ -4,22 +4,16 @@
 // golden/sealed_datagram.hex anew. proto/examples/open_datagram.py reads them, too.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <iomanip>
-#include <iterator>
 #include <numeric>
-#include <sstream>
-#include <string>
+#include <vector>
 
 #include "common/protocol/fragment.hpp"
 #include "tests/support/datagram_bytes.hpp"
+#include "tests/support/golden_bytes.hpp"
+#include "tests/support/golden_messages.hpp"
 
 namespace hapticast {
 namespace {
-
-const std::filesystem::path kTests = HAPTICAST_TESTS;
 
 /// Its one object has the slice that the page's section on slices ends with.
 CodedFrame exampleFrame() {
@@ -38,12 +32,6 @@ CodedFrame exampleFrame() {
   return frame;
 }
 
-SigningKey exampleKey() {
-  KeyBytes seed{};
-  std::iota(seed.begin(), seed.end(), std::uint8_t{0});
-  return SigningKey(seed);
-}
-
 SealKeyBytes exampleSealKey() {
   SealKeyBytes bytes{};
   std::iota(bytes.begin(), bytes.end(), std::uint8_t{0xA0});
@@ -51,7 +39,7 @@ SealKeyBytes exampleSealKey() {
 }
 
 std::vector<std::uint8_t> exampleDatagram(SealingKey* seal = nullptr) {
-  SigningKey key = exampleKey();
+  SigningKey key = testing::goldenSigningKey();
   const CodedFrame frame = exampleFrame();
   const auto payloads = packFrame(frame);
   EXPECT_EQ(payloads.size(), 1U);
@@ -66,69 +54,16 @@ std::vector<std::uint8_t> sealedExample() {
   return exampleDatagram(&seal);
 }
 
-/// The pairs of digits that a line begins with.
-std::vector<std::uint8_t> bytesOfLine(const std::string& line) {
-  std::vector<std::uint8_t> bytes;
-  std::istringstream words(line);
-  for (std::string word; words >> word && word.size() == 2;) {
-    if (word.find_first_not_of("0123456789abcdef") != std::string::npos) break;
-    bytes.push_back(static_cast<std::uint8_t>(std::stoi(word, nullptr, 16)));
-  }
-  return bytes;
-}
-
-/// The code block behind a line of a file.
-std::vector<std::uint8_t> blockBehind(const std::filesystem::path& file, const std::string& mark) {
-  std::ifstream in(file);
-  std::vector<std::uint8_t> bytes;
-  std::string line;
-  while (std::getline(in, line) && line != mark) {
-  }
-  while (std::getline(in, line) && line != "```") {
-  }
-  while (std::getline(in, line) && line != "```") {
-    const auto more = bytesOfLine(line);
-    bytes.insert(bytes.end(), more.begin(), more.end());
-  }
-  return bytes;
-}
-
-void expectGolden(const std::vector<std::uint8_t>& bytes, const std::string& name) {
-  const auto file = kTests / "unit/common/golden" / name;
-  if (std::getenv("HAPTICAST_UPDATE_GOLDEN") != nullptr) {
-    std::ofstream out(file);
-    for (std::size_t i = 0; i < bytes.size(); ++i) {
-      constexpr const char* kDigits = "0123456789abcdef";
-      out << kDigits[bytes[i] >> 4U] << kDigits[bytes[i] & 15U] << (i % 16 == 15 ? '\n' : ' ');
-    }
-    out << '\n';
-  }
-  std::ifstream in(file);
-  std::vector<std::uint8_t> golden;
-  for (std::string line; std::getline(in, line);) {
-    const auto more = bytesOfLine(line);
-    golden.insert(golden.end(), more.begin(), more.end());
-  }
-  EXPECT_EQ(bytes, golden) << name;
-}
-
 TEST(DatagramGoldenTest, BytesStayAsTheyAre) {
-  expectGolden(exampleDatagram(), "datagram.hex");
-  expectGolden(sealedExample(), "sealed_datagram.hex");
+  testing::expectGolden("datagram", exampleDatagram());
+  testing::expectGolden("sealed_datagram", sealedExample());
 }
 
 TEST(DatagramGoldenTest, ThePageShowsThem) {
-  EXPECT_EQ(blockBehind(kTests / "../proto/datagrams.md", "## A datagram, byte by byte"),
-            exampleDatagram());
-  EXPECT_EQ(blockBehind(kTests / "../proto/datagrams.md", "### A sealed datagram, byte by byte"),
-            sealedExample());
-  std::ostringstream key;
-  const KeyBytes verifying = exampleKey().verifyingKey();
-  for (const std::uint8_t byte : verifying)
-    key << std::hex << std::setw(2) << std::setfill('0') << int{byte};
-  std::ifstream page(kTests / "../proto/datagrams.md");
-  EXPECT_NE(std::string(std::istreambuf_iterator<char>(page), {}).find(key.str()),
-            std::string::npos);
+  const auto page = testing::testsFolder() / "../proto/datagrams.md";
+  EXPECT_EQ(testing::readBlockBehind(page, "## A datagram, byte by byte"), exampleDatagram());
+  EXPECT_EQ(testing::readBlockBehind(page, "### A sealed datagram, byte by byte"), sealedExample());
+  EXPECT_TRUE(testing::pageHas(page, toHex(testing::goldenSigningKey().verifyingKey())));
 }
 
 TEST(DatagramGoldenTest, IsDecodedToItsFields) {

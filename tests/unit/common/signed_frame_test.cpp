@@ -1,13 +1,19 @@
 // SPDX-License-Identifier: MIT
+// Signed frames. Golden bytes: HAPTICAST_UPDATE_GOLDEN=1 unit_common
+// --gtest_filter='SignedFrameGolden.*' writes golden/signed_frame.hex and the fuzzer's seed anew.
+// proto/README.md, "Signature", has the key, the number of the stream and the signature.
 #include "common/protocol/signed_frame.hpp"
 
 #include <gtest/gtest.h>
 
+#include <cstddef>
 #include <random>
+#include <string>
 #include <vector>
 
 #include "common/protocol/messages.hpp"
 #include "tests/support/coded.hpp"
+#include "tests/support/golden_bytes.hpp"
 #include "tests/support/golden_messages.hpp"
 
 namespace hapticast {
@@ -62,6 +68,34 @@ TEST(SignedFrame, ASecondFrameInTheMessageIsRefused) {
   const Bytes valid = *encodeSigned(someFrame(), kStream, key);
   front.insert(front.end(), valid.begin(), valid.end());
   EXPECT_FALSE(verifyFrame(front, kStream, keyOf(key)));
+}
+
+constexpr std::uint32_t kGoldenStream = 0x89ABCDEF;
+
+TEST(SignedFrameGolden, TheSignerWritesTheSameBytes) {
+  SigningKey key = testing::goldenSigningKey();
+  const Bytes bytes = *encodeSigned(someFrame(), kGoldenStream, key);
+  testing::expectGolden("signed_frame", bytes);
+  if (testing::updatesGolden())
+    testing::writeBytes(testing::testsFolder() / "fuzz/corpus/wire/signed_frame", bytes);
+}
+
+TEST(SignedFrameGolden, IsDecodedAndHasAValidSignature) {
+  const Bytes bytes = testing::readGolden("signed_frame");
+  const auto decoded = decode(bytes);
+  ASSERT_TRUE(decoded.ok()) << decoded.error().message;
+  EXPECT_EQ(encode(decoded.value()), testing::readGolden("frame"));
+  EXPECT_TRUE(verifyFrame(bytes, kGoldenStream, keyOf(testing::goldenSigningKey())));
+}
+
+TEST(SignedFrameGolden, ThePageShowsKeyAndSignature) {
+  const auto page = testing::testsFolder() / "../proto/README.md";
+  EXPECT_TRUE(testing::pageHas(page, toHex(testing::goldenSigningKey().verifyingKey())));
+  Bytes bytes = testing::readGolden("signed_frame");
+  const std::size_t frame_bytes = testing::readGolden("frame").size();
+  EXPECT_TRUE(testing::pageHas(page, std::to_string(frame_bytes) + " bytes of `frame.hex`"));
+  bytes.erase(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(frame_bytes));
+  EXPECT_EQ(testing::readBlockBehind(page, "### Signature"), bytes);
 }
 
 }  // namespace

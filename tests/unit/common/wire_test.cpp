@@ -6,14 +6,12 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
 #include "common/transport/framing.hpp"
 #include "common/wire_limits.hpp"
 #include "tests/support/framed.hpp"
+#include "tests/support/golden_bytes.hpp"
 #include "tests/support/golden_messages.hpp"
 #include "tests/unit/common/wire_messages.hpp"
 
@@ -27,51 +25,20 @@ using testing::randomRelief;
 using testing::roundTrip;
 using Bytes = std::vector<std::uint8_t>;
 
-std::filesystem::path goldenFile(const std::string& name) {
-  return std::filesystem::path(HAPTICAST_TESTS) / "unit/common/golden" / (name + ".hex");
-}
-
-std::string toHex(const Bytes& bytes) {
-  std::ostringstream out;
-  for (std::size_t i = 0; i < bytes.size(); ++i) {
-    constexpr const char* kDigits = "0123456789abcdef";
-    out << kDigits[bytes[i] >> 4U] << kDigits[bytes[i] & 15U] << (i % 16 == 15 ? '\n' : ' ');
-  }
-  out << '\n';
-  return out.str();
-}
-
-Bytes fromHex(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  Bytes bytes;
-  unsigned value = 0;
-  while (in >> std::hex >> value) bytes.push_back(static_cast<std::uint8_t>(value));
-  return bytes;
-}
-
-void writeBytes(const std::filesystem::path& file, const Bytes& bytes) {
-  std::ofstream(file, std::ios::binary)
-      .write(reinterpret_cast<const char*>(bytes.data()),
-             static_cast<std::streamsize>(bytes.size()));
-}
-
 TEST(WireGolden, BytesOfEveryKindStayAsTheyAre) {
-  const bool update = std::getenv("HAPTICAST_UPDATE_GOLDEN") != nullptr;
-  const std::filesystem::path corpus = std::filesystem::path(HAPTICAST_TESTS) / "fuzz/corpus";
+  const std::filesystem::path corpus = testing::testsFolder() / "fuzz/corpus";
   for (const auto& [name, message] : goldenMessages()) {
     const Bytes bytes = encode(message);
-    if (update) {
-      std::ofstream(goldenFile(name)) << toHex(bytes);
-      writeBytes(corpus / "wire" / name, bytes);
-      writeBytes(corpus / "framing" / name, testing::framed(bytes));
-    }
-    EXPECT_EQ(toHex(bytes), toHex(fromHex(goldenFile(name)))) << name;
+    testing::expectGolden(name, bytes);
+    if (!testing::updatesGolden()) continue;
+    testing::writeBytes(corpus / "wire" / name, bytes);
+    testing::writeBytes(corpus / "framing" / name, testing::framed(bytes));
   }
 }
 
 TEST(WireGolden, DecodeToTheSameMessage) {
   for (const auto& [name, message] : goldenMessages()) {
-    const Bytes bytes = fromHex(goldenFile(name));
+    const Bytes bytes = testing::readGolden(name);
     const auto decoded = decode(bytes);
     ASSERT_TRUE(decoded.ok()) << name << ": " << decoded.error().message;
     EXPECT_EQ(decoded.value().index(), message.index()) << name;
