@@ -247,7 +247,7 @@ void requireEdgeFlags(const CLI::App& app) {
       "--source",      "--listen",   "--transport",  "--multicast", "--multicast-ttl",
       "--max-clients", "--announce", "--tls-cert",   "--tls-key",   "--tls",
       "--tokens",      "--insecure", "--nats-creds", "--nats-ca",   "--quiet",
-      "--config",      "--http"};
+      "--config",      "--http",     "--origin-key"};
   for (const CLI::Option* option : app.get_options()) {
     const std::string name = option->get_name();
     if (option->count() == 0 || std::find(allowed.begin(), allowed.end(), name) != allowed.end())

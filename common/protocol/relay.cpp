@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "common/protocol/relay.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
+#include <string>
 #include <utility>
 
 #include "common/protocol/check.hpp"
@@ -180,6 +183,15 @@ std::size_t contentBegin(std::span<const std::uint8_t> whole) {
   return std::size(kRelayMagic) + 1 + whole[std::size(kRelayMagic)] + kNumbersBytes;
 }
 
+/// Describes the loss of the message whose first bytes are `begin`, with its sender.
+std::string describeLoss(std::span<const std::uint8_t> begin, std::uint64_t number) {
+  std::string text = "pieces of the message " + std::to_string(number) + " are missing";
+  const std::size_t magic = std::size(kRelayMagic);
+  if (begin.size() <= magic || begin.size() < contentBegin(begin)) return text;
+  const auto origin = begin.subspan(contentBegin(begin) - kNumbersBytes + sizeof(RelayHead::term));
+  return text + fmt::format(" (origin {:016x})", readNumber(origin, sizeof(RelayHead::origin)));
+}
+
 }  // namespace
 
 std::vector<std::uint8_t> encodeRelay(std::string_view channel, const RelayHead& head,
@@ -205,7 +217,8 @@ std::vector<std::uint8_t> encodeRelay(std::string_view channel, const RelayHead&
 }
 
 Result<RelayHead, WireError> readRelayHead(std::span<const std::uint8_t> whole,
-                                           std::string_view channel) {
+                                           std::string_view channel,
+                                           std::chrono::system_clock::time_point utc) {
   const std::size_t least =
       std::size(kRelayMagic) + 1 + channel.size() + kNumbersBytes + kSignatureBytes;
   if (whole.size() < std::size(kRelayMagic) + 1 ||
@@ -215,8 +228,13 @@ Result<RelayHead, WireError> readRelayHead(std::span<const std::uint8_t> whole,
       !std::equal(channel.begin(), channel.end(), whole.begin() + std::size(kRelayMagic) + 1))
     return malformed("a message of another channel");
   const auto numbers = whole.subspan(contentBegin(whole) - kNumbersBytes);
-  return RelayHead{readNumber(numbers, 8), readNumber(numbers.subspan(8), 8),
-                   readNumber(numbers.subspan(16), 8)};
+  const RelayHead head{readNumber(numbers, 8), readNumber(numbers.subspan(8), 8),
+                       readNumber(numbers.subspan(16), 8)};
+  const auto latest =
+      std::chrono::duration_cast<std::chrono::seconds>((utc + kMostTermLead).time_since_epoch());
+  if (latest.count() < 0 || head.term > static_cast<std::uint64_t>(latest.count()))
+    return malformed("a term is more than a day ahead of this machine's clock; set both clocks");
+  return head;
 }
 
 bool verifyRelay(std::span<const std::uint8_t> whole, const VerifyingKey& key) {
@@ -277,7 +295,9 @@ Result<std::optional<std::vector<std::uint8_t>>, WireError> RelayJoiner::add(
     whole_.clear();
     number_ = number;
   } else if (index != next_ || count != pieces_before || number != number_) {
-    return malformed("pieces of a relayed message are missing");
+    const bool begun = pieces_before != 0;
+    return WireError{ErrorCode::kMalformed,
+                     describeLoss(begun ? whole_ : RelayBytes(), begun ? number_ : number)};
   }
   const auto content = piece.subspan(kRelayPieceHeadBytes);
   if (whole_.size() + content.size() > kMostRelayBytes)
@@ -293,9 +313,9 @@ std::vector<std::uint8_t> encodeRelayPing(const RelayPing& ping) {
   proto::RelayPing to;
   to.set_protocol_version(kProtocolVersion);
   to.set_t0_ns(ping.t0.time_since_epoch().count());
-  to.set_term(ping.term);
   to.set_wants_pictures(ping.wants_pictures);
   to.set_wants_datagrams(ping.wants_datagrams);
+  to.set_proof(ping.proof.data(), ping.proof.size());
   RelayBytes bytes(to.ByteSizeLong());
   to.SerializeWithCachedSizesToArray(bytes.data());
   return bytes;
@@ -309,8 +329,10 @@ Result<RelayPing, WireError> decodeRelayPing(std::span<const std::uint8_t> bytes
   Check check;
   check.require(from.protocol_version() == kProtocolVersion,
                 "an edge has another version of the protocol");
-  const RelayPing ping{LocalTime(check.time(from.t0_ns())), from.term(), from.wants_pictures(),
-                       from.wants_datagrams()};
+  RelayPing ping{LocalTime(check.time(from.t0_ns())),
+                 from.wants_pictures(),
+                 from.wants_datagrams(),
+                 {from.proof().begin(), from.proof().end()}};
   if (check.error()) return *check.error();
   return ping;
 }

@@ -5,6 +5,7 @@
 // limits before they allocate. Thread: any; at most one at a time for each RelayJoiner.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -31,6 +32,10 @@ inline constexpr std::size_t kMostRelayBytes = 4 * kMaxMessageBytes;
 inline constexpr std::size_t kMostRelayPieces = 1024;
 /// Bytes of a piece before its content.
 inline constexpr std::size_t kRelayPieceHeadBytes = 16;
+
+/// Largest lead of a valid term over the seconds since 1970. Terms grow by one with each takeover,
+/// and takeovers are at least a second apart. So no message can end all later takeovers.
+inline constexpr std::chrono::hours kMostTermLead{24};
 
 /// Identifies a message and its origin.
 struct RelayHead {
@@ -81,9 +86,11 @@ using RelayContent = std::variant<RelayState, RelayFrame, RelayPicture, RelayPon
 /// Request of an edge for the origin's time. It is not signed.
 struct RelayPing {
   LocalTime t0;
-  std::uint64_t term = 0;  ///< the highest term that the edge has seen
   bool wants_pictures = false;
   bool wants_datagrams = false;
+  /// A state of the origin that the edge follows, as a whole signed message. An origin of a lower
+  /// term that receives it knows why edges ignore it. Empty: no other origin sends.
+  std::vector<std::uint8_t> proof = {};
 };
 
 using SignFunction = std::function<Signature(std::span<const std::uint8_t>)>;
@@ -93,10 +100,11 @@ using SignFunction = std::function<Signature(std::span<const std::uint8_t>)>;
 [[nodiscard]] std::vector<std::uint8_t> encodeRelay(std::string_view channel, const RelayHead& head,
                                                     const RelayContent& content,
                                                     const SignFunction& sign);
-/// Returns the head of a whole message. Returns an error for other bytes, and for a message of
-/// another channel.
+/// Returns the head of a whole message. Returns an error for other bytes, for a message of another
+/// channel, and for a term that is more than kMostTermLead ahead of `utc`, the time of arrival.
 [[nodiscard]] Result<RelayHead, WireError> readRelayHead(std::span<const std::uint8_t> whole,
-                                                         std::string_view channel);
+                                                         std::string_view channel,
+                                                         std::chrono::system_clock::time_point utc);
 /// Returns whether the owner of `key` has signed the whole message.
 [[nodiscard]] bool verifyRelay(std::span<const std::uint8_t> whole, const VerifyingKey& key);
 /// Returns the content of a whole message. It does not verify the signature. Returns an error for

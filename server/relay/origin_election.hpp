@@ -22,9 +22,6 @@ class OriginElection {
   static constexpr Duration kHeartbeat = std::chrono::milliseconds(100);
   /// Time without a heartbeat after which a standby becomes active: ten intervals.
   static constexpr Duration kSilence = std::chrono::seconds(1);
-  /// Highest valid term. It is far below the limit of the type, so that no message can cause an
-  /// overflow.
-  static constexpr std::uint64_t kHighestTerm = std::uint64_t{1} << 62U;
 
   /// Begins as a standby at `now`. `origin`: random number of this origin. `least_term`: lower
   /// bound of the terms of this origin. Use the system's time in seconds. An origin that starts
@@ -32,21 +29,22 @@ class OriginElection {
   OriginElection(std::uint64_t origin, std::uint64_t least_term, LocalTime now)
       : origin_(origin), least_term_(least_term), last_received_(now) {}
 
-  /// Processes the heartbeat of another origin. Ignores a term above kHighestTerm.
+  /// Processes the heartbeat of another origin. Requires a term that readRelayHead() accepts.
   void onHeartbeat(std::uint64_t term, std::uint64_t origin, LocalTime now) {
-    if (term > kHighestTerm || std::pair(term, origin) < std::pair(highest_, leader_)) return;
+    if (std::pair(term, origin) < std::pair(highest_, leader_)) return;
     highest_ = term;
     leader_ = origin;
     last_received_ = now;
     heard_at_ = now;
     active_ = false;
   }
-  /// Processes the highest term that an edge has seen. If this origin is active with a lower term,
-  /// such edges ignore it. It continues to send, for edges that do not receive the other origin
-  /// yet. A heartbeat of the other origin makes it a standby. After kSilence without a heartbeat,
-  /// check() raises its term above the seen one.
-  void onSeenTerm(std::uint64_t term, LocalTime now) {
-    if (term > kHighestTerm || term <= std::max(highest_, seen_)) return;
+  /// Processes the term of another origin that an edge has proved. If this origin is active with a
+  /// lower term, such edges ignore it. It continues to send, for edges that do not receive the
+  /// other origin yet. A heartbeat of the other origin makes it a standby. After kSilence without a
+  /// heartbeat, check() raises its term above the proved one. Requires a term that readRelayHead()
+  /// accepts.
+  void onProvedTerm(std::uint64_t term, LocalTime now) {
+    if (term <= std::max(highest_, seen_)) return;
     seen_ = term;
     seen_since_ = now;
   }
@@ -58,7 +56,7 @@ class OriginElection {
     const bool outdone = active_ && seen_ > highest_ && now - seen_since_ >= kSilence;
     if (outdone || (!active_ && now - last_received_ >= kSilence)) {
       active_ = true;
-      highest_ = std::min(std::max({highest_, seen_, least_term_}) + 1, kHighestTerm);
+      highest_ = std::max({highest_, seen_, least_term_}) + 1;
       leader_ = origin_;
     }
     return active_;
@@ -76,7 +74,7 @@ class OriginElection {
   std::uint64_t least_term_;
   std::uint64_t highest_ = 0;
   std::uint64_t leader_ = 0;
-  std::uint64_t seen_ = 0;  // highest term that edges have seen
+  std::uint64_t seen_ = 0;  // highest term that edges have proved
   LocalTime seen_since_{};
   LocalTime last_received_;  // begins anew without a connection
   std::optional<LocalTime> heard_at_;

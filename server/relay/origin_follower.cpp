@@ -31,37 +31,57 @@ Result<TrustedState> readTrustedState(const RelayHead& head, std::span<const std
   return TrustedState{std::move(*state), std::move(key).value()};
 }
 
-FollowedMessage OriginFollower::onMessage(std::span<const std::uint8_t> whole) {
-  const auto head = readRelayHead(whole, channel_);
+FollowedMessage OriginFollower::onMessage(std::span<const std::uint8_t> whole, LocalTime now,
+                                          std::chrono::system_clock::time_point utc) {
+  const auto head = readRelayHead(whole, channel_, utc);
   if (!head.ok()) return dropMessage(head.error().message);
-  if (head.value().term > OriginElection::kHighestTerm) return dropMessage("a term is too high");
   const auto order = [](const auto& of) { return std::pair(of.term, of.origin); };
-  if (!leader_ || order(head.value()) > order(*leader_)) return onOther(head.value(), whole);
-  if (order(head.value()) < order(*leader_)) return dropMessage();
-  return onLeader(head.value(), whole);
+  const bool lost_rank = leader_ && keys_.empty() && now - leader_->received >= kLoseRankAfter;
+  if (!leader_ || (lost_rank && head.value().origin != leader_->origin))
+    return onOther(head.value(), whole, now);
+  if (order(head.value()) < order(*leader_)) {
+    rival_ = rival_ || head.value().origin != leader_->origin;
+    return dropMessage();
+  }
+  // An origin may raise its own term. Its stream goes on.
+  if (head.value().origin == leader_->origin) return onLeader(head.value(), whole, now);
+  return onOther(head.value(), whole, now);
 }
 
-FollowedMessage OriginFollower::onOther(const RelayHead& head,
-                                        std::span<const std::uint8_t> whole) {
+FollowedMessage OriginFollower::onOther(const RelayHead& head, std::span<const std::uint8_t> whole,
+                                        LocalTime now) {
   auto trusted = readTrustedState(head, whole, keys_);
   // Other messages of a new origin can arrive before its first state.
   if (!trusted.ok()) return dropMessage(trusted.error().message);
-  leader_.emplace(
-      Leader{head.term, head.origin, head.number, std::move(trusted.value().key), std::nullopt});
+  const bool leader_sends = leader_ && now - leader_->received < OriginElection::kSilence;
+  if (leader_sends && !changes_.allow(now))
+    return dropMessage("the edge has left an origin that still sends in the last minute");
+  leader_.emplace(Leader{head.term,
+                         head.origin,
+                         head.number,
+                         std::move(trusted.value().key),
+                         now,
+                         {whole.begin(), whole.end()},
+                         std::nullopt});
+  rival_ = false;
   return {std::move(trusted.value().state), true, {}};
 }
 
-FollowedMessage OriginFollower::onLeader(const RelayHead& head,
-                                         std::span<const std::uint8_t> whole) {
+FollowedMessage OriginFollower::onLeader(const RelayHead& head, std::span<const std::uint8_t> whole,
+                                         LocalTime now) {
   if (!verifyRelay(whole, leader_->key))
     return dropMessage("a message has no valid signature of its origin");
   auto content = decodeRelay(whole);
   if (!content.ok()) return dropMessage(content.error().message);
+  leader_->received = now;
   // Pongs have a way of their own, on which they may arrive earlier or later.
   if (std::holds_alternative<RelayPong>(content.value()))
     return {std::move(content).value(), false, {}};
   if (head.number <= leader_->number) return dropMessage("a message arrives twice or too late");
+  leader_->term = head.term;
   leader_->number = head.number;
+  if (std::holds_alternative<RelayState>(content.value()))
+    leader_->state.assign(whole.begin(), whole.end());
   if (const auto* const frame = std::get_if<RelayFrame>(&content.value())) {
     if (frame->epoch < leader_->epoch || (leader_->frame && frame->id <= *leader_->frame))
       return dropMessage("a frame is older than the one before");
@@ -69,6 +89,11 @@ FollowedMessage OriginFollower::onLeader(const RelayHead& head,
     leader_->frame = frame->id;
   }
   return {std::move(content).value(), false, {}};
+}
+
+std::vector<std::uint8_t> OriginFollower::popProof() {
+  const bool rival = std::exchange(rival_, false);
+  return rival && leader_ ? leader_->state : std::vector<std::uint8_t>();
 }
 
 }  // namespace hapticast::server

@@ -184,9 +184,9 @@ void RelayPublisher::onHeartbeat(std::span<const std::uint8_t> bytes) {
   const LocalTime now = clock_.now();
   auto whole = RelayJoiner().add(bytes);  // a heartbeat has one piece
   if (!whole.ok() || !whole.value()) return;
-  const auto head = readRelayHead(*whole.value(), channel_);
-  if (!head.ok()) return;
-  const auto trusted = readTrustedState(head.value(), *whole.value(), keys_);
+  const auto head = readRelayHead(*whole.value(), channel_, std::chrono::system_clock::now());
+  const auto trusted = head.ok() ? readTrustedState(head.value(), *whole.value(), keys_)
+                                 : Result<TrustedState>(Error{head.error().message});
   const std::lock_guard lock(mutex_);
   if (!trusted.ok()) {
     if (distrusted_.allow(now))
@@ -208,23 +208,43 @@ void RelayPublisher::onHeartbeat(std::span<const std::uint8_t> bytes) {
 void RelayPublisher::onPing(std::span<const std::uint8_t> bytes, const std::string& reply) {
   const MediaTime received = media_clock_.now();
   const LocalTime now = clock_.now();
+  const bool inbox = PingLimiter::isInbox(reply);
   const auto ping = decodeRelayPing(bytes);
-  if (!ping.ok() || reply.empty()) return;
+  if (inbox && ping.ok()) {  // a flood does not hide what edges need
+    const std::int64_t now_ns = now.time_since_epoch().count();
+    if (ping.value().wants_pictures) pictures_wanted_ns_ = now_ns;
+    if (ping.value().wants_datagrams) datagrams_wanted_ns_ = now_ns;
+  }
+  if (!inbox || !ping.ok() || !ping_limiter_.admit(reply, now)) return logUnansweredPing(now);
+  if (!ping.value().proof.empty()) onProof(ping.value().proof, now);
   RelayHead head;
   {
     const std::lock_guard lock(mutex_);
-    election_.onSeenTerm(ping.value().term, now);
     if (!election_.active()) return;
     head = {election_.term(), election_.origin(), number_};
   }
-  const std::int64_t now_ns = now.time_since_epoch().count();
-  if (ping.value().wants_pictures) pictures_wanted_ns_ = now_ns;
-  if (ping.value().wants_datagrams) datagrams_wanted_ns_ = now_ns;
   const auto whole =
       encodeRelay(channel_, head, RelayPong{ping.value().t0, received, media_clock_.now()},
                   [this](auto each) { return signer_.sign(each); });
   const auto pieces = splitRelay(whole, 0, kMaxSmallMessageBytes);
   if (!pieces.empty()) nats_.publish(reply, pieces.front());
+}
+
+void RelayPublisher::onProof(std::span<const std::uint8_t> whole, LocalTime now) {
+  const auto head = readRelayHead(whole, channel_, std::chrono::system_clock::now());
+  if (!head.ok() || head.value().origin == election_.origin()) return;
+  if (!readTrustedState(head.value(), whole, keys_).ok()) return;
+  const std::lock_guard lock(mutex_);
+  election_.onProvedTerm(head.value().term, now);
+}
+
+void RelayPublisher::logUnansweredPing(LocalTime now) {
+  if (const auto line = unanswered_.admit(
+          "origin of the channel " + channel_ +
+              ": some program sends too many pings, or pings that are not valid; the origin does "
+              "not answer them",
+          now))
+    spdlog::warn("{}", *line);
 }
 
 }  // namespace hapticast::server

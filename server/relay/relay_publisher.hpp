@@ -20,6 +20,7 @@
 #include "common/rate_limiter.hpp"
 #include "server/relay/nats_connection.hpp"
 #include "server/relay/origin_election.hpp"
+#include "server/relay/ping_limiter.hpp"
 #include "server/relay/relay_counts.hpp"
 #include "server/relay/subjects.hpp"
 #include "server/stream/frame_signer.hpp"
@@ -66,6 +67,9 @@ class RelayPublisher final : public StreamSink {
   void sendContent(const std::string& subject, RelayHead& head, const RelayContent& content);
   void onHeartbeat(std::span<const std::uint8_t> bytes);
   void onPing(std::span<const std::uint8_t> bytes, const std::string& reply);
+  /// Processes the state of another origin that an edge has sent (RelayPing::proof).
+  void onProof(std::span<const std::uint8_t> whole, LocalTime now);
+  void logUnansweredPing(LocalTime now);
   [[nodiscard]] bool isRecent(const std::atomic<std::int64_t>& time_ns) const;
 
   const Clock& clock_;
@@ -89,6 +93,8 @@ class RelayPublisher final : public StreamSink {
   bool logged_active_ = false;                                // used by the thread only
   std::optional<LocalTime> heartbeat_;                        // last own one; guarded by mutex_
   RateLimiter too_large_ = RateLimiter::makeOnceAMinute();    // used by the thread only
+  PingLimiter ping_limiter_;                                  // used by the thread of pings only
+  RateLimiter unanswered_ = RateLimiter::makeOnceAMinute();   // used by the thread of pings only
   NatsConnection nats_;
   std::jthread thread_;  // last member: it uses all others
 };

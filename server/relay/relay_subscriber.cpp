@@ -55,7 +55,8 @@ void RelaySubscriber::onPiece(std::span<const std::uint8_t> piece, RelayJoiner& 
 }
 
 void RelaySubscriber::process(std::span<const std::uint8_t> whole) {
-  FollowedMessage message = follower_.onMessage(whole);
+  FollowedMessage message =
+      follower_.onMessage(whole, clock_.now(), std::chrono::system_clock::now());
   if (!message.problem.empty()) logProblem(message.problem);
   if (!message.content) return;
   if (message.new_origin) onNewOrigin();
@@ -167,7 +168,7 @@ std::optional<RelayPing> RelaySubscriber::makePing(LocalTime now) {
   next_ping_ = now + (pongs_ < ClockSync::kBurst ? kBurstEvery : kPingEvery);
   pings_.push_back(now);
   if (pings_.size() > kMostPings) pings_.pop_front();
-  return RelayPing{now, follower_.term(), pictures, datagrams};
+  return RelayPing{now, pictures, datagrams, follower_.popProof()};
 }
 
 RelayCounts RelaySubscriber::counts() const {

@@ -26,7 +26,7 @@ void readPieces(std::span<const std::uint8_t> bytes) {
 void readWhole(std::span<const std::uint8_t> bytes) {
   std::vector<std::uint8_t> whole(bytes.begin(), bytes.end());
   whole.resize(whole.size() + hapticast::kSignatureBytes);
-  if (!hapticast::readRelayHead(whole, "c").ok()) return;
+  if (!hapticast::readRelayHead(whole, "c", std::chrono::system_clock::time_point()).ok()) return;
   const auto content = hapticast::decodeRelay(whole);
   if (!content.ok()) return;
   // What the decoder accepts, the encoder writes, and the decoder accepts again.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Origins, edges and clients as programs, with a real nats-server between them: what passes, what
 // fails how, and what wrong messages cause.
+#include <cstdlib>
+#include <ctime>
 #include <nlohmann/json.hpp>
 
 #include "common/build_options.hpp"
@@ -9,6 +11,7 @@
 #include "server/relay/subjects.hpp"
 #include "tests/integration/programs_fixture.hpp"
 #include "tests/support/nats_server.hpp"
+#include "tests/support/relay_messages.hpp"
 
 namespace hapticast::testing {
 namespace {
@@ -103,6 +106,60 @@ TEST_F(ProgramsRelayTest, AStandbyTakesOverAndTheViewersStayConnected) {
   (void)endViewer(*tcp, "tcp");
   interrupt(*edge);
   interrupt(*second);
+}
+
+/// Publishes every hostile message on every subject of the channel, and in pings.
+void publishHostileMessages(const server::NatsAddress& address) {
+  server::NatsConnection nats("--publish", address, {});
+  const server::Subjects subjects(address.channel);
+  SigningKey rival;
+  const auto now_s = static_cast<std::uint64_t>(std::time(nullptr));
+  std::uint64_t number = 0;
+  for (const std::uint64_t extreme : server::listExtremes(now_s)) {
+    for (const auto& whole : server::listHostileMessages(rival, now_s, extreme)) {
+      for (const auto& piece : splitRelay(whole, ++number, nats.maxPayload())) {
+        nats.publish(subjects.state, piece);
+        nats.publish(subjects.frames, piece);
+      }
+      const RelayPing ping{LocalTime(Duration(static_cast<std::int64_t>(extreme))), true, true,
+                           whole};
+      for (const std::string& reply : {server::NatsConnection::makeInbox(), subjects.state})
+        nats.publish(subjects.pings, encodeRelayPing(ping), reply);
+    }
+  }
+}
+
+// HAPTICAST_TAKEOVERS sets the number of takeovers, 2 by default.
+TEST_F(ProgramsRelayTest, AfterEveryHostileMessageAStandbyTakesOver) {
+  const char* const asked = std::getenv("HAPTICAST_TAKEOVERS");
+  const int takeovers = asked != nullptr ? std::atoi(asked) : 2;
+  const std::vector<std::string> with_key{"--signing-key", path("key")};
+  auto active = startOrigin(with_key);
+  ASSERT_TRUE(active->says("active (term", kStart)) << active->output();
+  const std::string output = active->output();
+  const std::string key = output.substr(output.find("origin key: ") + 12, 64);
+  const auto strict = startEdge({"--origin-key", key}), open = startEdge();
+  const auto strict_viewer = startViewer(addressOf(*strict), "strict", {"--transport", "tcp"});
+  const auto open_viewer = startViewer(addressOf(*open), "open", {"--transport", "tcp"});
+  EXPECT_TRUE(framesArrive("strict") && framesArrive("open"));
+  for (int i = 0; i < takeovers; ++i) {
+    auto standby = startOrigin(with_key);
+    ASSERT_TRUE(standby->says("listening on", kStart)) << standby->output();
+    publishHostileMessages(*server::parseNatsAddress(nats_->channel("lab")));
+    EXPECT_TRUE(framesArrive("strict")) << "the origin before";
+    active->signal(SIGKILL);
+    EXPECT_TRUE(standby->says("active (term", kSoon)) << i << standby->output();
+    EXPECT_TRUE(framesArrive("strict") && framesArrive("open")) << i;
+    active = std::move(standby);
+  }
+  EXPECT_EQ(countOccurrences("another server makes the stream", strict_viewer->output()),
+            static_cast<std::size_t>(takeovers))
+      << "one second Welcome for each takeover";
+  (void)endViewer(*strict_viewer, "strict");
+  (void)endViewer(*open_viewer, "open");
+  interrupt(*strict);
+  interrupt(*open);
+  interrupt(*active);
 }
 
 TEST_F(ProgramsRelayTest, AnEdgeWithoutOriginKeepsItsViewersUntilOneSends) {

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: MIT
 """Measures relays over NATS and their failures.
 
-  tests/bench/relays/relays.py [a b c d e f g h i]    all, or some
+  tests/bench/relays/relays.py [a b c d e f g h i j]    all, or some
 
-a-d: failures (failures.py; root, `ip netns`). e-h: delay, cost, many viewers, a stalled edge, clocks (costs.py). i: programs that stand still (stalls.py).
+a-d: failures (failures.py; root, `ip netns`). e-h: delay, cost, many viewers, a stalled edge, clocks (costs.py). i: programs that stand still (stalls.py). j: floods of pings (floods.py).
 Needs nats-server, and the programs hapticast-server, hapticast-client, hapticast-viewers and hapticast-link.
 """
 import argparse
@@ -14,6 +14,7 @@ from pathlib import Path
 
 from costs import COSTS
 from failures import FAILURES, run_failure
+from floods import measure_floods
 from stalls import run_stalls
 
 
@@ -32,7 +33,7 @@ def write(name, rows, out):
 def main():
     root = Path(__file__).resolve().parents[3]
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("scenarios", nargs="*", default=list("abcdefghi"), metavar="a..i")
+    parser.add_argument("scenarios", nargs="*", default=list("abcdefghij"), metavar="a..j")
     parser.add_argument("--build", type=Path, default=root / "build/release")
     parser.add_argument("--out", type=Path, default=root / "build/relays")
     settings = parser.parse_args()
@@ -42,10 +43,12 @@ def main():
             rows = run_failure(letter, settings.build, settings.out)
         elif letter == "i":
             rows = run_stalls(settings.build, settings.out / letter)
+        elif letter == "j":
+            rows = measure_floods(settings.build, settings.out / letter)
         elif letter in COSTS:
             rows = COSTS[letter](settings.build, settings.out / letter)
         else:
-            parser.error(f"{letter} is not one of a..i")
+            parser.error(f"{letter} is not one of a..j")
         write(letter, rows, settings.out)
         print(f"  load average {os.getloadavg()[0]:.1f} on {os.cpu_count()} processors", flush=True)
 
