@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Framing: separates the messages on a stream of bytes. A prefix with the length of the message, 4
-// bytes in little-endian order, precedes each message (proto/README.md). Thread: any; at most one
-// at a time for each FrameReader.
+// Framing: separates the messages on a stream of bytes. A prefix precedes each message. In
+// LengthFraming it is the length of the message, 4 bytes in little-endian order (proto/README.md).
+// Another framing needs one more implementation: all framings share the bytes of the messages.
+// Thread: any; at most one at a time for each object.
 #pragma once
 
 #include <array>
@@ -31,28 +32,54 @@ using LengthPrefix = std::array<std::uint8_t, kPrefixBytes>;
 /// Returns the length prefix of a payload of `payload_bytes` bytes, 1..kMaxMessageBytes.
 [[nodiscard]] LengthPrefix lengthPrefix(std::size_t payload_bytes);
 
-/// Finds the messages in a stream of bytes, which arrives in pieces of any size. It stores at most
-/// one message of the largest allowed size plus one piece.
-class FrameReader {
+/// Bytes that precede a message on the connection.
+struct FramePrefix {
+  static constexpr std::size_t kMostBytes = 10;  ///< of a WebSocket frame (RFC 6455, section 5.2)
+  std::array<std::uint8_t, kMostBytes> bytes{};
+  std::size_t size = 0;
+
+  [[nodiscard]] std::span<const std::uint8_t> view() const { return std::span(bytes).first(size); }
+};
+
+/// Interface of a framing, for both directions of one connection.
+class Framing {
  public:
-  explicit FrameReader(std::size_t limit_bytes) : limit_bytes_(limit_bytes) {}
+  virtual ~Framing() = default;
 
-  /// Adds the next bytes of the stream. The last result of next() is then invalid.
-  void feed(std::span<const std::uint8_t> chunk);
-
+  /// Adds the next bytes of the peer. The last result of next() is then invalid.
+  virtual void feed(std::span<const std::uint8_t> chunk) = 0;
   /// Returns the next whole message without its prefix, valid until the next feed(). Returns
   /// nullopt if more bytes are needed.
   ///
-  /// Returns the error kMalformed for a length of 0, and kTooLarge for a length above the limit.
-  /// All further calls then return the same error, because the begin of the next message is
-  /// unknown.
-  [[nodiscard]] Result<std::optional<std::span<const std::uint8_t>>, WireError> next();
+  /// Returns the error kMalformed for bytes that contain no message, and kTooLarge for a message
+  /// above the limit. All further calls then return the same error, because the begin of the next
+  /// message is unknown.
+  [[nodiscard]] virtual Result<std::optional<std::span<const std::uint8_t>>, WireError> next() = 0;
+  /// Returns the prefix of a message of `payload_bytes` bytes, 1..kMaxMessageBytes, to the peer.
+  [[nodiscard]] virtual FramePrefix prefix(std::size_t payload_bytes) const = 0;
 
-  /// Sets the largest size of the messages from now on.
+  /// Sets the largest size of the messages that next() returns from now on.
   void setLimit(std::size_t limit_bytes) { limit_bytes_ = limit_bytes; }
+
+ protected:
+  explicit Framing(std::size_t limit_bytes) : limit_bytes_(limit_bytes) {}
+  [[nodiscard]] std::size_t limitBytes() const { return limit_bytes_; }
 
  private:
   std::size_t limit_bytes_;
+};
+
+/// The framing of hapticast: a length before each message. The peer's bytes arrive in pieces of any
+/// size. It stores at most one message of the largest allowed size plus one piece.
+class LengthFraming final : public Framing {
+ public:
+  explicit LengthFraming(std::size_t limit_bytes) : Framing(limit_bytes) {}
+
+  void feed(std::span<const std::uint8_t> chunk) override;
+  [[nodiscard]] Result<std::optional<std::span<const std::uint8_t>>, WireError> next() override;
+  [[nodiscard]] FramePrefix prefix(std::size_t payload_bytes) const override;
+
+ private:
   std::vector<std::uint8_t> buffer_;
   std::size_t begin_ = 0;  // index of the first byte that next() has not returned
 };

@@ -5,6 +5,7 @@
 #include <sys/ioctl.h>
 
 #include <algorithm>
+#include <string_view>
 #include <utility>
 
 #include "common/endpoint.hpp"
@@ -13,9 +14,12 @@ namespace hapticast {
 
 namespace {
 
+constexpr std::string_view kHttpAnswer =
+    "HTTP/1.1 400 Bad Request\r\nContent-Type: text/plain; charset=utf-8\r\n"
+    "X-Content-Type-Options: nosniff\r\nContent-Length: 70\r\nConnection: close\r\n\r\n"
+    "This port is for hapticast-client. It has no pages for a web browser.\n";
 // Chosen: a picture of 50 KB needs few reads, and a thousand sessions need 16 MB.
 constexpr std::size_t kChunkBytes = 16U << 10U;
-constexpr std::size_t kLeastBytesToDecide = 3;         // see beginsWithTls()
 constexpr std::size_t kWriteAtOnceBytes = 64U << 10U;  // asio's own default
 
 std::string formatName(const asio::ip::tcp::endpoint& peer) {
@@ -31,13 +35,14 @@ asio::ip::tcp::endpoint remoteEndpoint(const asio::ip::tcp::socket& socket) {
 }  // namespace
 
 TcpChannel::TcpChannel(asio::ip::tcp::socket socket, std::size_t read_limit_bytes,
-                       std::unique_ptr<TlsEngine> tls)
+                       std::unique_ptr<TlsEngine> tls, ChannelEnd end)
     : Channel(formatName(remoteEndpoint(socket)), read_limit_bytes),
       socket_(std::move(socket)),
       chunk_(kChunkBytes),
-      reader_(read_limit_bytes),
+      framing_(std::make_unique<LengthFraming>(read_limit_bytes)),
       tls_(std::move(tls)),
-      undecided_(tls_ != nullptr && tls_->output().empty()) {
+      outer_(end == ChannelEnd::kServer),
+      inner_(end == ChannelEnd::kServer) {
   boost::system::error_code ignored;  // without it messages are only later
   socket_.set_option(asio::ip::tcp::no_delay(true), ignored);
   socket_.non_blocking(true, ignored);  // for writeNow()
@@ -47,35 +52,47 @@ TcpChannel::TcpChannel(asio::ip::tcp::socket socket, std::size_t read_limit_byte
 
 asio::awaitable<Result<std::optional<Payload>, WireError>> TcpChannel::read() {
   for (;;) {
-    reader_.setLimit(read_limit_bytes_);
-    auto payload = reader_.next();
+    framing_->setLimit(read_limit_bytes_);
+    auto payload = framing_->next();
     if (!payload.ok() || payload.value()) co_return payload;
     if (tls_ != nullptr && tls_->ended()) co_return std::optional<Payload>();
     const std::size_t size = co_await readSome();
     if (size == 0) co_return std::optional<Payload>();
-    if (auto failure = receive(size))
+    if (auto failure = receive(std::span(chunk_).first(size)))
       co_return WireError{ErrorCode::kMalformed, std::move(failure->message)};
+    if (http_) {
+      answerHttp();
+      co_return malformed("a request of HTTP on the port for viewers");
+    }
   }
 }
 
-std::optional<Error> TcpChannel::receive(std::size_t size) {
-  std::span<const std::uint8_t> bytes = std::span(chunk_).first(size);
-  if (undecided_) {
-    first_.insert(first_.end(), bytes.begin(), bytes.end());
-    if (first_.size() < kLeastBytesToDecide) return std::nullopt;
-    undecided_ = false;
-    bytes = first_;
-    if (!beginsWithTls(bytes)) tls_.reset();
+void TcpChannel::receivePlain(std::span<const std::uint8_t> bytes) {
+  if (!inner_.undecided()) return framing_->feed(bytes);
+  const auto kind = inner_.add(bytes);
+  if (!kind) return;
+  http_ = kind == ConnectionKind::kHttp;
+  framing_->feed(inner_.pop());
+}
+
+std::optional<Error> TcpChannel::receive(std::span<const std::uint8_t> bytes) {
+  std::vector<std::uint8_t> first;
+  if (outer_.undecided()) {
+    const auto kind = outer_.add(bytes);
+    if (!kind) return std::nullopt;
+    if (kind != ConnectionKind::kTls) tls_.reset();
+    first = outer_.pop();
+    bytes = first;
   }
   if (tls_ == nullptr) {
-    reader_.feed(bytes);
+    receivePlain(bytes);
     return std::nullopt;
   }
   plain_.clear();
   auto failure = tls_->receive(bytes, plain_);
   untrusted_ = tls_->untrusted();
   flushNow();
-  reader_.feed(plain_);
+  receivePlain(plain_);
   return failure;
 }
 
@@ -84,16 +101,23 @@ asio::awaitable<std::optional<Error>> TcpChannel::completeHandshake() {
     flushNow();
     const std::size_t size = co_await readSome();
     if (size == 0) co_return Error{"the server ended the TLS handshake (" + why_ended_ + ")"};
-    if (auto failure = receive(size)) co_return failure;
+    if (auto failure = receive(std::span(chunk_).first(size))) co_return failure;
   }
   co_return std::nullopt;
 }
 
 bool TcpChannel::encrypt(const SharedBytes& payload) {
-  prefix_ = lengthPrefix(payload->size());
-  std::vector<std::uint8_t> whole(prefix_.begin(), prefix_.end());
-  whole.insert(whole.end(), payload->begin(), payload->end());
-  return tls_->send(whole);
+  return tls_->send(framing_->prefix(payload->size()).view(), *payload);
+}
+
+void TcpChannel::answerHttp() noexcept {
+  if (tls_ != nullptr) {
+    (void)tls_->send({}, std::span(reinterpret_cast<const std::uint8_t*>(kHttpAnswer.data()),
+                                   kHttpAnswer.size()));
+    return flushNow();
+  }
+  boost::system::error_code ignored;  // the connection has ended already
+  bytes_written_ += socket_.write_some(asio::buffer(kHttpAnswer), ignored);
 }
 
 void TcpChannel::flushNow() noexcept {
@@ -142,33 +166,34 @@ asio::awaitable<std::size_t> TcpChannel::readSome() {
 }
 
 bool TcpChannel::writeNow(const SharedBytes& payload) noexcept {
-  if (undecided_) return true;  // nothing can reach a client that has not begun
+  if (isMute()) return true;
   if (tls_ != nullptr) {
     if (!encrypt(payload)) return true;  // the connection has failed
     flushNow();
     encrypted_ = !tls_->output().empty();
     return !encrypted_;
   }
-  prefix_ = lengthPrefix(payload->size());
-  const std::array<asio::const_buffer, 2> buffers{asio::buffer(prefix_), asio::buffer(*payload)};
+  prefix_ = framing_->prefix(payload->size());
+  const std::array<asio::const_buffer, 2> buffers{asio::buffer(prefix_.view().data(), prefix_.size),
+                                                  asio::buffer(*payload)};
   boost::system::error_code ec;
   written_ = socket_.write_some(buffers, ec);
   bytes_written_ += written_;
-  if (written_ < kPrefixBytes + payload->size()) return false;
+  if (written_ < prefix_.size + payload->size()) return false;
   written_ = 0;
   return true;
 }
 
 asio::awaitable<bool> TcpChannel::write(SharedBytes payload) {
-  if (undecided_) co_return true;
+  if (isMute()) co_return true;
   if (tls_ != nullptr) {
     if (!std::exchange(encrypted_, false) && !encrypt(payload)) co_return false;
     co_return co_await flush();
   }
-  prefix_ = lengthPrefix(payload->size());
-  const std::size_t done = std::exchange(written_, 0);
-  co_return co_await writeAll({asio::buffer(prefix_) + std::min(done, kPrefixBytes),
-                               asio::buffer(*payload) + (done - std::min(done, kPrefixBytes))});
+  prefix_ = framing_->prefix(payload->size());
+  const std::size_t done = std::exchange(written_, 0), of_prefix = std::min(done, prefix_.size);
+  const asio::const_buffer prefix(prefix_.view().data(), prefix_.size);
+  co_return co_await writeAll({prefix + of_prefix, asio::buffer(*payload) + (done - of_prefix)});
 }
 
 asio::awaitable<void> TcpChannel::drain(std::size_t most_bytes) {

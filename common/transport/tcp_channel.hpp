@@ -1,17 +1,26 @@
 // SPDX-License-Identifier: MIT
-// Channel over TCP, with TLS or without it. Each payload has a length prefix (framing.hpp). Thread:
-// the one that runs the channel's io_context.
+// Channel over TCP, with TLS or without it. A Framing separates the payloads. The end of a server
+// decides on the first bytes of its client what the connection carries, and inside TLS decides
+// again (first_bytes.hpp). So one port serves clients of every kind. Thread: the one that runs the
+// channel's io_context.
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "common/transport/channel.hpp"
+#include "common/transport/first_bytes.hpp"
+#include "common/transport/framing.hpp"
 #include "common/transport/tls.hpp"
 
 namespace hapticast {
+
+/// The end of a connection that a channel is.
+enum class ChannelEnd : std::uint8_t { kClient, kServer };
 
 /// A channel over a connected TCP socket.
 class TcpChannel final : public Channel {
@@ -21,9 +30,10 @@ class TcpChannel final : public Channel {
   /// longest payload that read() accepts.
   ///
   /// `tls`: this host's end of a TLS connection; null: plain TCP. On a server the channel becomes
-  /// plain TCP if the client begins without TLS.
+  /// plain TCP if the client begins without TLS. It answers a request of HTTP with one sentence;
+  /// read() then returns an error.
   TcpChannel(asio::ip::tcp::socket socket, std::size_t read_limit_bytes,
-             std::unique_ptr<TlsEngine> tls = nullptr);
+             std::unique_ptr<TlsEngine> tls = nullptr, ChannelEnd end = ChannelEnd::kClient);
 
   /// Completes the TLS handshake of a client's end. Returns the error in one line, or nullopt. Call
   /// it before the first read() and write().
@@ -40,9 +50,15 @@ class TcpChannel final : public Channel {
   [[nodiscard]] bool encrypted() const noexcept override { return tls_ && tls_->established(); }
 
  private:
-  /// Decrypts the first `size` bytes of chunk_ for the reader.
-  [[nodiscard]] std::optional<Error> receive(std::size_t size);
+  /// Decrypts `bytes` of the peer for the framing.
+  [[nodiscard]] std::optional<Error> receive(std::span<const std::uint8_t> bytes);
+  /// Passes bytes of the peer, without encryption, to the framing.
+  void receivePlain(std::span<const std::uint8_t> bytes);
   [[nodiscard]] bool encrypt(const SharedBytes& payload);
+  /// Answers a request of HTTP, as far as the system accepts the answer at once.
+  void answerHttp() noexcept;
+  /// Returns whether the connection carries no payloads to the peer.
+  [[nodiscard]] bool isMute() const { return http_ || (outer_.undecided() && tls_ != nullptr); }
   /// Sends as much of the encrypted bytes as possible without waiting.
   void flushNow() noexcept;
   [[nodiscard]] asio::awaitable<bool> flush();
@@ -54,15 +70,16 @@ class TcpChannel final : public Channel {
 
   asio::ip::tcp::socket socket_;
   std::vector<std::uint8_t> chunk_;
-  FrameReader reader_;
-  LengthPrefix prefix_{};    // length prefix of the payload that is being written
+  std::unique_ptr<Framing> framing_;
+  FramePrefix prefix_;       // of the payload that is being written
   std::size_t written_ = 0;  // bytes of prefix and payload written by writeNow()
 
   std::unique_ptr<TlsEngine> tls_;  // null: plain TCP
-  bool undecided_ = false;          // a server's end whose client has not begun yet
+  FirstBytes outer_;                // of the connection
+  FirstBytes inner_;                // the same, or those inside TLS
+  bool http_ = false;               // the peer has sent a request of HTTP
   bool encrypted_ = false;          // writeNow() has encrypted the payload of the next write()
   bool flushing_ = false;
-  std::vector<std::uint8_t> first_;    // first bytes of an undecided connection
   std::vector<std::uint8_t> plain_;    // decrypted bytes
   std::vector<std::uint8_t> sending_;  // encrypted bytes that flush() sends
 };

@@ -101,6 +101,32 @@ TlsPart<X509> signCertificate(EVP_PKEY* key) {
   return certificate;
 }
 
+/// Appends encrypted bytes to the output of a TlsEngine.
+int appendOutput(BIO* to, const char* bytes, int size) {
+  auto& output = *static_cast<std::vector<std::uint8_t>*>(BIO_get_data(to));
+  output.insert(output.end(), bytes, bytes + size);
+  return size;
+}
+
+long controlOutput(BIO*, int command, long, void*) { return command == BIO_CTRL_FLUSH ? 1 : 0; }
+
+/// Returns a sink of OpenSSL that appends to `output`. OpenSSL's own sink would store the bytes
+/// once more.
+BIO* makeOutput(std::vector<std::uint8_t>& output) {
+  static BIO_METHOD* const method = [] {
+    BIO_METHOD* const made = BIO_meth_new(BIO_get_new_index() | BIO_TYPE_SOURCE_SINK, "output");
+    if (made == nullptr) throw std::runtime_error("OpenSSL failed");
+    BIO_meth_set_write(made, appendOutput);
+    BIO_meth_set_ctrl(made, controlOutput);
+    return made;
+  }();
+  BIO* const made = BIO_new(method);
+  if (made == nullptr) throw std::runtime_error("OpenSSL failed");
+  BIO_set_data(made, &output);
+  BIO_set_init(made, 1);
+  return made;
+}
+
 }  // namespace
 
 void tls_detail::Free::operator()(ssl_st* connection) const noexcept { SSL_free(connection); }
@@ -157,14 +183,13 @@ TlsContext TlsContext::ofPinningClient() {
   return TlsContext(makeContext(TLS_client_method()), false);
 }
 
-TlsEngine::TlsEngine(const TlsContext& server) : context_(server.context_) {
+TlsEngine::TlsEngine(const TlsContext& server)
+    : context_(server.context_), output_(std::make_unique<std::vector<std::uint8_t>>()) {
   connection_.reset(SSL_new(context_.get()));
   in_ = BIO_new(BIO_s_mem());
-  out_ = BIO_new(BIO_s_mem());
-  if (connection_ == nullptr || in_ == nullptr || out_ == nullptr)
-    throw std::runtime_error("OpenSSL failed");
+  if (connection_ == nullptr || in_ == nullptr) throw std::runtime_error("OpenSSL failed");
   BIO_set_mem_eof_return(in_, -1);  // more bytes follow
-  SSL_set_bio(connection_.get(), in_, out_);
+  SSL_set_bio(connection_.get(), in_, makeOutput(*output_));
   if (server.server_) SSL_set_accept_state(connection_.get());
 }
 
@@ -180,16 +205,6 @@ TlsEngine::TlsEngine(const TlsContext& client, const std::string& host, Fingerpr
     SSL_set_tlsext_host_name(connection, host.c_str());
   }
   (void)handshake();  // the first flight cannot fail
-}
-
-void TlsEngine::collectOutput() {
-  const std::size_t waits = BIO_ctrl_pending(out_);
-  if (waits == 0) return;
-  const std::size_t before = output_.size();
-  output_.resize(before + waits);
-  std::size_t read = 0;
-  BIO_read_ex(out_, output_.data() + before, waits, &read);
-  output_.resize(before + read);
 }
 
 Error TlsEngine::explain(int result) {
@@ -216,7 +231,6 @@ Error TlsEngine::explain(int result) {
 std::optional<Error> TlsEngine::handshake() {
   if (established_) return std::nullopt;
   const int result = SSL_do_handshake(connection_.get());
-  collectOutput();
   if (result != 1) {
     if (SSL_get_error(connection_.get(), result) == SSL_ERROR_WANT_READ) return std::nullopt;
     return explain(result);
@@ -237,7 +251,7 @@ std::optional<Error> TlsEngine::receive(std::span<const std::uint8_t> bytes,
                                         std::vector<std::uint8_t>& plain) {
   ERR_clear_error();
   std::size_t written = 0;
-  const std::size_t waited = output_.size();
+  const std::size_t waited = output_->size();
   if (waited == 0) answers_bytes_ = 0;  // all earlier answers have been sent
   if (!bytes.empty() && BIO_write_ex(in_, bytes.data(), bytes.size(), &written) != 1)
     return Error{"TLS failed: out of memory"};
@@ -251,9 +265,8 @@ std::optional<Error> TlsEngine::receive(std::span<const std::uint8_t> bytes,
     plain.resize(before + read);
     if (result == 1) continue;
     const int why = SSL_get_error(connection_.get(), result);
-    collectOutput();
     // A peer may request new keys again and again, without reading the answers.
-    answers_bytes_ += output_.size() - waited;
+    answers_bytes_ += output_->size() - waited;
     if (answers_bytes_ > kMostAnswers_bytes) return Error{"TLS failed: too many messages"};
     if (why == SSL_ERROR_WANT_READ) return std::nullopt;
     if (why != SSL_ERROR_ZERO_RETURN) return explain(result);
@@ -262,26 +275,31 @@ std::optional<Error> TlsEngine::receive(std::span<const std::uint8_t> bytes,
   }
 }
 
-bool TlsEngine::send(std::span<const std::uint8_t> plain) {
+bool TlsEngine::encrypt(std::span<const std::uint8_t> plain) {
+  std::size_t written = 0;
+  return plain.empty() ||
+         SSL_write_ex(connection_.get(), plain.data(), plain.size(), &written) == 1;
+}
+
+bool TlsEngine::send(std::span<const std::uint8_t> prefix, std::span<const std::uint8_t> plain) {
   if (!established_) return false;
   ERR_clear_error();
-  std::size_t written = 0;
-  const bool sent =
-      plain.empty() || SSL_write_ex(connection_.get(), plain.data(), plain.size(), &written) == 1;
-  collectOutput();
-  return sent;
+  // A record of its own for the prefix would cost a viewer 22 bytes and a second encryption. So the
+  // first record has the prefix and the bytes that fill no whole record. OpenSSL reads the rest
+  // where it is.
+  const std::size_t all = prefix.size() + plain.size();
+  const std::size_t first = all == 0 ? 0 : (all - 1) % kRecordBytes + 1;
+  std::array<std::uint8_t, kRecordBytes> record;  // not initialised: it is large
+  const std::size_t copied = std::max(first, prefix.size()) - prefix.size();
+  const auto end = std::copy(prefix.begin(), prefix.end(), record.begin());
+  std::copy_n(plain.begin(), copied, end);
+  return encrypt(std::span(record).first(prefix.size() + copied)) && encrypt(plain.subspan(copied));
 }
 
 void TlsEngine::finish() {
   if (!established_) return;
   (void)SSL_shutdown(connection_.get());
   ERR_clear_error();
-  collectOutput();
-}
-
-bool beginsWithTls(std::span<const std::uint8_t> first) {
-  constexpr std::uint8_t kHandshake = 22;  // RFC 8446, section 5.1; then a version 3.x
-  return first.size() >= 3 && first[0] == kHandshake && first[1] == 3 && first[2] >= 1;
 }
 
 }  // namespace hapticast

@@ -84,14 +84,17 @@ class TlsEngine {
   /// `plain`. Returns an error in one line if the connection must end.
   [[nodiscard]] std::optional<Error> receive(std::span<const std::uint8_t> bytes,
                                              std::vector<std::uint8_t>& plain);
-  /// Encrypts `plain` for output(). Returns false if the handshake is not complete, or failed.
-  [[nodiscard]] bool send(std::span<const std::uint8_t> plain);
+  /// Encrypts `prefix` and then `plain` for output(). It copies few bytes of `plain`, and makes no
+  /// more records than needed. Returns false if the handshake is not complete, or failed. Requires
+  /// a prefix of at most FramePrefix::kMostBytes bytes.
+  [[nodiscard]] bool send(std::span<const std::uint8_t> prefix,
+                          std::span<const std::uint8_t> plain);
   /// Adds the announcement of the connection's end (close_notify) to output().
   void finish();
 
   /// Returns the encrypted bytes that the caller has to send. The caller removes the bytes that it
   /// has sent.
-  [[nodiscard]] std::vector<std::uint8_t>& output() { return output_; }
+  [[nodiscard]] std::vector<std::uint8_t>& output() { return *output_; }
   [[nodiscard]] bool established() const { return established_; }
   /// Returns whether receive() failed because this client does not trust the server.
   [[nodiscard]] bool untrusted() const { return untrusted_; }
@@ -99,25 +102,20 @@ class TlsEngine {
   [[nodiscard]] bool ended() const { return ended_; }
 
  private:
-  void collectOutput();
+  [[nodiscard]] bool encrypt(std::span<const std::uint8_t> plain);
   /// Continues the handshake with the bytes that have arrived.
   [[nodiscard]] std::optional<Error> handshake();
   [[nodiscard]] Error explain(int result);
 
   std::shared_ptr<ssl_ctx_st> context_;
   std::unique_ptr<ssl_st, tls_detail::Free> connection_;
-  bio_st* in_ = nullptr;   // owned by connection_
-  bio_st* out_ = nullptr;  // owned by connection_
+  bio_st* in_ = nullptr;  // owned by connection_
   FingerprintCheck check_;
-  std::vector<std::uint8_t> output_;
+  std::unique_ptr<std::vector<std::uint8_t>> output_;  // OpenSSL appends to it
   std::size_t answers_bytes_ = 0;  // of output_, caused by messages of TLS itself
   bool established_ = false;
   bool untrusted_ = false;
   bool ended_ = false;
 };
-
-/// Returns whether a connection whose first bytes are `first` begins with TLS. Requires 3 bytes.
-/// The length prefix of a small message never begins with the same bytes.
-[[nodiscard]] bool beginsWithTls(std::span<const std::uint8_t> first);
 
 }  // namespace hapticast

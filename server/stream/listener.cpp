@@ -142,8 +142,8 @@ void Listener::accept(asio::ip::tcp::socket socket) {
   socket.set_option(asio::socket_base::send_buffer_size(broadcaster_.settings().send_buffer_bytes),
                     ignored);
   auto tls = tls_ ? std::make_unique<TlsEngine>(*tls_) : nullptr;
-  broadcaster_.accept(
-      std::make_unique<TcpChannel>(std::move(socket), kMaxSmallMessageBytes, std::move(tls)));
+  broadcaster_.accept(std::make_unique<TcpChannel>(std::move(socket), kMaxSmallMessageBytes,
+                                                   std::move(tls), ChannelEnd::kServer));
 }
 
 }  // namespace hapticast::server

@@ -87,7 +87,7 @@ void sendTlsFrame(benchmark::State& state) {
   for (auto _ : state) {
     const double begin_s = threadTime_s();
     if (encrypted) {
-      (void)server.send(frame);
+      (void)server.send({}, frame);
       drain.send(server.output());
       server.output().clear();
     } else {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// FrameReader: however a stream is cut into chunks, the same messages come out and the same error
+// LengthFraming: however a stream is cut into chunks, the same messages come out and the same error
 // ends it.
 #include <algorithm>
 #include <cstdint>
@@ -19,7 +19,7 @@ struct Outcome {
 };
 
 Outcome read(std::span<const std::uint8_t> stream, std::size_t chunk) {
-  hapticast::FrameReader reader(4096);
+  hapticast::LengthFraming reader(4096);
   Outcome outcome;
   while (!stream.empty()) {
     const auto size = std::min(chunk, stream.size());

@@ -137,7 +137,7 @@ class RawPeer {
 
  private:
   asio::ip::tcp::socket socket_;
-  FrameReader reader_{kMaxMessageBytes};
+  LengthFraming reader_{kMaxMessageBytes};
 };
 
 /// A whole client's network half, with the loop's side of the pool.

@@ -123,7 +123,7 @@ class Churn {
   }
 
   asio::awaitable<void> readAll(ViewerPtr viewer) {
-    FrameReader reader(kMaxMessageBytes);
+    LengthFraming reader(kMaxMessageBytes);
     std::vector<std::uint8_t> chunk(1U << 16U);
     for (;;) {
       boost::system::error_code ec;

@@ -31,7 +31,7 @@ TEST(Framing, GivesTheSameMessagesHoweverTheStreamIsCut) {
     stream.insert(stream.end(), bytes.begin(), bytes.end());
   }
   for (int round = 0; round < 100; ++round) {
-    FrameReader reader(1024);
+    LengthFraming reader(1024);
     std::vector<Bytes> got;
     for (std::size_t at = 0; at < stream.size();) {
       const std::size_t size =
@@ -47,7 +47,7 @@ TEST(Framing, GivesTheSameMessagesHoweverTheStreamIsCut) {
 }
 
 TEST(Framing, RefusesTooLongAsSoonAsTheLengthIsThere) {
-  FrameReader reader(100);
+  LengthFraming reader(100);
   reader.feed(framed(message(100, 1)));
   ASSERT_TRUE(reader.next().ok());
   reader.feed(Bytes{101, 0, 0, 0});
@@ -60,16 +60,16 @@ TEST(Framing, RefusesTooLongAsSoonAsTheLengthIsThere) {
 }
 
 TEST(Framing, RefusesLengthZeroAndTheLargestLength) {
-  FrameReader zero(100);
+  LengthFraming zero(100);
   zero.feed(Bytes{0, 0, 0, 0});
   EXPECT_EQ(zero.next().error().code, ErrorCode::kMalformed);
-  FrameReader huge(kMaxMessageBytes);
+  LengthFraming huge(kMaxMessageBytes);
   huge.feed(Bytes{0xFF, 0xFF, 0xFF, 0xFF});
   EXPECT_EQ(huge.next().error().code, ErrorCode::kTooLarge);
 }
 
 TEST(Framing, LimitCanBeRaised) {
-  FrameReader reader(10);
+  LengthFraming reader(10);
   const auto bytes = framed(message(50, 9));
   reader.setLimit(50);
   reader.feed(bytes);
@@ -80,7 +80,7 @@ TEST(Framing, LimitCanBeRaised) {
 }
 
 TEST(Framing, CarriesTheLargestMessage) {
-  FrameReader reader(kMaxMessageBytes);
+  LengthFraming reader(kMaxMessageBytes);
   const auto bytes = framed(message(kMaxMessageBytes, 5));
   for (std::size_t at = 0; at < bytes.size(); at += 65536) {
     ASSERT_FALSE(reader.next().value());

@@ -4,12 +4,14 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <string>
 #include <vector>
 
 namespace hapticast {
 namespace {
 
 using asio::ip::tcp;
+using Bytes = std::vector<std::uint8_t>;
 
 struct TcpChannelTest : ::testing::Test {
   TcpChannelTest() {
@@ -59,7 +61,7 @@ TEST_F(TcpChannelTest, AWriteGoesOnWhereWriteNowHasStopped) {
   io.run();
   EXPECT_TRUE(written);
   EXPECT_EQ(channel->bytesWritten(), got.size());
-  FrameReader reader(kMaxMessageBytes);
+  LengthFraming reader(kMaxMessageBytes);
   reader.feed(got);
   for (const SharedBytes& each : {large, small}) {
     const auto next = reader.next();
@@ -79,6 +81,68 @@ TEST_F(TcpChannelTest, ReportsTheEndOfTheConnectionByTheWrite) {
   io.run();
   EXPECT_FALSE(written);
   EXPECT_FALSE(channel->whyEnded().empty());
+}
+
+/// The end of a server, and a socket that writes to it.
+struct TcpServerEndTest : TcpChannelTest {
+  TcpServerEndTest() {
+    tcp::acceptor acceptor(io, {asio::ip::address_v4::loopback(), 0});
+    peer.connect(acceptor.local_endpoint());
+    channel = std::make_unique<TcpChannel>(acceptor.accept(), kMaxSmallMessageBytes, nullptr,
+                                           ChannelEnd::kServer);
+  }
+  /// Sends `text` in `pieces` and returns what the channel reads.
+  Result<std::optional<Bytes>, WireError> read(const std::vector<std::string>& pieces) {
+    Result<std::optional<Bytes>, WireError> result{std::optional<Bytes>()};
+    bool done = false;
+    asio::co_spawn(
+        io,
+        [&]() -> asio::awaitable<void> {
+          const auto payload = co_await channel->read();
+          done = true;
+          if (!payload.ok()) {
+            result = payload.error();
+          } else if (payload.value()) {
+            result = std::optional(Bytes(payload.value()->begin(), payload.value()->end()));
+          }
+        },
+        asio::detached);
+    for (const std::string& piece : pieces) {
+      asio::write(peer, asio::buffer(piece));
+      io.restart();
+      io.run_for(std::chrono::milliseconds(20));
+    }
+    EXPECT_TRUE(done);
+    return result;
+  }
+  std::string readAnswer() {
+    std::string answer;
+    boost::system::error_code ec;
+    channel->close();
+    asio::read(peer, asio::dynamic_buffer(answer), ec);
+    return answer;
+  }
+
+  tcp::socket peer{io};
+};
+
+TEST_F(TcpServerEndTest, ReadsAMessageWhosePrefixArrivesByteByByte) {
+  const auto payload =
+      read({std::string("\x02", 1), std::string("\0", 1), std::string("\0\0", 2), "a", "b"});
+  ASSERT_TRUE(payload.ok() && payload.value());
+  EXPECT_EQ(*payload.value(), (Bytes{'a', 'b'}));
+}
+
+TEST_F(TcpServerEndTest, AnswersARequestOfHttpWithOneSentence) {
+  const auto payload = read({"G", "ET", " / HTTP/1.1\r\nHost: a\r\n\r\n"});
+  ASSERT_FALSE(payload.ok());
+  EXPECT_EQ(payload.error().message, "a request of HTTP on the port for viewers");
+  EXPECT_TRUE(channel->writeNow(TcpChannelTest::payload(10))) << "it sends no payload";
+  const std::string answer = readAnswer();
+  const std::size_t body = answer.find("\r\n\r\n") + 4;
+  EXPECT_TRUE(answer.starts_with("HTTP/1.1 400 Bad Request\r\n")) << answer;
+  const std::string length = "\r\nContent-Length: " + std::to_string(answer.size() - body) + "\r\n";
+  EXPECT_NE(answer.find(length), std::string::npos) << answer;
 }
 
 }  // namespace

@@ -66,8 +66,8 @@ TEST(Tls, CarriesBytesBothWaysInPiecesOfAnySize) {
     ASSERT_TRUE(pair.client.established() && pair.server.established());
     const Bytes small = countTo(20);
     const Bytes large = countTo(100'000);
-    EXPECT_TRUE(pair.client.send(small));
-    EXPECT_TRUE(pair.server.send(large));
+    EXPECT_TRUE(pair.client.send({}, small));
+    EXPECT_TRUE(pair.server.send({}, large));
     EXPECT_NE(pair.client.output(), small) << "encrypted";
     ASSERT_EQ(pair.deliver(), "");
     EXPECT_EQ(pair.at_server, small);
@@ -80,8 +80,8 @@ TEST(Tls, CarriesBytesBothWaysInPiecesOfAnySize) {
 
 TEST(Tls, SendsNothingBeforeTheHandshake) {
   TlsPair pair;
-  EXPECT_FALSE(pair.server.send(countTo(3)));
-  EXPECT_FALSE(pair.client.send(countTo(3)));
+  EXPECT_FALSE(pair.server.send({}, countTo(3)));
+  EXPECT_FALSE(pair.client.send({}, countTo(3)));
   EXPECT_TRUE(pair.server.output().empty());
 }
 
@@ -97,7 +97,7 @@ TEST(Tls, TheClientChecksTheFingerprintOfTheServersKey) {
   EXPECT_EQ(refused.deliver(), "another key");
   EXPECT_TRUE(refused.client.untrusted());
   EXPECT_FALSE(refused.client.established());
-  EXPECT_FALSE(refused.client.send(countTo(3))) << "nothing for a server without trust";
+  EXPECT_FALSE(refused.client.send({}, countTo(3))) << "nothing for a server without trust";
 }
 
 TEST(Tls, AnAuthorityIsNeededWhereTheClientNamesOne) {
@@ -131,7 +131,7 @@ TEST(Tls, ADamagedByteEndsTheConnection) {
   for (int run = 0; run < 200; ++run) {
     TlsPair pair;
     ASSERT_EQ(pair.deliver(), "");
-    ASSERT_TRUE(pair.client.send(countTo(50)));
+    ASSERT_TRUE(pair.client.send({}, countTo(50)));
     Bytes& bytes = pair.client.output();
     bytes[random() % bytes.size()] ^= static_cast<std::uint8_t>(1U << (random() % 8));
     (void)pair.deliver();
@@ -153,11 +153,23 @@ TEST(Tls, NoisePutsNeitherEndOutOfOrder) {
   }
 }
 
-TEST(Tls, NoSmallMessageBeginsLikeTls) {
-  TlsPair pair;
-  EXPECT_TRUE(beginsWithTls(pair.client.output()));
-  for (std::size_t size = 1; size <= kMaxSmallMessageBytes; ++size)
-    ASSERT_FALSE(beginsWithTls(lengthPrefix(size))) << size;
+// A prefix and a payload of any size arrive as one message, in as few records as TLS allows.
+TEST(Tls, SendsAPrefixAndAPayloadInFullRecords) {
+  constexpr std::size_t kRecord = 16384, kOverhead = 22;  // RFC 8446, section 5.2
+  for (const std::size_t size :
+       {0U, 1U, 2200U, 16379U, 16380U, 16381U, 20'000U, 32'764U, 70'000U}) {
+    TlsPair pair;
+    ASSERT_EQ(pair.deliver(), "");
+    const Bytes prefix{9, 8, 7, 6};
+    const Bytes payload = countTo(size);
+    ASSERT_TRUE(pair.server.send(prefix, payload));
+    const std::size_t all = prefix.size() + size, records = (all + kRecord - 1) / kRecord;
+    EXPECT_EQ(pair.server.output().size(), all + kOverhead * records) << size;
+    ASSERT_EQ(pair.deliver(), "");
+    Bytes expected = prefix;
+    expected.insert(expected.end(), payload.begin(), payload.end());
+    EXPECT_EQ(pair.at_client, expected) << size;
+  }
 }
 
 }  // namespace
