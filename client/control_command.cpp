@@ -14,17 +14,29 @@ namespace hapticast::client {
 namespace {
 
 constexpr auto kControlPatience = std::chrono::seconds(5);
+// A seek in a long clip lasts as long as vision needs for the frames before; chosen.
+constexpr auto kCarryOutPatience = std::chrono::minutes(2);
 
 /// State of one request, which its coroutines share.
 struct Exchange {
-  explicit Exchange(asio::io_context& context) : io(context), timer(context, kControlPatience) {}
+  explicit Exchange(asio::io_context& context) : io(context), timer(context) {}
   asio::io_context& io;
   asio::steady_timer timer;
   DialCancellation stop;
   std::unique_ptr<Channel> channel;
   bool done = false;
-  std::string problem = "the server did not answer in time";
+  std::string problem = "the server has ended the connection";
 
+  /// Ends the request with `why` after `patience`. Replaces the limit before.
+  void limit(Duration patience, std::string why) {
+    timer.expires_after(patience);
+    timer.async_wait([this, why = std::move(why)](const boost::system::error_code& cancelled) {
+      if (cancelled) return;
+      problem = why;
+      stop.stop();
+      if (channel) channel->close();
+    });
+  }
   void end(std::string why) {
     problem = std::move(why);
     timer.cancel();
@@ -34,7 +46,10 @@ struct Exchange {
 
 /// Handles a message of the server. Returns the next message to send, if there is one.
 std::optional<Control> answer(Exchange& exchange, const Message& message, const Control& control) {
-  if (std::holds_alternative<Welcome>(message)) return control;
+  if (std::holds_alternative<Welcome>(message)) {
+    exchange.limit(kCarryOutPatience, "the server has not carried out the request in 2 minutes");
+    return control;
+  }
   if (std::holds_alternative<Control>(message)) {
     exchange.done = true;
     exchange.end("");
@@ -81,11 +96,7 @@ bool controlServer(const Settings& settings) {
                  request(exchange, chooseDial(settings, server), settings.server, hello,
                          *settings.control, settings.insecure),
                  asio::detached);
-  exchange.timer.async_wait([&exchange](const boost::system::error_code& cancelled) {
-    if (cancelled) return;
-    exchange.stop.stop();
-    if (exchange.channel) exchange.channel->close();
-  });
+  exchange.limit(kControlPatience, "the server did not answer in time");
   io.run();
   if (!exchange.done) spdlog::error("{}: {}", server, exchange.problem);
   return exchange.done;

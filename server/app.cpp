@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -104,6 +105,7 @@ App::Impl::Impl(Settings settings, const Clock& clock, ReadSettings reread)
                                                  : loadSigningKey(settings_.signing_key_file),
               settings_.tls.wanted() ? std::make_unique<DatagramSealer>(clock) : nullptr),
       reloader_(settings_, std::move(reread)),
+      requests_(clock),
       clock_(clock),
       counter_(clock),
       service_(settings_, clock, media_clock_, vision_.description(), signer_.identity()) {
@@ -122,7 +124,9 @@ App::Impl::Impl(Settings settings, const Clock& clock, ReadSettings reread)
 
 void App::Impl::run() {
   service_.broadcaster().onRemoved([this] { signer_.revokeKey(); });
-  service_.broadcaster().onControl([this](const Control& control) { requests_.push(control); });
+  service_.broadcaster().onControl([this](const Control& control, std::function<void()> confirm) {
+    requests_.push(control, std::move(confirm));
+  });
   service_.start([this] { stop(); },
                  [this] {
                    if (auto vision = reloader_.reload()) requests_.pushReload(std::move(*vision));

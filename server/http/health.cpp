@@ -36,4 +36,21 @@ std::optional<std::string> findProblem(const Metrics& metrics) {
   return fmt::format("no frame for {:.1f} s", toSeconds(silence));
 }
 
+std::string describeActivity(const Metrics& metrics) {
+  if (!metrics.pipeline) return "forwards the frames of its origin";
+  switch (metrics.pipeline->phase) {
+    case PipelinePhase::kScan:
+      return "scans the clip";
+    case PipelinePhase::kWaitForViewer:
+      return "waits for the first viewer";
+    case PipelinePhase::kStream:
+      return "sends frames";
+    case PipelinePhase::kPause:
+      return "an operator has paused the stream";
+    case PipelinePhase::kSeek:
+      return "an operator seeks";
+  }
+  return "";
+}
+
 }  // namespace hapticast::server

@@ -27,8 +27,10 @@ struct Metrics {
 };
 
 /// Health check: returns nullopt if the server publishes frames, or is in a phase in which it needs
-/// not publish (scan, wait for a viewer, pause). Otherwise returns the problem in one line.
+/// not publish (scan, wait for a viewer, pause, seek). Otherwise returns the problem in one line.
 [[nodiscard]] std::optional<std::string> findProblem(const Metrics& metrics);
+/// Returns what the server does at present, in some words, for example "sends frames".
+[[nodiscard]] std::string describeActivity(const Metrics& metrics);
 /// Returns the figures in the text format 0.0.4 of Prometheus.
 [[nodiscard]] std::string writePrometheus(const Metrics& metrics);
 /// Returns the figures as a JSON object.

@@ -30,13 +30,13 @@ PumpStep FramePump::step() {
     logSkippedFrames();
     return PumpStep::kFrame;
   }
-  if (!parts_.source.info().live) return PumpStep::kEnd;
+  if (!isLive()) return PumpStep::kEnd;
   publishHeldBack();
   return PumpStep::kSilence;
 }
 
 std::optional<RgbdFrame> FramePump::readFrame() {
-  if (parts_.source.info().live) return parts_.source.read();
+  if (isLive()) return parts_.source.read();
   Pacer::Plan plan = pacer_.plan(parts_.media_clock.now());
   const bool goes_on = wait_(plan.due);
   // A machine that stood still wakes long after the frame was due.
@@ -45,7 +45,7 @@ std::optional<RgbdFrame> FramePump::readFrame() {
 }
 
 MediaTime FramePump::findMediaTime(const RgbdFrame& frame) {
-  if (!parts_.source.info().live) return pacer_.frameRead(frame.epoch, frame.index);
+  if (!isLive()) return pacer_.frameRead(frame.epoch, frame.index);
   // Ages are measured before now(), so two frames could change their order.
   last_captured_ = std::max(parts_.media_clock.now() - frame.age, last_captured_ + kTickPeriod);
   return last_captured_;
@@ -76,18 +76,13 @@ void FramePump::flush() {
 
 void FramePump::idle() {
   const MediaTime now = parts_.media_clock.now();
-  const bool live = parts_.source.info().live;
+  const bool live = isLive();
   if (wait_(live ? now : now + kIdle) && live) (void)parts_.source.read();
   resume();
 }
 
-void FramePump::seek(double time_s) {
+void FramePump::seek(double time_s, const std::function<bool()>& ends_early) {
   const SourceInfo& info = parts_.source.info();
-  if (info.live) {
-    spdlog::warn("an operator seeks, but a live source has no other times");
-    return;
-  }
-  spdlog::info("an operator seeks to {:g} s", time_s);
   flush();
   parts_.vision.beginAnew();
   const std::uint64_t last = info.frame_count.value_or(1) - 1;
@@ -95,7 +90,7 @@ void FramePump::seek(double time_s) {
   const MediaTime begin =
       parts_.media_clock.now() - fromSeconds(static_cast<double>(frames) / info.fps);
   parts_.source.rewind();
-  for (std::uint64_t i = 0; i < frames && wait_(begin); ++i) {
+  for (std::uint64_t i = 0; i < frames && wait_(begin) && !ends_early(); ++i) {
     const auto frame = parts_.source.read();
     if (!frame) break;
     (void)parts_.vision.push(*frame, begin + fromSeconds(static_cast<double>(i) / info.fps));

@@ -53,8 +53,11 @@ class FramePump {
   void idle();
   /// Continues with the frame at `time_s` of the clip. Vision tracks objects from the first frame
   /// of the clip. So it processes all frames before `time_s` again, but the pump does not publish
-  /// them. Only logs a warning if the source is live. Throws SourceError.
-  void seek(double time_s);
+  /// them. Ends early as soon as `ends_early` returns true. Requires a source that is not live.
+  /// Throws SourceError.
+  void seek(double time_s, const std::function<bool()>& ends_early);
+  /// Returns whether the source is live.
+  [[nodiscard]] bool isLive() const { return parts_.source.info().live; }
   /// Publishes all frames that vision delays for its lookahead.
   void flush();
   /// Continues after a time without playback: the next frame is due now.

@@ -1,35 +1,33 @@
 // SPDX-License-Identifier: MIT
 #include "server/pipeline/operator_requests.hpp"
 
+#include <fmt/core.h>
 #include <spdlog/spdlog.h>
 
-#include <cstddef>
 #include <utility>
 
 namespace hapticast::server {
 
 namespace {
 
-constexpr std::size_t kMostRequests = 100;  // chosen: of operators, in one frame time
-
-/// Replaces the values of all objects by those that `change` has.
-void changeMaterials(const Material& change, VisionSettings& vision) {
-  const auto replace = [&change](Material& material) {
-    for (const auto field :
-         {&Material::stiffness_N_mm, &Material::damping_Ns_m, &Material::static_friction,
-          &Material::dynamic_friction, &Material::texture_K_mm, &Material::mass_kg}) {
-      if (change.*field) material.*field = change.*field;
-    }
-  };
-  replace(vision.material);
-  for (AuthorObject& object : vision.objects) replace(object.material);
+/// Replaces the values of `material` by those that `change` has.
+void changeMaterial(const Material& change, Material& material) {
+  for (const auto field :
+       {&Material::stiffness_N_mm, &Material::damping_Ns_m, &Material::static_friction,
+        &Material::dynamic_friction, &Material::texture_K_mm, &Material::mass_kg}) {
+    if (change.*field) material.*field = change.*field;
+  }
 }
 
 }  // namespace
 
-void OperatorRequests::push(const Control& request) {
+void OperatorRequests::push(const Control& request, std::function<void()> confirm) {
   const std::lock_guard lock(mutex_);
-  if (requests_.size() < kMostRequests) requests_.push_back(request);
+  Control& merged = waiting_.request;
+  if (request.paused) merged.paused = request.paused;
+  if (request.seek_s) merged.seek_s = request.seek_s;
+  changeMaterial(request.material, merged.material);
+  waiting_.confirm.push_back(std::move(confirm));
 }
 
 void OperatorRequests::pushReload(VisionSettings reloaded) {
@@ -37,40 +35,70 @@ void OperatorRequests::pushReload(VisionSettings reloaded) {
   reloaded_ = std::move(reloaded);
 }
 
-bool OperatorRequests::carryOut(FramePump& pump, PipelineCounter& counter,
-                                VisionSettings& settings) {
-  std::vector<Control> requests;
+bool OperatorRequests::newerSeekWaits() {
+  const std::lock_guard lock(mutex_);
+  return waiting_.request.seek_s.has_value();
+}
+
+void OperatorRequests::log(std::string line) {
+  if (const auto admitted = lines_.admit(std::move(line), clock_.now()))
+    spdlog::info("{}", *admitted);
+}
+
+void OperatorRequests::applyReload(FramePump& pump, VisionSettings& settings) {
   std::optional<VisionSettings> reloaded;
   {
     const std::lock_guard lock(mutex_);
-    requests.swap(requests_);
     reloaded.swap(reloaded_);
   }
-  if (reloaded) {
-    settings.material = reloaded->material;
-    settings.mass_kg = reloaded->mass_kg;
-    settings.objects = reloaded->objects;
-    pump.setMaterials(settings);
+  if (!reloaded) return;
+  settings.material = reloaded->material;
+  settings.mass_kg = reloaded->mass_kg;
+  settings.objects = reloaded->objects;
+  pump.setMaterials(settings);
+}
+
+bool OperatorRequests::carryOut(FramePump& pump, PipelineCounter& counter,
+                                VisionSettings& settings) {
+  applyReload(pump, settings);
+  Waiting carried_out;
+  {
+    const std::lock_guard lock(mutex_);
+    carried_out = std::exchange(waiting_, {});
   }
-  for (const Control& request : requests) carryOut(request, pump, counter, settings);
-  return !requests.empty();
+  if (carried_out.confirm.empty()) return false;
+  carryOut(carried_out.request, pump, counter, settings);
+  for (const auto& confirm : carried_out.confirm) confirm();
+  return true;
 }
 
 void OperatorRequests::carryOut(const Control& request, FramePump& pump, PipelineCounter& counter,
                                 VisionSettings& settings) {
   if (request.paused && *request.paused != paused_)
-    spdlog::info("an operator {} the stream", *request.paused ? "pauses" : "continues");
+    log(fmt::format("an operator {} the stream", *request.paused ? "pauses" : "continues"));
   if (request.paused.value_or(false)) pump.flush();
   paused_ = request.paused.value_or(paused_);
-  if (request.seek_s) {
-    counter.enter(PipelinePhase::kScan);
-    pump.seek(*request.seek_s);
-  }
+  if (request.seek_s) seek(*request.seek_s, pump, counter);
   counter.enter(paused_ ? PipelinePhase::kPause : PipelinePhase::kStream);
   if (request.material == Material{}) return;
-  changeMaterials(request.material, settings);
+  changeMaterial(request.material, settings.material);
+  for (AuthorObject& object : settings.objects) changeMaterial(request.material, object.material);
   pump.setMaterials(settings);
-  spdlog::info("an operator changes the material");
+  log("an operator changes the material");
+}
+
+void OperatorRequests::seek(double time_s, FramePump& pump, PipelineCounter& counter) {
+  if (pump.isLive()) return log("an operator seeks, but a live source has no other times");
+  counter.enter(PipelinePhase::kSeek);
+  const LocalTime begin = clock_.now();
+  for (std::optional<double> next_s = time_s; next_s;) {
+    log(fmt::format("an operator seeks to {:g} s", *next_s));
+    pump.seek(*next_s, [&] { return clock_.now() - begin < kNewerSeeks && newerSeekWaits(); });
+    next_s.reset();
+    if (clock_.now() - begin >= kNewerSeeks) return;
+    const std::lock_guard lock(mutex_);
+    next_s.swap(waiting_.request.seek_s);
+  }
 }
 
 }  // namespace hapticast::server

@@ -18,6 +18,7 @@ enum class PipelinePhase : std::uint8_t {
   kWaitForViewer,  ///< --wait-for-viewer: no viewer has joined yet
   kStream,
   kPause,  ///< an operator has paused the stream
+  kSeek,   ///< an operator seeks: vision processes the frames before that time
 };
 
 /// Times of the encoder's thread.

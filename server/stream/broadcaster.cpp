@@ -210,9 +210,14 @@ void Broadcaster::checkAccess() {
   if (removed && on_removed_) on_removed_();
 }
 
-bool Broadcaster::control(const Control& control) {
-  if (control_) control_(control);
-  return control_ != nullptr;
+bool Broadcaster::control(const Control& control, const std::shared_ptr<Session>& sender) {
+  if (!control_) return false;
+  control_(control, [this, control, weak = std::weak_ptr(sender)] {
+    asio::post(io_, [control, weak] {
+      if (const auto session = weak.lock()) session->confirm(control);
+    });
+  });
+  return true;
 }
 
 std::optional<Grant> Broadcaster::findGrant(const Hello& hello) const {

@@ -58,9 +58,12 @@ class Broadcaster final : public StreamSink, private SessionHost {
   /// Sets a function that the broadcaster calls after it closed connections because their token is
   /// no longer valid. Call it before the first viewer connects. Thread of `removed`: the network's.
   void onRemoved(std::function<void()> removed) { on_removed_ = std::move(removed); }
+  /// Function that receives a request of an operator. It calls `confirm` once the request is
+  /// carried out, from any thread.
+  using OnControl = std::function<void(const Control&, std::function<void()> confirm)>;
   /// Sets the function that receives the requests of operators. Call it before the first viewer
   /// connects. Thread of `control`: the network's.
-  void onControl(std::function<void(const Control&)> control) { control_ = std::move(control); }
+  void onControl(OnControl control) { control_ = std::move(control); }
   /// Sends a frame to every viewer, unless it is stale and a newer one follows (StaleFrameFilter).
   /// A viewer that joins later receives the newest frame at once. Thread: any.
   void publish(EncodedFrame frame) override;
@@ -119,7 +122,8 @@ class Broadcaster final : public StreamSink, private SessionHost {
   [[nodiscard]] std::optional<WireError> refuseToken(const Hello& hello,
                                                      const Channel& channel) const;
   [[nodiscard]] std::optional<Grant> findGrant(const Hello& hello) const override;
-  [[nodiscard]] bool control(const Control& control) override;
+  [[nodiscard]] bool control(const Control& control,
+                             const std::shared_ptr<Session>& sender) override;
   void completeWelcome(const Channel& channel, Welcome& welcome) override;
   void deliver(std::uint64_t datagram_token, const Delivery& delivery) override;
   void onJoined(Session& session) override;
@@ -165,7 +169,7 @@ class Broadcaster final : public StreamSink, private SessionHost {
   std::optional<StreamIdentity> identity_;  // absent: frames are not signed
   std::optional<AccessList> access_;        // absent: no tokens are needed
   std::function<void()> on_removed_;
-  std::function<void(const Control&)> control_;
+  OnControl control_;
   DatagramSender* datagrams_ = nullptr;
   asio::steady_timer timer_;
   Sessions viewers_;           // welcomed and not closing; in the order in which frames are sent

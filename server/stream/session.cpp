@@ -140,7 +140,7 @@ void Session::check(LocalTime now) {
     abort();
   } else if (!hello_ && now - started_ >= settings.hello_deadline) {
     close({ErrorCode::kTimeout, "no hello arrived in time"});
-  } else if (now - received_ >= settings.idle_timeout) {
+  } else if (unconfirmed_ == 0 && now - received_ >= settings.idle_timeout) {
     close({ErrorCode::kTimeout, "no message arrived for too long"});
   }
 }
@@ -248,8 +248,16 @@ void Session::handle(const Control& control) {
                                              ? "this access token is a viewer's, not an operator's"
                                              : "this server has no operators (--tokens)"});
   }
-  if (!host_.control(control))
-    return close({ErrorCode::kForbidden, "this server is an edge; control its origin"});
+  if (unconfirmed_ >= kMaxUnconfirmed)
+    return close({ErrorCode::kUnexpected, "too many requests wait for the server"});
+  ++unconfirmed_;
+  if (!host_.control(control, shared_from_this()))
+    close({ErrorCode::kForbidden, "this server is an edge; control its origin"});
+}
+
+void Session::confirm(const Control& control) {
+  --unconfirmed_;
+  received_ = host_.clock().now();  // the client may have waited for a long seek
   send(encodeShared(control));
 }
 

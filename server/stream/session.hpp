@@ -33,9 +33,10 @@ class SessionHost {
                                                         const Channel& channel) const = 0;
   /// Returns the rights of the token in `hello`; nullopt if this server needs no tokens.
   [[nodiscard]] virtual std::optional<Grant> findGrant(const Hello& hello) const = 0;
-  /// Passes the request of an operator to the pipeline. Returns false if this server has no
-  /// pipeline (an edge).
-  [[nodiscard]] virtual bool control(const Control& control) = 0;
+  /// Passes the request of an operator to the pipeline. Once the request is carried out, the host
+  /// calls confirm() of `sender`. Returns false if this server has no pipeline (an edge).
+  [[nodiscard]] virtual bool control(const Control& control,
+                                     const std::shared_ptr<Session>& sender) = 0;
   /// Writes the key of the stream into `welcome`, and the parameters for datagrams, if datagrams
   /// are available to the client of `channel`.
   virtual void completeWelcome(const Channel& channel, Welcome& welcome) = 0;
@@ -60,6 +61,8 @@ class Session : public std::enable_shared_from_this<Session> {
   /// Largest number of pings that wait for their answer; a choice.
   static constexpr std::size_t kMaxPongs = 64;
   static constexpr std::uint32_t kMaxMessagesPerSecond = 200;
+  /// Largest number of an operator's requests that are not carried out yet; a choice.
+  static constexpr std::size_t kMaxUnconfirmed = 1000;
 
   /// `io` runs the channel. `host` must outlive the session's coroutines. `id`: number for the log.
   Session(asio::io_context& io, std::unique_ptr<Channel> channel, SessionHost& host,
@@ -91,6 +94,8 @@ class Session : public std::enable_shared_from_this<Session> {
   /// Sends `frame` like the other send(). If the queue is empty, which is usual, the frame bypasses
   /// the queue.
   void send(const EncodedFrame& frame);
+  /// Returns the request of this operator to its client, because it is carried out.
+  void confirm(const Control& control);
   /// Sends another welcome after a change of the origin. Removes waiting items and pongs, because
   /// they belong to the previous origin. Resets the delivery of frames to the request in the
   /// client's hello. Requires a welcomed client.
@@ -147,9 +152,10 @@ class Session : public std::enable_shared_from_this<Session> {
   asio::steady_timer wake_;  // wakes the writer
   SessionHost& host_;
   std::uint32_t id_;
-  SharedBytes unfinished_;      // payload that is written in part; the writer continues with it
-  std::deque<Pong> pongs_;      // t2 and error are set when the pong is sent
-  std::optional<Hello> hello_;  // without its token
+  SharedBytes unfinished_;       // payload that is written in part; the writer continues with it
+  std::deque<Pong> pongs_;       // t2 and error are set when the pong is sent
+  std::size_t unconfirmed_ = 0;  // requests of this operator that are not carried out yet
+  std::optional<Hello> hello_;   // without its token
   std::optional<Grant> grant_;
   std::uint64_t datagram_token_ = 0;  // 0: none was offered
   LocalTime started_;

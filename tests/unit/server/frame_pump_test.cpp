@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
+#include <utility>
 #include <vector>
 
 #include "server/pipeline/operator_requests.hpp"
@@ -40,13 +42,16 @@ class FramePumpTest : public ::testing::Test {
     settings.low_latency = true;
     return settings;
   }
-  FramePump makePump(bool loop = false) {
-    return {
-        {source_, vision_, encoder_, clock_, media_clock_, &counter_}, loop, [this](MediaTime due) {
-          const MediaTime now = media_clock_.now();
-          if (due > now) clock_.advance(due - now);
-          return !stop_;
-        }};
+  FramePump makePump(
+      bool loop = false, std::function<void()> on_wait = [] {}) {
+    return {{source_, vision_, encoder_, clock_, media_clock_, &counter_},
+            loop,
+            [this, on_wait = std::move(on_wait)](MediaTime due) {
+              on_wait();
+              const MediaTime now = media_clock_.now();
+              if (due > now) clock_.advance(due - now);
+              return !stop_;
+            }};
   }
   /// Runs the pump to the end of the clip. Returns the number of its frames.
   static int runToEnd(FramePump& pump) {
@@ -55,15 +60,20 @@ class FramePumpTest : public ::testing::Test {
     pump.flush();
     return frames;
   }
+  void push(const Control& request) {
+    requests_.push(request, [this] { ++confirmed_; });
+  }
   std::size_t countPublished() {
     encoder_.finish();
     return sink_.ids.size();
   }
 
+  std::size_t drawn_ = 0;  // frames that the source has drawn
   const test::BallScene scene_{.width = 64, .height = 48, .radius_px = 10};
   ManualClock clock_;
   LocalMediaClock media_clock_{clock_};
   test::FunctionSource source_{scene_.info(), kPumpedFrames, [this](std::uint64_t index) {
+                                 ++drawn_;
                                  return scene_.frame(index, 20.0 + double(index), 24);
                                }};
   VisionSettings settings_ = makeSettings();
@@ -71,7 +81,8 @@ class FramePumpTest : public ::testing::Test {
   PumpedFrames sink_;
   EncoderThread encoder_{std::vector<StreamSink*>{&sink_}};
   PipelineCounter counter_{clock_};
-  OperatorRequests requests_;
+  OperatorRequests requests_{clock_};
+  std::size_t confirmed_ = 0;
   bool stop_ = false;
 };
 
@@ -107,11 +118,65 @@ TEST_F(FramePumpTest, ASeekContinuesAtItsTimeAndPublishesNothingBefore) {
   EXPECT_EQ(pump.step(), PumpStep::kFrame);
   Control seek;
   seek.seek_s = 0.6;
-  requests_.push(seek);
+  push(seek);
   EXPECT_TRUE(requests_.carryOut(pump, counter_, settings_));
   pump.resume();
   EXPECT_EQ(runToEnd(pump), 5) << "frames 15 to 19";
   EXPECT_EQ(countPublished(), 6U);
+}
+
+TEST_F(FramePumpTest, ManyRequestsBecomeOne) {
+  FramePump pump = makePump();
+  Control seek, material, texture;
+  for (int i = 0; i < 180; ++i) {
+    seek.seek_s = i % 2 == 0 ? 0.4 : 0.6;
+    material.material.stiffness_N_mm = 0.01 * i;
+    texture.material.texture_K_mm = i;
+    push(seek);
+    push(material);
+    push(texture);
+  }
+  EXPECT_EQ(confirmed_, 0U) << "nothing is carried out yet";
+  EXPECT_TRUE(requests_.carryOut(pump, counter_, settings_));
+  EXPECT_EQ(confirmed_, 540U);
+  EXPECT_EQ(settings_.material.stiffness_N_mm, 1.79);
+  EXPECT_EQ(settings_.material.texture_K_mm, 179.0);
+  EXPECT_EQ(drawn_, 15U) << "one seek, to the last time";
+  EXPECT_FALSE(requests_.carryOut(pump, counter_, settings_));
+}
+
+TEST_F(FramePumpTest, ANewerSeekEndsTheRunningOne) {
+  bool pushed = false;
+  FramePump pump = makePump(false, [&] {
+    if (std::exchange(pushed, true)) return;
+    Control newer;
+    newer.seek_s = 0.2;
+    push(newer);
+  });
+  Control seek;
+  seek.seek_s = 0.6;
+  push(seek);
+  EXPECT_TRUE(requests_.carryOut(pump, counter_, settings_));
+  pump.resume();
+  EXPECT_EQ(runToEnd(pump), 15) << "frames 5 to 19";
+  EXPECT_TRUE(requests_.carryOut(pump, counter_, settings_));
+  EXPECT_EQ(confirmed_, 2U);
+}
+
+// An operator who seeks again before each frame cannot stop the stream: the seek that runs after a
+// second comes to its end.
+TEST_F(FramePumpTest, SeeksWithoutEndDelayTheStreamByASecondAndOneSeek) {
+  Control seek;
+  seek.seek_s = 0.6;
+  FramePump pump = makePump(false, [&] {
+    clock_.advance(std::chrono::milliseconds(50));  // vision's time for a frame
+    push(seek);
+  });
+  push(seek);
+  const LocalTime begin = clock_.now();
+  EXPECT_TRUE(requests_.carryOut(pump, counter_, settings_));
+  EXPECT_LE(clock_.now() - begin,
+            OperatorRequests::kNewerSeeks + 16 * std::chrono::milliseconds(50));
 }
 
 TEST_F(FramePumpTest, APauseHoldsUntilItIsTakenBack) {
@@ -119,7 +184,7 @@ TEST_F(FramePumpTest, APauseHoldsUntilItIsTakenBack) {
   EXPECT_FALSE(requests_.carryOut(pump, counter_, settings_));
   Control control;
   control.paused = true;
-  requests_.push(control);
+  push(control);
   EXPECT_TRUE(requests_.carryOut(pump, counter_, settings_));
   EXPECT_TRUE(requests_.paused());
   EXPECT_EQ(counter_.counts().phase, PipelinePhase::kPause);
@@ -127,7 +192,7 @@ TEST_F(FramePumpTest, APauseHoldsUntilItIsTakenBack) {
   pump.idle();
   EXPECT_GT(media_clock_.now(), begin);
   control.paused = false;
-  requests_.push(control);
+  push(control);
   EXPECT_TRUE(requests_.carryOut(pump, counter_, settings_));
   EXPECT_FALSE(requests_.paused());
   EXPECT_EQ(runToEnd(pump), int(kPumpedFrames)) << "the pause skipped none";
@@ -137,7 +202,7 @@ TEST_F(FramePumpTest, MaterialsOfOperatorsAndOfAReloadReachTheSettings) {
   FramePump pump = makePump();
   Control control;
   control.material.stiffness_N_mm = 2.0;
-  requests_.push(control);
+  push(control);
   EXPECT_TRUE(requests_.carryOut(pump, counter_, settings_));
   EXPECT_EQ(settings_.material.stiffness_N_mm, 2.0);
   VisionSettings reloaded = settings_;
