@@ -15,14 +15,14 @@ namespace {
 
 using namespace std::chrono_literals;
 
-LocalTime at(Duration time) { return LocalTime(10s) + time; }
+LocalTime arriveAt(Duration time) { return LocalTime(10s) + time; }
 
 class OriginFollowerTest : public ::testing::Test {
  protected:
   static constexpr std::uint64_t kOrigin = kTestOrigin;
 
   /// Passes a message to the follower.
-  FollowedMessage follow(const std::vector<std::uint8_t>& whole, LocalTime now = at(0s)) {
+  FollowedMessage follow(const std::vector<std::uint8_t>& whole, LocalTime now = arriveAt(0s)) {
     return follower_.onMessage(whole, now, kUtc);
   }
 
@@ -116,12 +116,13 @@ TEST_F(OriginFollowerTest, LeavesAnOriginThatStillSendsAtMostOnceAMinute) {
     // The true origin raises its term each time that the rival goes beyond it.
     changes +=
         follow(makeMessage(rival, {++term, kOrigin + 1, ++number}, makeState(rival, kOrigin + 1)),
-               at(time))
+               arriveAt(time))
                 .new_origin
             ? 1
             : 0;
     changes +=
-        follow(makeMessage(key_, {++term, kOrigin, ++number}, makeState(key_)), at(time)).new_origin
+        follow(makeMessage(key_, {++term, kOrigin, ++number}, makeState(key_)), arriveAt(time))
+                .new_origin
             ? 1
             : 0;
   }
@@ -134,8 +135,9 @@ TEST_F(OriginFollowerTest, LeavesASilentOriginAtOnce) {
   ASSERT_TRUE(follow(makeMessage(key_, {term, kOrigin, 1}, makeState(key_))).new_origin);
   for (Duration time = 1s; time < 60s; time += 1s) {
     const std::uint64_t origin = kOrigin + 1 + term % 2;
-    EXPECT_TRUE(follow(makeMessage(other, {++term, origin, 1}, makeState(other, origin)), at(time))
-                    .new_origin);
+    EXPECT_TRUE(
+        follow(makeMessage(other, {++term, origin, 1}, makeState(other, origin)), arriveAt(time))
+            .new_origin);
   }
 }
 
@@ -145,10 +147,10 @@ TEST_F(OriginFollowerTest, ASilentOriginLosesItsRankWhereAnyKeyIsValid) {
   const auto high = makeMessage(rival, {900, kOrigin + 1, 1}, makeState(rival, kOrigin + 1));
   const auto low = makeMessage(key_, {5, kOrigin, 1}, makeState(key_));
   ASSERT_TRUE(follow(high).new_origin);
-  ASSERT_TRUE(strict.onMessage(high, at(0s), kUtc).new_origin);
-  EXPECT_FALSE(follow(low, at(OriginFollower::kLoseRankAfter - 1ms)).content);
-  EXPECT_TRUE(follow(low, at(OriginFollower::kLoseRankAfter)).new_origin);
-  EXPECT_FALSE(strict.onMessage(low, at(OriginFollower::kLoseRankAfter), kUtc).content)
+  ASSERT_TRUE(strict.onMessage(high, arriveAt(0s), kUtc).new_origin);
+  EXPECT_FALSE(follow(low, arriveAt(OriginFollower::kLoseRankAfter - 1ms)).content);
+  EXPECT_TRUE(follow(low, arriveAt(OriginFollower::kLoseRankAfter)).new_origin);
+  EXPECT_FALSE(strict.onMessage(low, arriveAt(OriginFollower::kLoseRankAfter), kUtc).content)
       << "somebody could send an old stream again";
 }
 
@@ -166,11 +168,13 @@ TEST_F(OriginFollowerTest, ProvesItsTermToAnOriginOfALowerRank) {
 TEST_F(OriginFollowerTest, FollowsOnlyAnExpectedKey) {
   SigningKey other;
   OriginFollower follower("lab", {key_.verifyingKey()});
-  EXPECT_EQ(follower.onMessage(makeMessage(other, {6, kOrigin, 1}, makeState(other)), at(0s), kUtc)
-                .problem,
-            "an origin has another key than --origin-key");
-  EXPECT_TRUE(follower.onMessage(makeMessage(key_, {5, kOrigin, 1}, makeState(key_)), at(0s), kUtc)
-                  .new_origin);
+  EXPECT_EQ(
+      follower.onMessage(makeMessage(other, {6, kOrigin, 1}, makeState(other)), arriveAt(0s), kUtc)
+          .problem,
+      "an origin has another key than --origin-key");
+  EXPECT_TRUE(
+      follower.onMessage(makeMessage(key_, {5, kOrigin, 1}, makeState(key_)), arriveAt(0s), kUtc)
+          .new_origin);
 }
 
 TEST_F(OriginFollowerTest, AStateHasTheKeyOfSealedDatagramsOrMarksItsAbsence) {

@@ -70,17 +70,19 @@ class TimedImages : public testing::Test {
   SourceFolder folder;
 };
 
-std::string seconds(int i) { return fmt::format("{:.6f}", 1305031102.175304 + i / 30.0); }
+std::string nameSeconds(int i) { return fmt::format("{:.6f}", 1305031102.175304 + i / 30.0); }
 std::string roundedSeconds(int i) { return fmt::format("{:g}", 1305031102.175304 + i / 30.0); }
 /// As Python writes a float: in the order of names, 5.475 comes before 5.15625.
 std::string shortSeconds(int i) { return fmt::format("{}", 5.05 + i * 0.10625); }
-std::string nanoseconds(int i) { return std::to_string(1403636579763555584LL + i * 50000000LL); }
-std::string microseconds(int i) { return std::to_string(1403636579763555LL + i * 50000LL); }
-std::string milliseconds(int i) { return std::to_string(1403636579763LL + i * 50LL); }
+std::string nameNanoseconds(int i) {
+  return std::to_string(1403636579763555584LL + i * 50000000LL);
+}
+std::string nameMicroseconds(int i) { return std::to_string(1403636579763555LL + i * 50000LL); }
+std::string nameMilliseconds(int i) { return std::to_string(1403636579763LL + i * 50LL); }
 std::string tenDigits(int i) { return fmt::format("{:010}", i); }
 
 TEST_F(TimedImages, TumListsPlayInTheOrderOfTimes) {
-  writeLists({0, 1, 3, 2, 5, 4}, {5, 4, 3, 2, 1, 0}, seconds);
+  writeLists({0, 1, 3, 2, 5, 4}, {5, 4, 3, 2, 1, 0}, nameSeconds);
   const LogLines log;
   ImageSequence source = open();
   EXPECT_EQ(readAll(source), (std::vector<int>{0, 1, 2, 3, 4, 5}));
@@ -113,7 +115,7 @@ TEST_F(TimedImages, AnImageThatIsListedTwiceIsUsedOnce) {
   std::iota(colors.begin(), colors.end(), 0);
   std::vector<int> twice = colors;
   twice.insert(twice.begin() + 7, 7);
-  writeLists(twice, colors, seconds);
+  writeLists(twice, colors, nameSeconds);
   const LogLines log;
   ImageSequence source = open();
   EXPECT_EQ(readAll(source), colors);
@@ -121,7 +123,7 @@ TEST_F(TimedImages, AnImageThatIsListedTwiceIsUsedOnce) {
 }
 
 TEST_F(TimedImages, StampsInNamesPairImagesOfOtherNumbers) {
-  for (const auto& stamp : {seconds, nanoseconds, microseconds, milliseconds}) {
+  for (const auto& stamp : {nameSeconds, nameNanoseconds, nameMicroseconds, nameMilliseconds}) {
     SCOPED_TRACE(stamp(0));
     std::filesystem::remove_all(folder / "rgb");
     std::filesystem::remove_all(folder / "depth");
@@ -129,7 +131,7 @@ TEST_F(TimedImages, StampsInNamesPairImagesOfOtherNumbers) {
     const LogLines log;
     ImageSequence source = open();
     EXPECT_EQ(source.info().frame_count, 10U) << "a colour image without depth is a gap";
-    EXPECT_NEAR(source.info().fps, stamp == seconds ? 30.0 : 20.0, 0.01);
+    EXPECT_NEAR(source.info().fps, stamp == nameSeconds ? 30.0 : 20.0, 0.01);
     EXPECT_EQ(log.count(), 1) << log.text();
     EXPECT_THAT(log.text(),
                 HasSubstr("1 colour images have no depth, and 2 depth images no colour"));
@@ -139,7 +141,7 @@ TEST_F(TimedImages, StampsInNamesPairImagesOfOtherNumbers) {
 }
 
 TEST_F(TimedImages, StampsInNamesShowDropsInAsManyImages) {
-  writeStamped(12, {3}, {8}, nanoseconds, [](int i) { return "depth_" + nanoseconds(i); });
+  writeStamped(12, {3}, {8}, nameNanoseconds, [](int i) { return "depth_" + nameNanoseconds(i); });
   const LogLines log;
   ImageSequence source = open();
   EXPECT_EQ(readAll(source), (std::vector<int>{0, 1, 2, 4, 5, 6, 7, 9, 10, 11}));
@@ -148,7 +150,7 @@ TEST_F(TimedImages, StampsInNamesShowDropsInAsManyImages) {
 
 TEST_F(TimedImages, AsManyStampedImagesInStepPairAsBefore) {
   // Another clock for the depth: 70 s later.
-  writeStamped(6, {}, {}, nanoseconds, [](int i) { return nanoseconds(i + 1400); });
+  writeStamped(6, {}, {}, nameNanoseconds, [](int i) { return nameNanoseconds(i + 1400); });
   const LogLines log;
   ImageSequence source = open();
   EXPECT_EQ(readAll(source), (std::vector<int>{0, 1, 2, 3, 4, 5}));
@@ -172,7 +174,7 @@ TEST_F(TimedImages, NumbersOfTenDigitsPairToo) {
 }
 
 TEST_F(TimedImages, StampsOfTwoClocksWithoutPartnersAreRefused) {
-  writeStamped(6, {}, {2}, nanoseconds, [](int i) { return nanoseconds(i + 1400); });
+  writeStamped(6, {}, {2}, nameNanoseconds, [](int i) { return nameNanoseconds(i + 1400); });
   EXPECT_THAT(errorOf([&] { (void)open(); }), HasSubstr("5 images, but there are 6 colour images"));
 }
 
@@ -191,7 +193,7 @@ TEST_F(TimedImages, NoPairIsWrongWhateverImagesAreDropped) {
       if (lost(random)) no_depth.insert(i);
       if (!no_color.contains(i) && !no_depth.contains(i)) both.push_back(i);
     }
-    writeStamped(kFrames, no_color, no_depth, seconds, seconds);
+    writeStamped(kFrames, no_color, no_depth, nameSeconds, nameSeconds);
     ImageSequence source = open();
     EXPECT_EQ(readAll(source), both) << round;
   }
