@@ -7,6 +7,8 @@
 #include <utility>
 
 #include "common/cli/run_program.hpp"
+#include "common/text.hpp"
+#include "server/http/host_names.hpp"
 #include "server/stream/key_file.hpp"
 
 namespace hapticast::server {
@@ -21,7 +23,9 @@ std::optional<MulticastGroup> openMulticastGroup(asio::io_context& io, const Set
 StreamSettings makeStreamSettings(const Settings& settings) {
   const std::size_t pending =
       settings.tls.wanted() ? Broadcaster::kMaxPendingTls : Broadcaster::kMaxPending;
-  return {.max_clients = raiseFileLimit(settings.max_clients, pending),
+  const std::size_t http =
+      settings.http ? HttpServer::kMostConnections + HttpServer::kMostSilent : 0;
+  return {.max_clients = raiseFileLimit(settings.max_clients, pending + http),
           .max_pending = pending,
           .insecure = settings.insecure};
 }
@@ -47,7 +51,9 @@ StreamService::StreamService(const Settings& settings, const Clock& clock,
       spdlog::warn(
           "--tokens without TLS: only viewers on this machine can connect; add --tls auto");
   }
-  if (settings.http) http_.emplace(io_, clock, *settings.http, [this] { return collectMetrics(); });
+  if (settings.http)
+    http_.emplace(io_, clock, *settings.http, listHostNames(findMachineName(), settings.host_names),
+                  [this] { return collectMetrics(); });
   if (!settings.announce.empty()) requireReachable(listener_.endpoint().address());
   if (!settings.datagrams) {
     if (settings.multicast) throw AddressError("--multicast: --transport tcp sends no datagrams");
