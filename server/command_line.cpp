@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "server/command_line.hpp"
 
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
 #include <filesystem>
 #include <map>
@@ -324,13 +322,11 @@ std::optional<int> readCommandLine(Settings& settings, int argc, const char* con
   return parseCommandLine(*app, argc, argv);
 }
 
-std::optional<Settings> rereadCommandLine(int argc, const char* const* argv) {
+Result<Settings> rereadCommandLine(int argc, const char* const* argv) {
   Settings settings;
   const auto app = commandLine(settings);
-  const auto problem = parseArguments(*app, argc, argv);
-  if (!problem) return settings;
-  spdlog::error("{}; the settings stay as they are", *problem);
-  return std::nullopt;
+  if (const auto problem = parseArguments(*app, argc, argv)) return Error{*problem};
+  return settings;
 }
 
 bool isEdge(const Settings& settings) { return settings.source.starts_with(kNatsScheme); }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "server/stream_service.hpp"
 
+#include <fmt/core.h>
 #include <spdlog/spdlog.h>
 
 #include <csignal>
@@ -40,13 +41,14 @@ StreamService::StreamService(const Settings& settings, const Clock& clock,
       media_clock_(media_clock),
       started_(clock.now()),
       manager_(clock),
+      secrets_log_(clock),
       broadcaster_(io_, clock, media_clock, description, makeStreamSettings(settings)),
-      tls_(loadServerTls(settings.tls)),
+      tls_(loadServerTls(settings.tls, secrets_log_)),
       listener_(io_, settings.listen, broadcaster_, tls_) {
   broadcaster_.introduce(identity);
   if (tls_) spdlog::info("TLS fingerprint: {}", toHex(tls_->fingerprint()));
   if (!settings.tokens_file.empty()) {
-    broadcaster_.setAccess(loadAccessList(settings.tokens_file));
+    broadcaster_.setAccess(loadAccessList(settings.tokens_file, secrets_log_));
     if (!tls_ && !settings.insecure)
       spdlog::warn(
           "--tokens without TLS: only viewers on this machine can connect; add --tls auto");
@@ -105,20 +107,20 @@ void StreamService::awaitReload(std::function<void()> on_reload) {
 
 void StreamService::reloadSecrets() {
   try {
-    if (auto tls = loadServerTls(settings_.tls)) {
+    if (auto tls = loadServerTls(settings_.tls, secrets_log_)) {
       if (tls->fingerprint() != tls_->fingerprint()) {
-        spdlog::info("TLS fingerprint from now on: {}", toHex(tls->fingerprint()));
+        secrets_log_.info("TLS fingerprint from now on: " + toHex(tls->fingerprint()));
         if (!settings_.announce.empty())
-          spdlog::warn("--announce carries the fingerprint of the start until the next start");
+          secrets_log_.warn("--announce carries the fingerprint of the start until the next start");
       }
       listener_.setTls(std::move(*tls));
     }
     if (settings_.tokens_file.empty()) return;
-    AccessList list = loadAccessList(settings_.tokens_file);
-    spdlog::info("--tokens {}: {} tokens", settings_.tokens_file, list.size());
+    AccessList list = loadAccessList(settings_.tokens_file, secrets_log_);
+    secrets_log_.info(fmt::format("--tokens {}: {} tokens", settings_.tokens_file, list.size()));
     broadcaster_.setAccess(std::move(list));
   } catch (const KeyFileError& error) {
-    spdlog::error("{}; the files before stay in use", error.what());
+    secrets_log_.error(sanitizeUtf8(error.what()) + "; the files before stay in use");
   }
 }
 
