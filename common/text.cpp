@@ -88,6 +88,17 @@ bool isShown(std::uint32_t code) {
   });
 }
 
+/// Returns each byte as its code: \x and two hex digits.
+std::string escapeBytes(std::string_view bytes) {
+  constexpr std::string_view kDigits = "0123456789ABCDEF";
+  std::string out;
+  for (const char each : bytes) {
+    const auto byte = static_cast<unsigned char>(each);
+    out += {'\\', 'x', kDigits[byte >> 4U], kDigits[byte & 0xFU]};
+  }
+  return out;
+}
+
 }  // namespace
 
 std::string_view trim(std::string_view text) {
@@ -97,8 +108,16 @@ std::string_view trim(std::string_view text) {
 }
 
 std::string quote(std::string_view text) {
-  return "'" + std::string(text.substr(0, kMostQuoted_bytes)) +
-         (text.size() > kMostQuoted_bytes ? "...'" : "'");
+  std::string out = "'";
+  for (std::size_t used = 0; !text.empty();) {
+    const Character next = decodeFirst(text);
+    used += next.bytes;
+    if (used > kMostQuoted_bytes) return out + "...'";
+    const std::string_view bytes = text.substr(0, next.bytes);
+    out += next.code != kNone && isShown(next.code) ? std::string(bytes) : escapeBytes(bytes);
+    text.remove_prefix(next.bytes);
+  }
+  return out + "'";
 }
 
 std::string sanitizeUtf8(std::string_view text, std::size_t most_bytes) {

@@ -21,7 +21,9 @@ inline constexpr std::size_t kMaxKey_bytes = 64;
 
 /// Returns `text` without white space (blank, tab, carriage return) at its begin and end.
 [[nodiscard]] std::string_view trim(std::string_view text);
-/// Returns `text` in quotes for an error message. Only the first 40 bytes of a longer text appear.
+/// Returns `text` in quotes for an error message. Of a longer text only the first 40 bytes appear,
+/// as whole characters. Each byte that is not UTF-8, and each byte of a character that controls a
+/// terminal or is hidden (see sanitizeUtf8()), appears as its code, such as \x1B.
 [[nodiscard]] std::string quote(std::string_view text);
 /// Returns `text` with small letters in place of capital ones (ASCII).
 [[nodiscard]] std::string toLower(std::string_view text);

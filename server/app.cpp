@@ -104,7 +104,7 @@ App::Impl::Impl(Settings settings, const Clock& clock, ReadSettings reread)
       signer_(settings_.signing_key_file.empty() ? SigningKey()
                                                  : loadSigningKey(settings_.signing_key_file),
               settings_.tls.wanted() ? std::make_unique<DatagramSealer>(clock) : nullptr),
-      reloader_(settings_, std::move(reread)),
+      reloader_(settings_, std::move(reread), clock),
       requests_(clock),
       clock_(clock),
       counter_(clock),

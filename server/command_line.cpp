@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "server/command_line.hpp"
 
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
 #include <filesystem>
 #include <map>
@@ -144,8 +142,8 @@ void addTlsOptions(CLI::App& app, Settings& settings) {
                "read their tokens");
 }
 
-/// Throws CLI::ValidationError for flags of TLS that need another one.
-void requireTlsFlags(const Settings& settings) {
+/// Throws CLI::ValidationError for flags of the network that need another one.
+void requireNetworkFlags(const Settings& settings) {
   const TlsFiles& tls = settings.tls;
   if (tls.certificate.empty() != tls.key.empty())
     throw CLI::ValidationError(tls.key.empty() ? "--tls-cert" : "--tls-key",
@@ -154,10 +152,23 @@ void requireTlsFlags(const Settings& settings) {
     throw CLI::ValidationError("--tls", "auto and --tls-cert exclude each other");
   if (settings.insecure && settings.tokens_file.empty())
     throw CLI::ValidationError("--insecure", "needs --tokens");
+  if (!settings.host_names.empty() && !settings.http)
+    throw CLI::ValidationError("--host-name", "needs --http");
 }
 
-void addHttp(CLI::App& app, std::optional<Endpoint>& http) {
-  const auto set = [&http](const std::string& text) {
+/// Returns `text` if it has only characters that occur in host names.
+std::optional<std::string> parseHostName(const std::string& text) {
+  constexpr std::size_t kLongest_bytes = 253;
+  const bool valid = std::all_of(text.begin(), text.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
+           c == '.' || c == '_';
+  });
+  if (!valid || text.empty() || text.size() > kLongest_bytes) return std::nullopt;
+  return text;
+}
+
+void addHttp(CLI::App& app, Settings& settings) {
+  const auto set = [&http = settings.http](const std::string& text) {
     // Whether the text has a port: without one the port is that of the default.
     const auto one = parseEndpoint(text, {"127.0.0.1", 1}),
                two = parseEndpoint(text, {"127.0.0.1", 2});
@@ -171,6 +182,12 @@ void addHttp(CLI::App& app, std::optional<Endpoint>& http) {
          "an IP address of this machine, default: 127.0.0.1; port 0: any free port; without this "
          "flag: no such port")
       ->type_name("[ADDR:]PORT");
+  addList(
+      app, "--host-name", settings.host_names, parseHostName,
+      "Another name under which requests may reach the port of --http, for example of a reverse "
+      "proxy; repeat for several. Addresses, localhost and the name of this machine need no "
+      "flag",
+      "NAME (a host name without a port, such as figures.example.org)");
 }
 
 void addNetworkOptions(CLI::App& app, Settings& settings) {
@@ -180,7 +197,7 @@ void addNetworkOptions(CLI::App& app, Settings& settings) {
   addChoice(app, "--transport", settings.datagrams, kTransports,
             "udp: the server sends frames by UDP to viewers that can receive them, else by TCP; "
             "tcp: all frames by TCP. Default: udp");
-  addHttp(app, settings.http);
+  addHttp(app, settings);
   addMulticast(app, settings.multicast);
   addNumber(app, "--multicast-ttl", settings.multicast_hops, std::uint64_t{1}, std::uint64_t{255},
             "N 1..255", "How many networks multicast may cross; default: 1, this one");
@@ -247,7 +264,7 @@ void requireEdgeFlags(const CLI::App& app) {
       "--source",      "--listen",   "--transport",  "--multicast", "--multicast-ttl",
       "--max-clients", "--announce", "--tls-cert",   "--tls-key",   "--tls",
       "--tokens",      "--insecure", "--nats-creds", "--nats-ca",   "--quiet",
-      "--config",      "--http",     "--origin-key"};
+      "--config",      "--http",     "--host-name",  "--origin-key"};
   for (const CLI::Option* option : app.get_options()) {
     const std::string name = option->get_name();
     if (option->count() == 0 || std::find(allowed.begin(), allowed.end(), name) != allowed.end())
@@ -287,7 +304,7 @@ std::unique_ptr<CLI::App> commandLine(Settings& settings) {
   app->add_flag("--quiet", settings.quiet, "Only warnings and errors");
   addConfigFile(*app);
   app->final_callback([&settings, parsed = app.get()] {
-    requireTlsFlags(settings);
+    requireNetworkFlags(settings);
     if (!isEdge(settings)) {
       if (!settings.origin_keys.empty() && !settings.publish)
         throw CLI::ValidationError("--origin-key", "needs --source nats://... or --publish");
@@ -305,13 +322,11 @@ std::optional<int> readCommandLine(Settings& settings, int argc, const char* con
   return parseCommandLine(*app, argc, argv);
 }
 
-std::optional<Settings> rereadCommandLine(int argc, const char* const* argv) {
+Result<Settings> rereadCommandLine(int argc, const char* const* argv) {
   Settings settings;
   const auto app = commandLine(settings);
-  const auto problem = parseArguments(*app, argc, argv);
-  if (!problem) return settings;
-  spdlog::error("{}; the settings stay as they are", *problem);
-  return std::nullopt;
+  if (const auto problem = parseArguments(*app, argc, argv)) return Error{*problem};
+  return settings;
 }
 
 bool isEdge(const Settings& settings) { return settings.source.starts_with(kNatsScheme); }

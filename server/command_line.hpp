@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "common/cli/cli11.hpp"
+#include "common/result.hpp"
 #include "server/settings.hpp"
 
 namespace hapticast::server {
@@ -20,8 +21,8 @@ namespace hapticast::server {
 [[nodiscard]] std::optional<int> readCommandLine(Settings& settings, int argc,
                                                  const char* const* argv);
 
-/// Reads the same arguments again, with the present content of the files that they name. After an
-/// error it logs one line and returns nullopt. Thread: any.
-[[nodiscard]] std::optional<Settings> rereadCommandLine(int argc, const char* const* argv);
+/// Reads the same arguments again, with the present content of the files that they name. Returns an
+/// error of one line if an argument or a file has an error. Thread: any.
+Result<Settings> rereadCommandLine(int argc, const char* const* argv);
 
 }  // namespace hapticast::server

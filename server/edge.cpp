@@ -28,7 +28,7 @@ void runEdge(const Settings& settings, const Clock& clock, ReadSettings reread) 
   const NatsAddress address = requireNatsAddress(settings.source);
   RelayClock media_clock(clock);
   std::atomic<bool> stop{false};
-  Reloader reloader(settings, std::move(reread));
+  Reloader reloader(settings, std::move(reread), clock);
   std::mutex mutex;
   RelayCounts counts{.is_edge = true};  // guarded by mutex; the network thread reads it
   // The first origin determines description and identity, before the first viewer.

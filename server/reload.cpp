@@ -77,15 +77,19 @@ SettingsChange compareSettings(const Settings& running, const Settings& read) {
 }
 
 std::optional<VisionSettings> Reloader::reload() {
-  const auto read = read_ ? read_() : std::nullopt;
-  if (!read) return std::nullopt;
-  const SettingsChange change = compareSettings(running_, *read);
-  adoptChanges(running_, *read);
+  if (!read_) return std::nullopt;
+  const Result<Settings> read = read_();
+  if (!read.ok()) {
+    log_.error(read.error().message + "; the settings stay as they are");
+    return std::nullopt;
+  }
+  const SettingsChange change = compareSettings(running_, read.value());
+  adoptChanges(running_, read.value());
   spdlog::set_level(running_.quiet ? spdlog::level::warn : spdlog::level::info);
-  spdlog::info("configuration read again; changed: {}",
-               change.now.empty() ? "nothing" : join(change.now, ", "));
+  log_.info("configuration read again; changed: " +
+            (change.now.empty() ? "nothing" : join(change.now, ", ")));
   if (!change.later.empty())
-    spdlog::warn("these changes take effect at the next start: {}", join(change.later, ", "));
+    log_.warn("these changes take effect at the next start: " + join(change.later, ", "));
   return running_.vision;
 }
 

@@ -9,13 +9,14 @@
 #include <utility>
 #include <vector>
 
+#include "common/result.hpp"
 #include "server/settings.hpp"
+#include "server/stream/limited_log.hpp"
 
 namespace hapticast::server {
 
-/// Function that reads all settings again. Returns nullopt after an error, which it has logged as
-/// one line.
-using ReadSettings = std::function<std::optional<Settings>()>;
+/// Function that reads all settings again. Returns an error of one line if a file has an error.
+using ReadSettings = std::function<Result<Settings>()>;
 
 /// Difference between the running settings and the settings in the files.
 struct SettingsChange {
@@ -30,18 +31,20 @@ struct SettingsChange {
 class Reloader {
  public:
   /// `settings`: those of the server's start. `read`: reads the new settings; null: reload()
-  /// changes nothing.
-  Reloader(Settings settings, ReadSettings read)
-      : running_(std::move(settings)), read_(std::move(read)) {}
+  /// changes nothing. `clock` must outlive this object.
+  Reloader(Settings settings, ReadSettings read, const Clock& clock)
+      : running_(std::move(settings)), read_(std::move(read)), log_(clock) {}
 
   /// Reads the settings again, applies --quiet, and logs one line. Logs one warning if some changes
   /// take effect only at the next start. Returns the running settings of vision with the new
-  /// materials. Returns nullopt, and changes nothing, if the files have an error or `read` is null.
+  /// materials. Returns nullopt, and changes nothing, if the files have an error, which it logs, or
+  /// if `read` is null. The lines have a limit (LimitedLog).
   std::optional<VisionSettings> reload();
 
  private:
   Settings running_;
   ReadSettings read_;
+  LimitedLog log_;
 };
 
 }  // namespace hapticast::server

@@ -33,8 +33,9 @@ struct Settings {
   std::optional<MulticastChoice> multicast;
   std::uint64_t multicast_hops = 1;
   std::size_t max_clients = 64;
-  std::optional<Endpoint> http;        ///< port for operators; nullopt: none
-  std::optional<NatsAddress> publish;  ///< channel that edges receive; nullopt: no edges
+  std::optional<Endpoint> http;         ///< port for operators; nullopt: none
+  std::vector<std::string> host_names;  ///< more names of this server in requests to that port
+  std::optional<NatsAddress> publish;   ///< channel that edges receive; nullopt: no edges
   NatsCredentials nats;
   std::vector<KeyBytes> origin_keys;  ///< verifying keys that (other) origins may have; empty: any
   std::string signing_key_file;       ///< file of the signing key; empty: a new key in each run

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "server/stream_service.hpp"
 
+#include <fmt/core.h>
 #include <spdlog/spdlog.h>
 
 #include <csignal>
 #include <utility>
 
 #include "common/cli/run_program.hpp"
+#include "common/text.hpp"
+#include "server/http/host_names.hpp"
 #include "server/stream/key_file.hpp"
 
 namespace hapticast::server {
@@ -21,7 +24,9 @@ std::optional<MulticastGroup> openMulticastGroup(asio::io_context& io, const Set
 StreamSettings makeStreamSettings(const Settings& settings) {
   const std::size_t pending =
       settings.tls.wanted() ? Broadcaster::kMaxPendingTls : Broadcaster::kMaxPending;
-  return {.max_clients = raiseFileLimit(settings.max_clients, pending),
+  const std::size_t http =
+      settings.http ? HttpServer::kMostConnections + HttpServer::kMostSilent : 0;
+  return {.max_clients = raiseFileLimit(settings.max_clients, pending + http),
           .max_pending = pending,
           .insecure = settings.insecure};
 }
@@ -36,18 +41,21 @@ StreamService::StreamService(const Settings& settings, const Clock& clock,
       media_clock_(media_clock),
       started_(clock.now()),
       manager_(clock),
+      secrets_log_(clock),
       broadcaster_(io_, clock, media_clock, description, makeStreamSettings(settings)),
-      tls_(loadServerTls(settings.tls)),
+      tls_(loadServerTls(settings.tls, secrets_log_)),
       listener_(io_, settings.listen, broadcaster_, tls_) {
   broadcaster_.introduce(identity);
   if (tls_) spdlog::info("TLS fingerprint: {}", toHex(tls_->fingerprint()));
   if (!settings.tokens_file.empty()) {
-    broadcaster_.setAccess(loadAccessList(settings.tokens_file));
+    broadcaster_.setAccess(loadAccessList(settings.tokens_file, secrets_log_));
     if (!tls_ && !settings.insecure)
       spdlog::warn(
           "--tokens without TLS: only viewers on this machine can connect; add --tls auto");
   }
-  if (settings.http) http_.emplace(io_, clock, *settings.http, [this] { return collectMetrics(); });
+  if (settings.http)
+    http_.emplace(io_, clock, *settings.http, listHostNames(findMachineName(), settings.host_names),
+                  [this] { return collectMetrics(); });
   if (!settings.announce.empty()) requireReachable(listener_.endpoint().address());
   if (!settings.datagrams) {
     if (settings.multicast) throw AddressError("--multicast: --transport tcp sends no datagrams");
@@ -99,20 +107,20 @@ void StreamService::awaitReload(std::function<void()> on_reload) {
 
 void StreamService::reloadSecrets() {
   try {
-    if (auto tls = loadServerTls(settings_.tls)) {
+    if (auto tls = loadServerTls(settings_.tls, secrets_log_)) {
       if (tls->fingerprint() != tls_->fingerprint()) {
-        spdlog::info("TLS fingerprint from now on: {}", toHex(tls->fingerprint()));
+        secrets_log_.info("TLS fingerprint from now on: " + toHex(tls->fingerprint()));
         if (!settings_.announce.empty())
-          spdlog::warn("--announce carries the fingerprint of the start until the next start");
+          secrets_log_.warn("--announce carries the fingerprint of the start until the next start");
       }
       listener_.setTls(std::move(*tls));
     }
     if (settings_.tokens_file.empty()) return;
-    AccessList list = loadAccessList(settings_.tokens_file);
-    spdlog::info("--tokens {}: {} tokens", settings_.tokens_file, list.size());
+    AccessList list = loadAccessList(settings_.tokens_file, secrets_log_);
+    secrets_log_.info(fmt::format("--tokens {}: {} tokens", settings_.tokens_file, list.size()));
     broadcaster_.setAccess(std::move(list));
   } catch (const KeyFileError& error) {
-    spdlog::error("{}; the files before stay in use", error.what());
+    secrets_log_.error(sanitizeUtf8(error.what()) + "; the files before stay in use");
   }
 }
 

@@ -18,6 +18,7 @@
 #include "server/stream/announce.hpp"
 #include "server/stream/broadcaster.hpp"
 #include "server/stream/datagram_sender.hpp"
+#include "server/stream/limited_log.hpp"
 #include "server/stream/listener.hpp"
 #include "server/stream/multicast_group.hpp"
 
@@ -72,6 +73,7 @@ class StreamService {
   const MediaClock& media_clock_;
   LocalTime started_;
   ServiceManager manager_;
+  LimitedLog secrets_log_;  // about certificate, key and tokens
   asio::io_context io_;
   Broadcaster broadcaster_;
   std::optional<TlsContext> tls_;

@@ -179,7 +179,7 @@ void requireDiscovery(const std::string& flag) {
 std::string serviceName(const std::string& flag, const std::string& text) {
   requireDiscovery(flag);
   if (!isServiceName(text)) {
-    throw CLI::ValidationError(flag, quote(sanitizeUtf8(text)) +
+    throw CLI::ValidationError(flag, quote(text) +
                                          " is not a name of 1 to 63 bytes of UTF-8 without control "
                                          "characters");
   }

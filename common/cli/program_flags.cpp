@@ -8,15 +8,18 @@ namespace hapticast {
 
 namespace {
 
+// The tool would put each of so many words on a line of its own.
+// clang-format off
 constexpr auto kServerFlags = std::to_array<std::string_view>(
-    {"announce",      "color",      "compensate-pan", "damping",        "depth",   "depth-code",
-     "depth-range",   "depth-unit", "error-budget",   "explain",        "fov",     "fps",
-     "frames",        "friction",   "http",           "layout",         "listen",  "loop",
-     "low-latency",   "map-range",  "mass",           "max-clients",    "motion",  "multicast",
-     "multicast-ttl", "name",       "nats-ca",        "nats-creds",     "not",     "object",
-     "plan",          "preview",    "publish",        "scene",          "segment", "signing-key",
-     "source",        "stiffness",  "stretch",        "texture-depth",  "tls",     "tls-cert",
-     "tls-key",       "to-and-fro", "tokens",         "wait-for-viewer"});
+    {"announce",    "color",         "compensate-pan", "damping", "depth",           "depth-code",
+     "depth-range", "depth-unit",    "error-budget",   "explain", "fov",             "fps",
+     "frames",      "friction",      "host-name",      "http",    "layout",          "listen",
+     "loop",        "low-latency",   "map-range",      "mass",    "max-clients",     "motion",
+     "multicast",   "multicast-ttl", "name",           "nats-ca", "nats-creds",      "not",
+     "object",      "plan",          "preview",        "publish", "scene",           "segment",
+     "signing-key", "source",        "stiffness",      "stretch", "texture-depth",   "tls",
+     "tls-cert",    "tls-key",       "to-and-fro",     "tokens",  "wait-for-viewer"});
+// clang-format on
 constexpr auto kClientFlags = std::to_array<std::string_view>(
     {"check-device",    "control",     "device",        "device-option", "falcon-calibrate",
      "falcon-firmware", "falcon-gain", "falcon-serial", "fault-dir",     "film",

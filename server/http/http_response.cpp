@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: MIT
 #include "server/http/http_response.hpp"
 
+#include <algorithm>
 #include <boost/beast/http/empty_body.hpp>
 #include <boost/beast/http/error.hpp>
 #include <boost/beast/http/parser.hpp>
 #include <limits>
 #include <string>
 #include <string_view>
+
+#include "common/text.hpp"
+#include "server/http/host_names.hpp"
 
 namespace hapticast::server {
 
@@ -25,11 +29,31 @@ bool hasValidHost(const RequestParser& parser) {
   return hosts == 1 || (hosts == 0 && parser.get().version() < kHttp11);
 }
 
+/// Removes the scheme and the host from `target` and returns the host, if `target` has the absolute
+/// form (RFC 9112, section 3.2.2), such as http://HOST/health.
+std::optional<std::string> removeHost(std::string_view& target) {
+  constexpr std::string_view kScheme = "http://";
+  if (toLower(target.substr(0, kScheme.size())) != kScheme) return std::nullopt;
+  target.remove_prefix(kScheme.size());
+  const std::string_view host = target.substr(0, target.find_first_of("/?"));
+  target.remove_prefix(host.size());
+  if (!target.starts_with('/')) target = "/";  // a page without a path; its query has no meaning
+  return std::string(host);
+}
+
 HttpRequest describeRequest(const RequestParser& parser) {
   const auto& head = parser.get();
-  const std::string_view target(head.target().data(), head.target().size());
-  return {head.method(), std::string(target.substr(0, target.find('?'))),
-          parser.chunked() || parser.content_length().value_or(0) > 0, head.keep_alive()};
+  HttpRequest request;
+  std::string_view target(head.target().data(), head.target().size());
+  request.host = removeHost(target);
+  if (const auto field = head.find(http::field::host); !request.host && field != head.end())
+    request.host = std::string(field->value());
+  request.method = head.method();
+  request.path = target.substr(0, target.find('?'));
+  request.has_coding = head.count(http::field::transfer_encoding) > 0;
+  request.has_body = request.has_coding || parser.content_length().value_or(0) > 0;
+  request.keep_alive = head.keep_alive();
+  return request;
 }
 
 void setContent(HttpResponse& response, status code, std::string body,
@@ -46,7 +70,13 @@ void showHealth(HttpResponse& response, const Metrics& metrics) {
 }
 
 void show(HttpResponse& response, const HttpRequest& request,
-          const std::function<Metrics()>& metrics) {
+          const std::vector<std::string>& host_names, const std::function<Metrics()>& metrics) {
+  // RFC 9112, section 6.1. What follows must not count as another request.
+  if (request.has_coding)
+    return setContent(response, status::not_implemented, "there is no transfer coding here\n");
+  if (request.host && !isOwnHost(*request.host, host_names))
+    return setContent(response, status::misdirected_request,
+                      "this server does not have this name; it accepts it with --host-name NAME\n");
   if (request.method != http::verb::get && request.method != http::verb::head) {
     response.set(http::field::allow, "GET, HEAD");
     return setContent(response, status::method_not_allowed, "only GET and HEAD\n");
@@ -83,7 +113,8 @@ std::optional<HttpRequest> readRequest(boost::beast::flat_buffer& bytes,
 }
 
 HttpResponse respond(const HttpRequest& request, const boost::system::error_code& error,
-                     bool may_stay_open, const std::function<Metrics()>& metrics) {
+                     bool may_stay_open, const std::vector<std::string>& host_names,
+                     const std::function<Metrics()>& metrics) {
   HttpResponse response(status::ok, kHttp11);
   response.set(http::field::cache_control, "no-store");
   response.set("X-Content-Type-Options", "nosniff");
@@ -92,7 +123,7 @@ HttpResponse respond(const HttpRequest& request, const boost::system::error_code
   } else if (error) {
     setContent(response, status::bad_request, "this is no request of HTTP/1.1\n");
   } else {
-    show(response, request, metrics);
+    show(response, request, host_names, metrics);
   }
   const bool stays = !error && may_stay_open && request.keep_alive && !request.has_body;
   response.set(http::field::connection, stays ? "keep-alive" : "close");

@@ -21,23 +21,40 @@ constexpr int kMostDrainedChunks = 64;
 struct HttpServer::Connection {
   asio::ip::tcp::socket socket;
   LocalTime deadline;
+  asio::steady_timer turn{socket.get_executor()};    // wakes the connection for its turn
+  bool silent = true;                                // it has sent nothing yet
+  bool waits = false;                                // for its turn, with bytes in the buffer
   boost::beast::flat_buffer buffer{kMaxHead_bytes};  // a longer head is an error
 
   void close() {
     boost::system::error_code ignored;
     socket.close(ignored);
+    turn.cancel();
+  }
+  /// Reads what has arrived, without waiting. Returns false if the client has left.
+  bool readNow() {
+    boost::system::error_code ec;
+    socket.non_blocking(true, ec);
+    const std::size_t size = socket.read_some(buffer.prepare(buffer.max_size()), ec);
+    buffer.commit(size);
+    silent = size == 0;
+    waits = !silent;
+    return !ec || ec == asio::error::would_block;
   }
 };
 
 HttpServer::HttpServer(asio::io_context& io, const Clock& clock, const Endpoint& address,
-                       std::function<Metrics()> collect)
+                       std::vector<std::string> host_names, std::function<Metrics()> collect)
     : io_(io),
       clock_(clock),
       collect_(std::move(collect)),
       acceptor_(openPort(io, address, "--http")),
       pause_(io),
       timer_(io),
-      address_(describeAddress(acceptor_, address)) {}
+      address_(describeAddress(acceptor_, address)),
+      host_names_(std::move(host_names)) {
+  acceptor_.non_blocking(true);
+}
 
 void HttpServer::start() {
   asio::co_spawn(
@@ -59,32 +76,43 @@ void HttpServer::stop() {
 asio::awaitable<void> HttpServer::acceptAll() {
   while (acceptor_.is_open()) {
     boost::system::error_code ec;
-    auto socket = co_await acceptor_.async_accept(asio::redirect_error(asio::use_awaitable, ec));
-    if (!acceptor_.is_open()) co_return;  // a connection at that moment ends with its socket
-    if (!ec) {
-      add(std::move(socket));
-      co_await awaitTurn();
-    } else {
-      // For example out of file handles: an immediate retry would spin.
-      pause_.expires_after(kPauseOfAcceptor);
-      co_await pause_.async_wait(asio::redirect_error(asio::use_awaitable, ec));
+    co_await acceptor_.async_wait(asio::socket_base::wait_read,
+                                  asio::redirect_error(asio::use_awaitable, ec));
+    for (int i = 0; !ec && i < kMostAccepted; ++i) {
+      asio::ip::tcp::socket socket = acceptor_.accept(ec);
+      if (!ec) add(std::move(socket));
     }
+    if (!acceptor_.is_open()) co_return;
+    // After an error, for example out of file handles, an early retry fails again.
+    const bool failed = ec && ec != asio::error::would_block;
+    pause_.expires_after(failed ? kPauseOfAcceptor : kAcceptEvery);
+    co_await pause_.async_wait(asio::redirect_error(asio::use_awaitable, ec));
   }
 }
 
 void HttpServer::add(asio::ip::tcp::socket socket) {
-  if (connections_.size() >= kMostConnections) {
-    const auto oldest =
-        std::min_element(connections_.begin(), connections_.end(),
-                         [](const auto& a, const auto& b) { return a->deadline < b->deadline; });
-    (*oldest)->close();
-    connections_.erase(oldest);
-  }
   auto connection =
       std::make_shared<Connection>(Connection{std::move(socket), clock_.now() + kTimeout});
+  if (!connection->readNow() || !makeRoom(connection->silent)) return;
   connections_.push_back(connection);
   asio::co_spawn(
       io_, [this, connection] { return serve(connection); }, asio::detached);
+}
+
+bool HttpServer::makeRoom(bool silent) {
+  std::size_t count = 0;
+  auto oldest = connections_.end();
+  for (auto each = connections_.begin(); each != connections_.end(); ++each) {
+    if ((*each)->silent != silent) continue;
+    ++count;
+    const bool is_older = oldest == connections_.end() || (*each)->deadline < (*oldest)->deadline;
+    if (!(*each)->waits && is_older) oldest = each;
+  }
+  if (count < (silent ? kMostSilent : kMostConnections)) return true;
+  if (oldest == connections_.end()) return false;
+  (*oldest)->close();
+  connections_.erase(oldest);
+  return true;
 }
 
 asio::awaitable<void> HttpServer::closeLate() {
@@ -100,49 +128,62 @@ asio::awaitable<void> HttpServer::closeLate() {
 }
 
 asio::awaitable<void> HttpServer::serve(std::shared_ptr<Connection> connection) {
-  co_await answerAll(*connection);
+  co_await answerAll(connection);
   connection->close();
   std::erase(connections_, connection);
 }
 
-asio::awaitable<void> HttpServer::answerAll(Connection& connection) {
+asio::awaitable<void> HttpServer::answerAll(const std::shared_ptr<Connection>& connection) {
   for (std::size_t number = 1; number <= kMostRequests; ++number) {
-    connection.deadline = clock_.now() + kTimeout;
+    connection->deadline = clock_.now() + kTimeout;
     boost::system::error_code ec;
     const auto request = co_await awaitRequest(connection, ec);
     if (!request) co_return;
-    HttpResponse response =
-        respond(*request, ec, number < kMostRequests, [this] { return collectFreshMetrics(); });
-    connection.deadline = clock_.now() + kTimeout;
-    co_await boost::beast::http::async_write(connection.socket, response,
+    HttpResponse response = respond(*request, ec, number < kMostRequests, host_names_,
+                                    [this] { return collectFreshMetrics(); });
+    connection->deadline = clock_.now() + kTimeout;
+    co_await boost::beast::http::async_write(connection->socket, response,
                                              asio::redirect_error(asio::use_awaitable, ec));
     if (ec) co_return;
-    if (!response.keep_alive()) co_return co_await finish(connection);
+    if (!response.keep_alive()) co_return co_await finish(*connection);
   }
 }
 
 asio::awaitable<std::optional<HttpRequest>> HttpServer::awaitRequest(
-    Connection& connection, boost::system::error_code& error) {
+    const std::shared_ptr<Connection>& connection, boost::system::error_code& error) {
+  boost::beast::flat_buffer& buffer = connection->buffer;
   for (;;) {
-    if (connection.buffer.size() > 0) co_await awaitTurn();
-    if (auto request = readRequest(connection.buffer, error)) co_return request;
-    const std::size_t room = connection.buffer.max_size() - connection.buffer.size();
+    if (buffer.size() > 0) {
+      if (!co_await awaitTurn(connection)) co_return std::nullopt;
+      if (auto request = readRequest(buffer, error)) co_return request;
+    }
+    const std::size_t room = buffer.max_size() - buffer.size();
     boost::system::error_code ec;
-    const std::size_t size = co_await connection.socket.async_read_some(
-        connection.buffer.prepare(room), asio::redirect_error(asio::use_awaitable, ec));
-    if (ec) co_return std::nullopt;
-    connection.buffer.commit(size);
+    const std::size_t size = co_await connection->socket.async_read_some(
+        buffer.prepare(room), asio::redirect_error(asio::use_awaitable, ec));
+    if (ec || (connection->silent && !makeRoom(false))) co_return std::nullopt;
+    connection->silent = false;
+    buffer.commit(size);
   }
 }
 
-asio::awaitable<void> HttpServer::awaitTurn() {
-  const auto now = asio::steady_timer::clock_type::now();
-  const auto turn = std::max(now, next_turn_);
-  next_turn_ = turn + kTurnEvery;
-  if (turn == now) co_return;
-  asio::steady_timer timer(io_, turn);
-  boost::system::error_code ec;
-  co_await timer.async_wait(asio::redirect_error(asio::use_awaitable, ec));
+asio::awaitable<bool> HttpServer::awaitTurn(std::shared_ptr<Connection> connection) {
+  waiting_.push_back(connection);
+  connection->waits = true;
+  for (;;) {
+    const auto now = asio::steady_timer::clock_type::now();
+    const bool first = waiting_.front() == connection;
+    if ((first && now >= next_turn_) || !connection->socket.is_open()) break;
+    connection->turn.expires_at(first ? next_turn_ : asio::steady_timer::time_point::max());
+    boost::system::error_code ec;
+    co_await connection->turn.async_wait(asio::redirect_error(asio::use_awaitable, ec));
+  }
+  std::erase(waiting_, connection);
+  connection->waits = false;
+  if (!waiting_.empty()) waiting_.front()->turn.cancel();  // it may be the first now
+  if (!connection->socket.is_open()) co_return false;
+  next_turn_ = asio::steady_timer::clock_type::now() + kTurnEvery;
+  co_return true;
 }
 
 asio::awaitable<void> HttpServer::finish(Connection& connection) {

@@ -43,12 +43,14 @@ std::string parseGrant(const std::string& line, Grant& grant) {
   std::string day;
   std::string more;
   words >> digest >> role >> day >> more;
+  // A word of a wrong line may be a token, so no error has one.
   const auto parsed = parseKey(digest);
-  if (!parsed) return quote(digest) + " is no SHA-256 (64 hex digits)";
-  if (role != "viewer" && role != "operator") return quote(role) + " is not viewer or operator";
+  if (!parsed)
+    return "the first word is no SHA-256 (64 hex digits); the file has digests, not tokens";
+  if (role != "viewer" && role != "operator") return "the second word is not viewer or operator";
   const auto last_day = parseDay(day);
-  if (!last_day && day != "never") return quote(day) + " is not YYYY-MM-DD or never";
-  if (!more.empty()) return quote(more) + " is too much; the form is " + kForm;
+  if (!last_day && day != "never") return "the third word is not YYYY-MM-DD or never";
+  if (!more.empty()) return "there are more than three words";
   grant = {*parsed, role == "operator" ? Role::kOperator : Role::kViewer, last_day};
   return "";
 }
@@ -60,11 +62,13 @@ Result<AccessList> AccessList::parse(std::string_view text) {
   std::istringstream in{std::string(text)};
   std::string line;
   for (int number = 1; std::getline(in, line); ++number) {
+    if (in.eof())
+      return Error{fmt::format("{}: the last line is not complete: end it with a newline", number)};
     line = line.substr(0, line.find('#'));
     if (trim(line).empty()) continue;
     Grant grant;
     if (const std::string problem = parseGrant(line, grant); !problem.empty())
-      return Error{fmt::format("{}: {}", number, problem)};
+      return Error{fmt::format("{}: {}; the form is {}", number, problem, kForm)};
     for (const Grant& other : list.grants_) {
       if (other.digest == grant.digest)
         return Error{fmt::format("{}: this token is in the file twice", number)};
@@ -93,14 +97,18 @@ bool AccessList::permits(const Grant& grant, std::chrono::system_clock::time_poi
   return false;
 }
 
-AccessList loadAccessList(const std::string& file) {
+AccessList loadAccessList(const std::string& file, LimitedLog& log) {
   const auto text = readSmallFile(file);
   if (!text.ok())
     throw KeyFileError("--tokens " + file + ": " + text.error().message +
                        "; name a file with lines " + kForm);
   auto list = AccessList::parse(text.value());
   if (!list.ok()) throw KeyFileError("--tokens " + file + ":" + list.error().message);
-  warnOfReaders("--tokens", file, "try tokens against it");
+  if (list.value().size() == 0)
+    throw KeyFileError("--tokens " + file + ": has no token, so nobody could connect; add lines " +
+                       kForm);
+  if (auto warning = findReaders("--tokens", file, "try tokens against it"))
+    log.warn(std::move(*warning));
   return std::move(list).value();
 }
 

@@ -13,6 +13,7 @@
 
 #include "common/result.hpp"
 #include "common/transport/signature.hpp"
+#include "server/stream/limited_log.hpp"
 
 namespace hapticast::server {
 
@@ -38,7 +39,9 @@ struct Grant {
 class AccessList {
  public:
   /// Returns the list in `text`. Each line is `SHA256 viewer|operator YYYY-MM-DD|never`; text after
-  /// # is a comment. Returns an error "LINE: reason" for another text.
+  /// # is a comment. The last line ends with a newline, too: otherwise the text may be the begin of
+  /// a file that is being written. Returns an error "LINE: reason" for another text. The reason has
+  /// no word of the text, because the word may be a token.
   [[nodiscard]] static Result<AccessList> parse(std::string_view text);
 
   /// Returns the grant of `token`, even if it has expired. Returns nullopt for an unknown token.
@@ -55,7 +58,8 @@ class AccessList {
   std::vector<Grant> grants_;
 };
 
-/// Returns the list in `file`. Logs a warning if other users may read it. Throws KeyFileError.
-[[nodiscard]] AccessList loadAccessList(const std::string& file);
+/// Returns the list in `file`, which has at least one token. Writes a warning to `log` if other
+/// users may read the file. Throws KeyFileError.
+[[nodiscard]] AccessList loadAccessList(const std::string& file, LimitedLog& log);
 
 }  // namespace hapticast::server

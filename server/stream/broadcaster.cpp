@@ -224,6 +224,10 @@ std::optional<Grant> Broadcaster::findGrant(const Hello& hello) const {
   return access_ ? access_->find(hello.access_token) : std::nullopt;
 }
 
+std::optional<LocalTime> Broadcaster::reserveRefusal(const Session& session, LocalTime latest) {
+  return refusals_.reserve(findNetwork(session.address()), clock_.now(), latest);
+}
+
 std::optional<WireError> Broadcaster::refuseToken(const Hello& hello,
                                                   const Channel& channel) const {
   if (!access_) return std::nullopt;

@@ -19,6 +19,7 @@
 #include "server/stream/access_list.hpp"
 #include "server/stream/datagram_sender.hpp"
 #include "server/stream/encoded.hpp"
+#include "server/stream/refusal_schedule.hpp"
 #include "server/stream/session.hpp"
 #include "server/stream/stale_frame_filter.hpp"
 #include "server/stream/stream_identity.hpp"
@@ -121,6 +122,8 @@ class Broadcaster final : public StreamSink, private SessionHost {
                                                 const Channel& channel) const override;
   [[nodiscard]] std::optional<WireError> refuseToken(const Hello& hello,
                                                      const Channel& channel) const;
+  [[nodiscard]] std::optional<LocalTime> reserveRefusal(const Session& session,
+                                                        LocalTime latest) override;
   [[nodiscard]] std::optional<Grant> findGrant(const Hello& hello) const override;
   [[nodiscard]] bool control(const Control& control,
                              const std::shared_ptr<Session>& sender) override;
@@ -168,6 +171,7 @@ class Broadcaster final : public StreamSink, private SessionHost {
   StreamSettings settings_;
   std::optional<StreamIdentity> identity_;  // absent: frames are not signed
   std::optional<AccessList> access_;        // absent: no tokens are needed
+  RefusalSchedule refusals_;                // of wrong tokens
   std::function<void()> on_removed_;
   OnControl control_;
   DatagramSender* datagrams_ = nullptr;

@@ -2,6 +2,7 @@
 // Files with secrets of the server: keys and tokens. Thread: main, at start-up and at a reload.
 #pragma once
 
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -14,8 +15,10 @@ class KeyFileError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Logs a warning if other users of this machine may read `file`. The line begins with `flag`.
-/// `risk` completes its text "other users may ...".
-void warnOfReaders(const std::string& flag, const std::string& file, const std::string& risk);
+/// Returns a warning of one line if other users of this machine may read `file`; otherwise nullopt.
+/// The line begins with `flag`. `risk` completes its text "other users may ...".
+[[nodiscard]] std::optional<std::string> findReaders(const std::string& flag,
+                                                     const std::string& file,
+                                                     const std::string& risk);
 
 }  // namespace hapticast::server

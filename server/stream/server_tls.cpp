@@ -37,7 +37,7 @@ TlsIdentity loadOwnIdentity(const std::string& file) {
 
 }  // namespace
 
-std::optional<TlsContext> loadServerTls(const TlsFiles& files) {
+std::optional<TlsContext> loadServerTls(const TlsFiles& files, LimitedLog& log) {
   if (!files.wanted()) return std::nullopt;
   const std::string own = (stateFolder() / "tls.pem").string();
   const std::string key_file = files.automatic ? own : files.key;
@@ -53,7 +53,9 @@ std::optional<TlsContext> loadServerTls(const TlsFiles& files) {
     throw KeyFileError(place + ": " + context.error().message +
                        (files.automatic ? "; remove it, and the server makes another one" : ""));
   }
-  warnOfReaders(files.automatic ? "--tls auto" : "--tls-key", key_file, "answer as this server");
+  if (auto warning = findReaders(files.automatic ? "--tls auto" : "--tls-key", key_file,
+                                 "answer as this server"))
+    log.warn(std::move(*warning));
   return std::move(context).value();
 }
 

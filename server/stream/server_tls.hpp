@@ -7,6 +7,7 @@
 #include <string>
 
 #include "common/transport/tls.hpp"
+#include "server/stream/limited_log.hpp"
 
 namespace hapticast::server {
 
@@ -20,8 +21,8 @@ struct TlsFiles {
 };
 
 /// Returns the context of a server with these files; nullopt if the flags request no TLS. With
-/// `automatic` it reads hapticast/tls.pem in the state folder, or creates it. Logs a warning if
-/// other users may read the key. Throws KeyFileError.
-[[nodiscard]] std::optional<TlsContext> loadServerTls(const TlsFiles& files);
+/// `automatic` it reads hapticast/tls.pem in the state folder, or creates it. Writes a warning to
+/// `log` if other users may read the key. Throws KeyFileError.
+[[nodiscard]] std::optional<TlsContext> loadServerTls(const TlsFiles& files, LimitedLog& log);
 
 }  // namespace hapticast::server

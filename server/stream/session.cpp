@@ -138,6 +138,8 @@ void Session::check(LocalTime now) {
     host_.onClosing(shared_from_this(),
                     WireError{ErrorCode::kTimeout, "reads nothing from its connection"});
     abort();
+  } else if (refusal_) {
+    if (now >= refusal_time_) close(*refusal_);
   } else if (!hello_ && now - started_ >= settings.hello_deadline) {
     close({ErrorCode::kTimeout, "no hello arrived in time"});
   } else if (unconfirmed_ == 0 && now - received_ >= settings.idle_timeout) {
@@ -154,7 +156,7 @@ bool Session::stalled(LocalTime now) {
 }
 
 asio::awaitable<void> Session::readAll() {
-  while (!closing_since_ && !ended_) {
+  while (!refusal_ && !closing_since_ && !ended_) {
     const auto payload = co_await channel_->read();
     if (closing_since_ || ended_) break;  // a payload read by then is too late
     if (!payload.ok()) {
@@ -191,13 +193,25 @@ bool Session::isWithinRate() {
 
 void Session::handle(const Hello& hello) {
   if (hello_) return close({ErrorCode::kUnexpected, "a second hello"});
-  if (const auto refusal = host_.refuse(hello, *channel_)) return close(*refusal);
+  if (const auto refusal = host_.refuse(hello, *channel_)) return refuse(*refusal);
   grant_ = host_.findGrant(hello);
   hello_ = hello;
   hello_->access_token.clear();
   queueWelcome();
   host_.onJoined(*this);
   flush();
+}
+
+void Session::refuse(const WireError& why) {
+  if (why.code != ErrorCode::kUnauthorized) return close(why);
+  const auto time = host_.reserveRefusal(*this, started_ + host_.settings().hello_deadline);
+  if (!time) {
+    host_.onClosing(shared_from_this(), why);
+    return abort();
+  }
+  refusal_ = why;
+  refusal_time_ = *time;
+  check(host_.clock().now());  // the first answer needs no wait
 }
 
 void Session::queueWelcome() {

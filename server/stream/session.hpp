@@ -31,6 +31,10 @@ class SessionHost {
   /// Returns the reason to refuse the client of `hello` on `channel`, or nullopt to welcome it.
   [[nodiscard]] virtual std::optional<WireError> refuse(const Hello& hello,
                                                         const Channel& channel) const = 0;
+  /// Reserves a time for the answer to the wrong token of `session`, and returns it. Returns
+  /// nullopt if there is none until `latest`: too many wrong tokens came from the same network.
+  [[nodiscard]] virtual std::optional<LocalTime> reserveRefusal(const Session& session,
+                                                                LocalTime latest) = 0;
   /// Returns the rights of the token in `hello`; nullopt if this server needs no tokens.
   [[nodiscard]] virtual std::optional<Grant> findGrant(const Hello& hello) const = 0;
   /// Passes the request of an operator to the pipeline. Once the request is carried out, the host
@@ -131,6 +135,10 @@ class Session : public std::enable_shared_from_this<Session> {
   void handle(const Other& other);
   /// Adds a welcome to the queue, as its first item. Requires an empty queue.
   void queueWelcome();
+  /// Refuses the client. Answers a wrong token at the time that the host reserves. Until then the
+  /// session discards what the client sends. Aborts the connection if there is no such time before
+  /// the deadline of the hello.
+  void refuse(const WireError& why);
   [[nodiscard]] bool isWithinRate();
   /// Returns whether a write is unfinished and the client has read no byte of it for write_timeout
   /// or longer.
@@ -167,6 +175,8 @@ class Session : public std::enable_shared_from_this<Session> {
   bool writing_ = false;
   LocalTime write_progress_;  // last time at which the client read bytes
   std::uint64_t bytes_read_ = 0;
+  std::optional<WireError> refusal_;  // waits for refusal_time_
+  LocalTime refusal_time_;
   std::optional<LocalTime> closing_since_;
   LocalTime rate_since_;
   std::uint32_t rate_count_ = 0;

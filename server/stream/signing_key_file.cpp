@@ -40,7 +40,8 @@ SigningKey loadSigningKey(const std::string& file) {
     throw keyError(file, key.error().message +
                              "; name a file that does not exist, and the server creates a key");
   }
-  warnOfReaders("--signing-key", file, "sign as this server");
+  if (const auto warning = findReaders("--signing-key", file, "sign as this server"))
+    spdlog::warn("{}", *warning);
   return std::move(key).value();
 }
 

@@ -67,7 +67,7 @@ Outcome read(std::span<const std::uint8_t> stream, std::size_t chunk) {
       feed(buffer, stream, chunk);
       continue;
     }
-    const HttpResponse response = respond(*request, error, true, metrics);
+    const HttpResponse response = respond(*request, error, true, {"a"}, metrics);
     std::ostringstream text;
     text << response;
     outcome.push_back(text.str());

@@ -30,8 +30,14 @@ struct Host final : server::SessionHost {
   [[nodiscard]] const server::StreamSettings& settings() const override { return stream_settings; }
   [[nodiscard]] const StreamDescription& description() const override { return stream; }
   [[nodiscard]] std::optional<WireError> refuse(const Hello& hello, const Channel&) const override {
+    if (hello.access_token == "wrong") return WireError{ErrorCode::kUnauthorized, "wrong token"};
     if (hello.protocol_version == kProtocolVersion) return std::nullopt;
     return WireError{ErrorCode::kVersion, "another version"};
+  }
+  [[nodiscard]] std::optional<LocalTime> reserveRefusal(const server::Session&,
+                                                        LocalTime latest) override {
+    next_refusal += std::chrono::seconds(1);
+    return next_refusal <= latest ? std::optional(next_refusal) : std::nullopt;
   }
   [[nodiscard]] std::optional<server::Grant> findGrant(const Hello& hello) const override {
     if (hello.access_token.empty()) return std::nullopt;
@@ -54,6 +60,7 @@ struct Host final : server::SessionHost {
   LocalMediaClock media;
   server::StreamSettings stream_settings;
   StreamDescription stream;
+  LocalTime next_refusal{};
   int welcomed = 0;
   bool has_ended = false;
 };
@@ -107,6 +114,8 @@ server::EncodedFrame frameOf(std::uint64_t id, const MediaClock& clock) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static const SharedBytes kHello = encodeShared(Hello{kProtocolVersion, "fuzz", true, true});
+  static const SharedBytes kWrongToken =
+      encodeShared(Hello{kProtocolVersion, "fuzz", true, true, "wrong"});
   asio::io_context io;
   Host host;
   auto [peer, ours] = testing::MemoryChannel::pair(io, kMaxMessageBytes);
@@ -120,7 +129,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   };
   Script script{{data, size}};
   for (std::uint64_t step = 1; !script.rest.empty() && step < 500; ++step) {
-    switch (script.byte() % 8) {
+    switch (script.byte() % 9) {
       case 0:
         say(script.payload());
         break;
@@ -143,6 +152,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       case 6:
         host.manual.advance(std::chrono::milliseconds(10 * script.byte()));
         session->check(host.manual.now());
+        break;
+      case 8:
+        say(kWrongToken);
         break;
       default:
         session->queue(server::encodeVideo({0, step, host.media.now(), {0xFF, 0xD8}}));

@@ -88,10 +88,23 @@ class HttpTest : public StreamTest {
     return peer.text.substr(9, 3);
   }
 
+  using Peers = std::vector<std::unique_ptr<HttpPeer>>;
+  /// Connects peers one after the other, and gives each some time.
+  Peers connect(std::size_t count, const std::function<void(HttpPeer&)>& begin = {}) {
+    Peers peers;
+    for (std::size_t i = 0; i < count; ++i) {
+      peers.push_back(std::make_unique<HttpPeer>(io, http));
+      if (begin) begin(*peers.back());
+      manual.advance(std::chrono::milliseconds(1));
+      turn();
+    }
+    return peers;
+  }
+
   TestServer stream{io, clock};
   ManualClock manual;
   int collected = 0;
-  HttpServer http{io, manual, {"127.0.0.1", 0}, [this] { return collect(); }};
+  HttpServer http{io, manual, {"127.0.0.1", 0}, {"a"}, [this] { return collect(); }};
 };
 
 TEST_F(HttpTest, AnswersRequestsThatComeTogetherInOrder) {
@@ -126,7 +139,10 @@ TEST_F(HttpTest, RefusesWithTheStatusOfTheFault) {
   EXPECT_EQ(finalStatus("GET /" + std::string(50'000, 'x')), "431");
   EXPECT_EQ(finalStatus(get("/metrics", "Content-Length: 30000\r\n") + std::string(30'000, 'x')),
             "413");
-  EXPECT_EQ(finalStatus(get("/metrics", "Transfer-Encoding: chunked\r\n")), "413");
+  for (const std::string coding : {"chunked", "xchunked"})
+    EXPECT_EQ(finalStatus(get("/health", "Transfer-Encoding: " + coding + "\r\n") + get("/health")),
+              "501")
+        << "what follows is no second request";
   EXPECT_EQ(finalStatus("POST /metrics HTTP/1.1\r\nHost: a\r\nContent-Length: 2\r\n\r\nab"), "405");
   EXPECT_EQ(finalStatus("GET /health HTTP/1.0\r\n\r\n"), "200");
 }
@@ -148,18 +164,70 @@ TEST_F(HttpTest, ClosesSlowConnections) {
   EXPECT_TRUE(getsResponses(quick, 3)) << "its time began anew";
 }
 
-TEST_F(HttpTest, KeepsAtMostSixteenConnections) {
-  std::vector<std::unique_ptr<HttpPeer>> peers;
-  for (int i = 0; i < 20; ++i) {
-    peers.push_back(std::make_unique<HttpPeer>(io, http));
-    manual.advance(std::chrono::milliseconds(1));
-    turn();
-  }
+TEST_F(HttpTest, KeepsAtMostSixteenConnectionsThatHaveSentSomething) {
+  const Peers peers = connect(20, [](HttpPeer& peer) { peer.send("GET /health HTTP"); });
   for (std::size_t i = 0; i < 4; ++i) EXPECT_TRUE(closes(*peers[i])) << i;
   for (std::size_t i = 4; i < 20; ++i) {
+    peers[i]->send("/1.1\r\nHost: a\r\n\r\n");
+    EXPECT_TRUE(getsResponses(*peers[i], 1)) << i;
+  }
+}
+
+TEST_F(HttpTest, KeepsTheNewestConnectionsThatHaveSentNothing) {
+  const Peers peers = connect(HttpServer::kMostSilent + 4);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_TRUE(closes(*peers[i])) << i;
+  for (const std::size_t i : {std::size_t{4}, HttpServer::kMostSilent + 3}) {
     peers[i]->send(get("/health"));
     EXPECT_TRUE(getsResponses(*peers[i], 1)) << i;
   }
+}
+
+TEST_F(HttpTest, AFloodOfSilentConnectionsClosesNoneThatAsks) {
+  HttpPeer quick(io, http), slow(io, http), idle(io, http);
+  idle.send(get("/health"));
+  ASSERT_TRUE(getsResponses(idle, 1));
+  quick.send(get("/health"));  // it comes together with the flood
+  const Peers before = connect(HttpServer::kMostSilent / 2);
+  slow.send(get("/health"));  // in the middle of the flood
+  turn();
+  const Peers after = connect(HttpServer::kMostSilent);
+  EXPECT_TRUE(getsResponses(quick, 1));
+  EXPECT_TRUE(getsResponses(slow, 1));
+  idle.send(get("/health"));
+  EXPECT_TRUE(getsResponses(idle, 2));
+}
+
+TEST_F(HttpTest, AConnectionThatWaitsForItsTurnIsNotReplaced) {
+  Peers peers;
+  for (std::size_t i = 0; i < 2 * HttpServer::kMostConnections; ++i) {
+    peers.push_back(std::make_unique<HttpPeer>(io, http));
+    peers.back()->send(get("/health"));
+  }
+  for (std::size_t i = 0; i < HttpServer::kMostConnections; ++i)
+    EXPECT_TRUE(getsResponses(*peers[i], 1)) << i;
+  EXPECT_TRUE(closes(*peers.back())) << "no place was free";
+}
+
+/// A turn of the test lasts 2 ms or more, and one of the server 5 ms.
+TEST_F(HttpTest, ConnectionsThatAreGoneCostNoTurn) {
+  constexpr int kGone = 400;
+  for (int i = 0; i < kGone; ++i) HttpPeer(io, http);
+  HttpPeer peer(io, http);
+  peer.send(get("/health"));
+  int turns = 0;
+  ASSERT_TRUE(runUntil([&] {
+    ++turns;
+    peer.poll();
+    return peer.responses() == 1;
+  }));
+  EXPECT_LT(turns, kGone / 2);
+}
+
+TEST_F(HttpTest, RefusesAPageOfAnotherNameThatHasTheAddress) {
+  EXPECT_EQ(
+      finalStatus("GET /status.json HTTP/1.1\r\nHost: evil.example\r\nConnection: close\r\n\r\n"),
+      "421");
+  EXPECT_EQ(collected, 0);
 }
 
 TEST_F(HttpTest, EndsAConnectionAfterAHundredRequests) {

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: MIT
 // The server's port for operators (--http), asked through a plain socket.
+#include <unistd.h>
+
+#include <array>
 #include <nlohmann/json.hpp>
 
 #include "common/build_options.hpp"
@@ -19,12 +22,13 @@ class ProgramsHttpTest : public ProgramsTest {
     const std::string text = server.output();
     return static_cast<std::uint16_t>(std::stoi(text.substr(text.find(line) + line.size())));
   }
-  /// The whole response.
-  static std::string ask(std::uint16_t port, const std::string& path) {
+  /// The whole response. `fields`: of the request, with the ends of their lines.
+  static std::string ask(std::uint16_t port, const std::string& path,
+                         const std::string& fields = "") {
     asio::io_context io;
     asio::ip::tcp::socket socket(io);
     socket.connect({asio::ip::address_v4::loopback(), port});
-    asio::write(socket, asio::buffer("GET " + path + " HTTP/1.0\r\n\r\n"));
+    asio::write(socket, asio::buffer("GET " + path + " HTTP/1.0\r\n" + fields + "\r\n"));
     std::string response;
     boost::system::error_code ec;
     asio::read(socket, asio::dynamic_buffer(response), ec);
@@ -81,6 +85,19 @@ TEST_F(ProgramsHttpTest, AServerThatWaitsForAViewerIsHealthyAndOpensNoOtherPort)
   addressOf(*plain);
   EXPECT_EQ(countOccurrences("http", plain->output()), 0U) << plain->output();
   interrupt(*plain);
+}
+
+TEST_F(ProgramsHttpTest, OnlyNamesOfTheServerAreAnswered) {
+  const auto server = startServer({"--source", "synthetic:still", "--loop", "--http", "127.0.0.1:0",
+                                   "--host-name", "figures.example"});
+  const std::uint16_t port = httpPortOf(*server);
+  std::array<char, 256> machine{};
+  ASSERT_EQ(::gethostname(machine.data(), machine.size() - 1), 0);
+  const std::vector<std::string> names{"127.0.0.1", "localhost", "figures.example", machine.data()};
+  for (const std::string& name : names)
+    EXPECT_EQ(ask(port, "/metrics", "Host: " + name + "\r\n").substr(9, 3), "200") << name;
+  EXPECT_EQ(ask(port, "/metrics", "Host: evil.example\r\n").substr(9, 3), "421");
+  interrupt(*server);
 }
 
 TEST_F(ProgramsHttpTest, AnEdgeIsHealthyWhileAnOriginSends) {

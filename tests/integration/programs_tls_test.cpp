@@ -178,6 +178,10 @@ TEST_F(ProgramsTlsTest, ATokenThatIsRemovedEndsItsViewersAtTheNextReload) {
   write("tokens", "nonsense\n");
   server->signal(SIGHUP);
   EXPECT_TRUE(server->says("the files before stay in use", kSoon)) << server->output();
+  EXPECT_EQ(server->output().find("nonsense"), std::string::npos) << "it could be a token";
+  write("tokens", "");
+  server->signal(SIGHUP);
+  EXPECT_TRUE(server->says("has no token, so nobody could connect; ", kSoon)) << server->output();
   std::filesystem::remove(path("tokens"));
   (void)makeToken("bob", "viewer never");
   server->signal(SIGHUP);

@@ -3,6 +3,7 @@
 // viewers.
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <array>
 #include <set>
 
@@ -177,6 +178,112 @@ TEST_F(UntrustedClientsTest, TheLogStaysReadable) {
   EXPECT_LE(log.count(), 2 * RateLimiter::kLogBurst);
   EXPECT_NE(log.text().find("joined"), std::string::npos);
   EXPECT_NE(log.text().find("closing"), std::string::npos) << "a crowd hides no problem";
+}
+
+/// A server with one valid token, of which time passes only by hand.
+class GuessedTokensTest : public StreamTest {
+ protected:
+  GuessedTokensTest() {
+    const std::string digest_of_a =
+        "ca978112ca1bbdcafac231b39a23dc4da786eff8147c4e72b9807785afee48bb";
+    server.broadcaster.setAccess(
+        server::AccessList::parse(digest_of_a + " viewer never\n").value());
+    turn();
+  }
+  using Peers = std::vector<std::unique_ptr<RawPeer>>;
+  /// Peers of 127.0.0.`from` that send `token` after the same hello.
+  Peers guess(std::size_t count, const std::string& token, std::uint8_t from = 1) {
+    Peers peers;
+    for (std::size_t i = 0; i < count; ++i) {
+      peers.push_back(std::make_unique<RawPeer>(io, server.port(), from));
+      peers.back()->send(Hello{kProtocolVersion, "guess", false, true, token});
+    }
+    return peers;
+  }
+  /// Waits until the server has read the hellos of these peers and of all before them.
+  void expectRead(const std::string& token = "a") {
+    const Peers valid = guess(1, token);
+    EXPECT_TRUE(receives<Welcome>(*valid[0])) << "a valid token of the same network waits for none";
+  }
+  static std::size_t countAnswered(const Peers& peers) {
+    std::size_t count = 0;
+    for (const auto& each : peers) {
+      each->poll();
+      const auto errors = each->all<WireError>();
+      EXPECT_LE(errors.size(), 1U);
+      EXPECT_TRUE(errors.empty() || errors[0].code == ErrorCode::kUnauthorized);
+      count += errors.size();
+    }
+    return count;
+  }
+  /// Whether `count` of the peers are answered, and no more some turns later.
+  bool answers(const Peers& peers, std::size_t count) {
+    if (!runUntil([&] { return countAnswered(peers) >= count; })) return false;
+    for (int i = 0; i < 50; ++i) turn();  // the server looks after its deadlines every 50 ms
+    return countAnswered(peers) == count;
+  }
+
+  ManualClock still;
+  TestServer server{io, still};
+};
+
+TEST_F(GuessedTokensTest, OneOfANetworkIsAnsweredInASecond) {
+  const Peers peers = guess(3, "wrong");
+  const Peers elsewhere = guess(1, "wrong", 2);
+  EXPECT_TRUE(answers(elsewhere, 1)) << "another network does not wait";
+  expectRead();
+  for (std::size_t answered = 1; answered <= 3; ++answered) {
+    EXPECT_TRUE(answers(peers, answered)) << answered;
+    still.advance(milliseconds(999));
+    EXPECT_TRUE(answers(peers, answered)) << answered;
+    still.advance(milliseconds(1));
+  }
+  for (const auto& each : peers) EXPECT_EQ(farewell(*each).code, ErrorCode::kUnauthorized);
+}
+
+TEST_F(GuessedTokensTest, AConnectionThatWaitsForItsAnswerDoesNothingElse) {
+  const Peers peers = guess(2, "wrong");
+  for (const auto& each : peers) {
+    each->send(Hello{kProtocolVersion, "guess", false, true, "a"});
+    each->send(Ping{localTime(1.0)});
+    each->send(std::vector<std::uint8_t>(100, 0xFF));
+  }
+  expectRead();
+  still.advance(std::chrono::seconds(1));
+  EXPECT_TRUE(answers(peers, 2));
+  for (const auto& each : peers) EXPECT_TRUE(each->all<Welcome>().empty());
+  EXPECT_EQ(server.broadcaster.counts().welcomed, 1U);
+}
+
+TEST_F(GuessedTokensTest, GuessesBeyondTheDeadlineOfTheHelloAreClosedAtOnce) {
+  constexpr std::size_t kGuesses = 30;
+  constexpr std::size_t kAnswered = 6;  // now and each second until the deadline, 5 s
+  const Peers peers = guess(kGuesses, "wrong");
+  ASSERT_TRUE(runUntil([&] {
+    for (const auto& each : peers) each->poll();
+    return std::count_if(peers.begin(), peers.end(),
+                         [](const auto& each) { return each->reset; }) == kGuesses - kAnswered;
+  }));
+  for (std::size_t second = 0; second < kAnswered; ++second) {
+    EXPECT_TRUE(answers(peers, second + 1));
+    still.advance(std::chrono::seconds(1));
+  }
+  EXPECT_TRUE(answers(peers, kAnswered));
+  EXPECT_EQ(server.broadcaster.counts().refused, kGuesses);
+  EXPECT_EQ(server.broadcaster.counts().timed_out, 0U);
+}
+
+TEST_F(GuessedTokensTest, TheEndOfTheServerLeavesNoneOfThemBehind) {
+  const Peers peers = guess(3, "wrong");
+  expectRead();
+  server.stop();
+  ASSERT_TRUE(runUntil([&] {
+    for (const auto& each : peers) each->poll();
+    return std::all_of(peers.begin(), peers.end(), [](const auto& each) { return each->closed; });
+  }));
+  still.advance(std::chrono::seconds(2));  // the peers do not end their own side
+  io.restart();
+  EXPECT_TRUE(runUntil([&] { return io.stopped(); }));
 }
 
 TEST_F(UntrustedClientsTest, AnIPv4ViewerOfAnIPv6PortIsShownAsOne) {

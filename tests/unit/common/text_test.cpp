@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
 #include <sstream>
 
 namespace hapticast {
@@ -28,6 +29,38 @@ TEST(Text, NumbersAreWholeAndFinite) {
 TEST(Text, QuotesAreCutAfterFortyBytes) {
   EXPECT_EQ(quote("a b"), "'a b'");
   EXPECT_EQ(quote(std::string(41, 'x')), "'" + std::string(40, 'x') + "...'");
+}
+
+TEST(Text, QuotesAreCutBetweenTwoCharacters) {
+  const std::string letters = std::string(39, 'x') + "\xC3\xA9";
+  EXPECT_EQ(quote(letters), "'" + std::string(39, 'x') + "...'");
+  EXPECT_EQ(quote(letters.substr(1)), "'" + letters.substr(1) + "'");
+}
+
+TEST(Text, QuotesShowControlAndHiddenCharactersByTheirCodes) {
+  EXPECT_EQ(quote("a\x1B[2J\n"), "'a\\x1B[2J\\x0A'");
+  EXPECT_EQ(quote(std::string_view("\xFF\xFE"
+                                   "a\0",
+                                   4)),
+            "'\\xFF\\xFEa\\x00'")
+      << "UTF-16";
+  EXPECT_EQ(quote("\xC2\x85\xE2\x80\xAE"), "'\\xC2\\x85\\xE2\\x80\\xAE'") << "C1, direction";
+  EXPECT_EQ(quote("gr\xC3\xBC\xC3\x9F\\"), "'gr\xC3\xBC\xC3\x9F\\'") << "letters stay";
+}
+
+/// Random bytes in quotes are one line of UTF-8 that cannot control a terminal, and have a limit.
+TEST(Text, QuotesOfRandomBytesAreHarmless) {
+  std::mt19937 random(5);
+  for (int round = 0; round < 5000; ++round) {
+    std::string text(random() % 60, '\0');
+    for (char& each : text)
+      each = random() % 3 == 0 ? static_cast<char>("\xE2\x80\xAE\xC3\xA9x"[random() % 6])
+                               : static_cast<char>(random());
+    const std::string quoted = quote(text);
+    ASSERT_EQ(sanitizeUtf8(quoted), quoted);
+    ASSERT_LE(quoted.size(), 4U * 40U + 5U);
+    ASSERT_EQ(quoted.ends_with("...'"), text.size() > 40 || text.ends_with("..."));
+  }
 }
 
 TEST(Text, KeyValueLinesWithCommentsSpaceAndQuotes) {

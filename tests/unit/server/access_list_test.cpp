@@ -7,6 +7,7 @@
 
 #include "server/stream/key_file.hpp"
 #include "tests/support/log_lines.hpp"
+#include "tests/support/manual_clock.hpp"
 #include "tests/support/temp_folder.hpp"
 
 namespace hapticast::server {
@@ -14,6 +15,7 @@ namespace {
 
 using std::chrono::system_clock;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 std::string digestOf(const std::string& token) {
   // The list is the only code here that computes the digest, so the test asks another program.
@@ -33,7 +35,7 @@ system_clock::time_point day(int year, unsigned month, unsigned number) {
 TEST(AccessList, HasTokensWithRolesAndTheirLastDays) {
   const auto list = AccessList::parse("# who may come\n" + digestOf("wonder") +
                                       "  viewer 2027-02-28 # Alice\n\n" + digestOf("boss") +
-                                      " operator never\r\n");
+                                      " operator never\r\n# the end\n");
   ASSERT_TRUE(list.ok()) << list.error().message;
   EXPECT_EQ(list.value().size(), 2U);
   const auto viewer = list.value().find("wonder");
@@ -52,15 +54,15 @@ TEST(AccessList, HasTokensWithRolesAndTheirLastDays) {
 }
 
 TEST(AccessList, ADayFarInTheFutureIsADay) {
-  const auto list = AccessList::parse(digestOf("wonder") + " viewer 9999-12-31");
+  const auto list = AccessList::parse(digestOf("wonder") + " viewer 9999-12-31\n");
   ASSERT_TRUE(list.ok());
   EXPECT_FALSE(list.value().find("wonder")->expired(day(2200, 1, 1)));
 }
 
 TEST(AccessList, AGrantThatIsRemovedOrChangedIsNotPermitted) {
   const std::string digest = digestOf("wonder");
-  const auto before = AccessList::parse(digest + " operator never");
-  const auto after = AccessList::parse(digest + " viewer never");
+  const auto before = AccessList::parse(digest + " operator never\n");
+  const auto after = AccessList::parse(digest + " viewer never\n");
   const auto empty = AccessList::parse("");
   ASSERT_TRUE(before.ok() && after.ok() && empty.ok());
   const Grant grant = *before.value().find("wonder");
@@ -72,21 +74,49 @@ TEST(AccessList, AGrantThatIsRemovedOrChangedIsNotPermitted) {
 TEST(AccessList, RefusesWithTheLine) {
   const std::string digest = digestOf("wonder");
   const std::vector<std::pair<std::string, std::string>> wrong = {
-      {"\nwonder viewer never", "2: 'wonder' is no SHA-256"},
-      {digest, "1: '' is not viewer or operator"},
-      {digest + " admin never", "'admin' is not viewer or operator"},
-      {digest + " viewer", "'' is not YYYY-MM-DD or never"},
-      {digest + " viewer 2026-02-30", "'2026-02-30' is not YYYY-MM-DD or never"},
-      {digest + " viewer 26-02-03", "is not YYYY-MM-DD"},
-      {digest + " viewer 2026-2-003", "is not YYYY-MM-DD"},
-      {digest + " viewer never ever", "'ever' is too much"},
+      {"\nwonder viewer never",
+       "2: the first word is no SHA-256 (64 hex digits); the file has "
+       "digests, not tokens; the form is SHA256 viewer|operator "},
+      {digest, "1: the second word is not viewer or operator"},
+      {digest + " admin never", "the second word is not viewer or operator"},
+      {digest + " viewer", "the third word is not YYYY-MM-DD or never"},
+      {digest + " viewer 2026-02-30", "the third word is not YYYY-MM-DD or never"},
+      {digest + " viewer 26-02-03", "the third word is not YYYY-MM-DD"},
+      {digest + " viewer 2026-2-003", "the third word is not YYYY-MM-DD"},
+      {digest + " viewer never ever", "there are more than three words"},
       {digest + " viewer never\n" + digest + " operator never",
        "2: this token is in the file twice"},
   };
   for (const auto& [text, why] : wrong) {
-    const auto list = AccessList::parse(text);
+    const auto list = AccessList::parse(text + "\n");
     ASSERT_FALSE(list.ok()) << text;
     EXPECT_THAT(list.error().message, HasSubstr(why));
+  }
+}
+
+TEST(AccessList, NoErrorHasAWordOfTheFile) {
+  const std::string digest = digestOf("wonder");
+  const std::string token = "5ecret";
+  for (const std::string& line :
+       {token, token + " viewer never", "viewer " + token + " never", digest + " " + token,
+        digest + " " + token + " never", digest + " viewer " + token,
+        digest + " viewer never " + token, digest + token + " viewer never"}) {
+    const auto list = AccessList::parse(line + "\n");
+    ASSERT_FALSE(list.ok()) << line;
+    EXPECT_THAT(list.error().message, Not(HasSubstr(token)));
+    EXPECT_THAT(list.error().message, Not(HasSubstr(digest)));
+  }
+}
+
+/// A file that is written in place is read at any time: no part of it but whole lines is a list.
+TEST(AccessList, ABeginOfATextIsAListOnlyAtTheEndOfALine) {
+  const std::string text = "# who\n" + digestOf("wonder") + " viewer never # Alice\n\n" +
+                           digestOf("boss") + " operator 2030-01-01\n";
+  for (std::size_t size = 1; size <= text.size(); ++size) {
+    const auto list = AccessList::parse(text.substr(0, size));
+    EXPECT_EQ(list.ok(), text[size - 1] == '\n') << size;
+    if (list.ok()) continue;
+    EXPECT_THAT(list.error().message, HasSubstr("the last line is not complete: end it with"));
   }
 }
 
@@ -95,13 +125,35 @@ TEST(AccessList, AFileThatOthersMayReadGetsAWarning) {
   const std::string file = folder.write("tokens", digestOf("wonder") + " viewer never\n");
   std::filesystem::permissions(file, std::filesystem::perms(0644));
   const LogLines log;
-  EXPECT_EQ(loadAccessList(file).size(), 1U);
+  const ManualClock clock;
+  LimitedLog limited(clock);
+  EXPECT_EQ(loadAccessList(file, limited).size(), 1U);
   EXPECT_THAT(log.text(), HasSubstr("--tokens " + file + ": other users may use this file"));
   std::filesystem::permissions(file, std::filesystem::perms(0600));
-  (void)loadAccessList(file);
+  (void)loadAccessList(file, limited);
   EXPECT_EQ(log.count(), 1);
-  EXPECT_THROW((void)loadAccessList(folder.string() + "/none"), KeyFileError);
-  EXPECT_THROW((void)loadAccessList(folder.write("bad", "x")), KeyFileError);
+  EXPECT_THROW((void)loadAccessList(folder.string() + "/none", limited), KeyFileError);
+  EXPECT_THROW((void)loadAccessList(folder.write("bad", "x\n"), limited), KeyFileError);
+  std::filesystem::permissions(file, std::filesystem::perms(0644));
+  for (int i = 0; i < 50; ++i) (void)loadAccessList(file, limited);
+  EXPECT_EQ(log.count(), RateLimiter::kLogBurst) << "a reload may come again and again";
+}
+
+TEST(AccessList, AFileWithoutATokenIsAnError) {
+  const TempFolder folder;
+  const ManualClock clock;
+  LimitedLog log(clock);
+  for (const char* text : {"", "\n", "# nobody yet\n\n"}) {
+    const std::string file = folder.write("tokens", text);
+    try {
+      (void)loadAccessList(file, log);
+      FAIL() << text;
+    } catch (const KeyFileError& error) {
+      EXPECT_THAT(error.what(), HasSubstr("--tokens " + file +
+                                          ": has no token, so nobody could "
+                                          "connect; add lines SHA256 viewer|operator"));
+    }
+  }
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "common/cli/run_program.hpp"
 #include "server/command_line.hpp"
 #include "tests/support/log_lines.hpp"
+#include "tests/support/manual_clock.hpp"
 #include "tests/support/temp_folder.hpp"
 
 namespace hapticast::server {
@@ -31,7 +32,7 @@ class ReloadTest : public testing::Test {
                                       R"("points": ["1,2"], )" +
                                           member + "}]}");
   }
-  [[nodiscard]] std::optional<Settings> read() const {
+  [[nodiscard]] Result<Settings> read() const {
     const std::string config = (folder_ / "server.conf").string();
     const std::string scene = (folder_ / "scene.json").string();
     const char* const arguments[] = {"hapticast-server", "--source", "synthetic:still", "--config",
@@ -39,10 +40,12 @@ class ReloadTest : public testing::Test {
     return rereadCommandLine(static_cast<int>(std::size(arguments)), arguments);
   }
   [[nodiscard]] Reloader start() const {
-    return Reloader(read().value(), [this] { return read(); });
+    return Reloader(
+        read().value(), [this] { return read(); }, clock_);
   }
 
   const TempFolder folder_;
+  ManualClock clock_;
   LogLines log_;
 };
 
@@ -113,6 +116,21 @@ TEST_F(ReloadTest, AnErrorIsOneLineAndChangesNothing) {
   writeConfig("stiffness = 0.5");
   EXPECT_TRUE(reloader.reload().has_value());
   EXPECT_EQ(log_.text(), "info configuration read again; changed: nothing\n");
+}
+
+TEST_F(ReloadTest, ManyReloadsDoNotFillTheLog) {
+  Reloader reloader = start();
+  for (int i = 0; i < 100; ++i) EXPECT_TRUE(reloader.reload().has_value());
+  EXPECT_EQ(log_.count(), RateLimiter::kLogBurst);
+  writeConfig("stiffness = 99");
+  log_.forget();
+  for (int i = 0; i < 100; ++i) EXPECT_EQ(reloader.reload(), std::nullopt);
+  EXPECT_EQ(log_.count(), RateLimiter::kLogBurst) << "usual lines hide no error";
+  log_.forget();
+  clock_.advance(RateLimiter::kLogRefill);
+  EXPECT_EQ(reloader.reload(), std::nullopt);
+  EXPECT_NE(log_.text().find(" (and 94 lines more, not shown)\n"), std::string::npos)
+      << log_.text();
 }
 
 TEST_F(ReloadTest, QuietTakesEffectAtOnce) {

@@ -45,6 +45,7 @@ void expectAll(const Settings& settings) {
   EXPECT_EQ(settings.listen, (Endpoint{"127.0.0.1", 0}));
   EXPECT_EQ(settings.max_clients, 3U);
   EXPECT_EQ(settings.http, (Endpoint{"127.0.0.1", 9464}));
+  EXPECT_EQ(settings.host_names, (std::vector<std::string>{"figures.example", "Lab_1.local"}));
   EXPECT_FALSE(settings.datagrams);
   EXPECT_EQ(settings.multicast, (MulticastChoice{{"ff12::7", 7448}, "eth0"}));
   EXPECT_EQ(settings.multicast_hops, 3U);
@@ -87,6 +88,8 @@ const std::vector<std::pair<std::string, std::string>> kAll = {
     {"listen", "127.0.0.1:0"},
     {"max-clients", "3"},
     {"http", "9464"},
+    {"host-name", "figures.example"},
+    {"host-name", "Lab_1.local"},
     {"object", "505,330"},
     {"not", "300,400"},
     {"object", "10,20@2.5"},
@@ -148,6 +151,9 @@ TEST(ServerSettings, ReportsAWrongValueWithFlagValueAndAllowedRange) {
       {"--http", "0.0.0.0", "[ADDR:]PORT"},
       {"--http", "a:b:80", "[ADDR:]PORT"},
       {"--http", "65536", "0..65535"},
+      {"--host-name", "figures.example:80", "a host name without a port"},
+      {"--host-name", "a b", "a host name without a port"},
+      {"--host-name", "*", "a host name without a port"},
       {"--max-clients", "0", "1"},
       {"--max-clients", "10001", "10000"},
       {"--transport", "quic", "tcp|udp"},
