@@ -66,7 +66,7 @@ void setContent(HttpResponse& response, status code, std::string body,
 void showHealth(HttpResponse& response, const Metrics& metrics) {
   const auto problem = findProblem(metrics);
   setContent(response, problem ? status::service_unavailable : status::ok,
-             problem.value_or("ok") + "\n");
+             problem.value_or("ok: " + describeActivity(metrics)) + "\n");
 }
 
 void show(HttpResponse& response, const HttpRequest& request,

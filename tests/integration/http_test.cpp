@@ -115,7 +115,7 @@ TEST_F(HttpTest, AnswersRequestsThatComeTogetherInOrder) {
   EXPECT_FALSE(peer.reset);
   ASSERT_EQ(peer.responses(), 4U) << peer.text;
   EXPECT_EQ(peer.responses("200"), 3U);
-  EXPECT_LT(peer.text.find("\r\n\r\nok\n"), peer.text.find("404 Not Found"));
+  EXPECT_LT(peer.text.find("\r\n\r\nok: "), peer.text.find("404 Not Found"));
   EXPECT_EQ(peer.text.find("# HELP"), std::string::npos) << "HEAD has no body";
   EXPECT_TRUE(peer.text.ends_with("}\n")) << peer.text;
 }

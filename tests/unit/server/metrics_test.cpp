@@ -237,6 +237,22 @@ TEST(Health, OfAnEdge) {
   EXPECT_EQ(findProblem(metrics), std::nullopt) << "a standby origin has viewers of its own";
 }
 
+TEST(Health, SaysWhatTheServerDoes) {
+  Metrics metrics;
+  EXPECT_EQ(describeActivity(metrics), "forwards the frames of its origin");
+  metrics.pipeline.emplace();
+  const std::vector<std::pair<PipelinePhase, std::string>> phases{
+      {PipelinePhase::kScan, "scans the clip"},
+      {PipelinePhase::kWaitForViewer, "waits for the first viewer"},
+      {PipelinePhase::kStream, "sends frames"},
+      {PipelinePhase::kPause, "an operator has paused the stream"},
+      {PipelinePhase::kSeek, "an operator seeks"}};
+  for (const auto& [phase, text] : phases) {
+    metrics.pipeline->phase = phase;
+    EXPECT_EQ(describeActivity(metrics), text);
+  }
+}
+
 TEST(PipelineCounter, AddsUpStagesThatAreOn) {
   ManualClock clock;
   PipelineCounter counter(clock);
