@@ -44,8 +44,9 @@ class Channel {
   /// true if it has written all of it. Do not call it while write() runs.
   ///
   /// If it returns false, the caller must call write() with the same payload. That call writes the
-  /// rest, and its result states whether the connection has ended.
-  [[nodiscard]] virtual bool writeNow(const SharedBytes& payload) noexcept = 0;
+  /// rest, and its result states whether the connection has ended. `more_follows`: another payload
+  /// follows at once, so both may leave together.
+  [[nodiscard]] virtual bool writeNow(const SharedBytes& payload, bool more_follows) noexcept = 0;
   /// Writes one payload and returns true. Returns false if the connection has ended. Only one write
   /// may run at a time.
   virtual asio::awaitable<bool> write(SharedBytes payload) = 0;

@@ -3,6 +3,7 @@
 
 #include <linux/sockios.h>
 #include <sys/ioctl.h>
+#include <sys/socket.h>
 
 #include <algorithm>
 #include <string_view>
@@ -165,10 +166,11 @@ asio::awaitable<std::size_t> TcpChannel::readSome() {
   co_return ec ? 0 : size;
 }
 
-bool TcpChannel::writeNow(const SharedBytes& payload) noexcept {
+bool TcpChannel::writeNow(const SharedBytes& payload, bool more_follows) noexcept {
   if (isMute()) return true;
   if (tls_ != nullptr) {
     if (!encrypt(payload)) return true;  // the connection has failed
+    if (more_follows) return true;       // flushNow() sends both
     flushNow();
     encrypted_ = !tls_->output().empty();
     return !encrypted_;
@@ -177,7 +179,7 @@ bool TcpChannel::writeNow(const SharedBytes& payload) noexcept {
   const std::array<asio::const_buffer, 2> buffers{asio::buffer(prefix_.view().data(), prefix_.size),
                                                   asio::buffer(*payload)};
   boost::system::error_code ec;
-  written_ = socket_.write_some(buffers, ec);
+  written_ = socket_.send(buffers, more_follows ? MSG_MORE : 0, ec);
   bytes_written_ += written_;
   if (written_ < prefix_.size + payload->size()) return false;
   written_ = 0;

@@ -40,7 +40,7 @@ class TcpChannel final : public Channel {
   asio::awaitable<std::optional<Error>> completeHandshake();
 
   asio::awaitable<Result<std::optional<Payload>, WireError>> read() override;
-  bool writeNow(const SharedBytes& payload) noexcept override;
+  bool writeNow(const SharedBytes& payload, bool more_follows) noexcept override;
   asio::awaitable<bool> write(SharedBytes payload) override;
   asio::awaitable<void> drain(std::size_t most_bytes) override;
   void finishWriting() noexcept override;

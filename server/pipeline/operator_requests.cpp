@@ -2,7 +2,6 @@
 #include "server/pipeline/operator_requests.hpp"
 
 #include <fmt/core.h>
-#include <spdlog/spdlog.h>
 
 #include <utility>
 
@@ -40,11 +39,6 @@ bool OperatorRequests::newerSeekWaits() {
   return waiting_.request.seek_s.has_value();
 }
 
-void OperatorRequests::log(std::string line) {
-  if (const auto admitted = lines_.admit(std::move(line), clock_.now()))
-    spdlog::info("{}", *admitted);
-}
-
 void OperatorRequests::applyReload(FramePump& pump, VisionSettings& settings) {
   std::optional<VisionSettings> reloaded;
   {
@@ -75,7 +69,7 @@ bool OperatorRequests::carryOut(FramePump& pump, PipelineCounter& counter,
 void OperatorRequests::carryOut(const Control& request, FramePump& pump, PipelineCounter& counter,
                                 VisionSettings& settings) {
   if (request.paused && *request.paused != paused_)
-    log(fmt::format("an operator {} the stream", *request.paused ? "pauses" : "continues"));
+    log_.info(fmt::format("an operator {} the stream", *request.paused ? "pauses" : "continues"));
   if (request.paused.value_or(false)) pump.flush();
   paused_ = request.paused.value_or(paused_);
   if (request.seek_s) seek(*request.seek_s, pump, counter);
@@ -84,15 +78,15 @@ void OperatorRequests::carryOut(const Control& request, FramePump& pump, Pipelin
   changeMaterial(request.material, settings.material);
   for (AuthorObject& object : settings.objects) changeMaterial(request.material, object.material);
   pump.setMaterials(settings);
-  log("an operator changes the material");
+  log_.info("an operator changes the material");
 }
 
 void OperatorRequests::seek(double time_s, FramePump& pump, PipelineCounter& counter) {
-  if (pump.isLive()) return log("an operator seeks, but a live source has no other times");
+  if (pump.isLive()) return log_.info("an operator seeks, but a live source has no other times");
   counter.enter(PipelinePhase::kSeek);
   const LocalTime begin = clock_.now();
   for (std::optional<double> next_s = time_s; next_s;) {
-    log(fmt::format("an operator seeks to {:g} s", *next_s));
+    log_.info(fmt::format("an operator seeks to {:g} s", *next_s));
     pump.seek(*next_s, [&] { return clock_.now() - begin < kNewerSeeks && newerSeekWaits(); });
     next_s.reset();
     if (clock_.now() - begin >= kNewerSeeks) return;

@@ -9,13 +9,12 @@
 #include <functional>
 #include <mutex>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "common/protocol/messages.hpp"
-#include "common/rate_limiter.hpp"
 #include "server/pipeline/frame_pump.hpp"
 #include "server/pipeline/pipeline_counter.hpp"
+#include "server/stream/limited_log.hpp"
 #include "server/vision/vision_settings.hpp"
 
 namespace hapticast::server {
@@ -28,7 +27,7 @@ class OperatorRequests {
   static constexpr Duration kNewerSeeks = std::chrono::seconds(1);
 
   /// `clock` must outlive this object.
-  explicit OperatorRequests(const Clock& clock) : clock_(clock) {}
+  explicit OperatorRequests(const Clock& clock) : clock_(clock), log_(clock) {}
 
   /// Adds a request of an operator. carryOut() calls `confirm` once the request is carried out, or
   /// newer values have replaced all of its own. Thread: any.
@@ -55,14 +54,13 @@ class OperatorRequests {
                 VisionSettings& settings);
   void seek(double time_s, FramePump& pump, PipelineCounter& counter);
   [[nodiscard]] bool newerSeekWaits();
-  void log(std::string line);
 
   const Clock& clock_;
   std::mutex mutex_;
   Waiting waiting_;                         // guarded by mutex_
   std::optional<VisionSettings> reloaded_;  // guarded by mutex_
   bool paused_ = false;
-  RateLimiter lines_;
+  LimitedLog log_;
 };
 
 }  // namespace hapticast::server

@@ -56,6 +56,9 @@ class SendQueue {
   /// Removes all items. The next frame is sent as a key frame.
   void clear();
 
+  [[nodiscard]] bool empty() const {
+    return control_.empty() && !description_ && frames_.empty() && !video_;
+  }
   /// Returns whether the next item of pop() is a control message.
   [[nodiscard]] bool controlWaits() const { return !control_.empty(); }
   /// Returns the bytes to send for `frame` and counts the frame as sent. The effect is that of

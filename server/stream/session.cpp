@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/transport/clock_sync.hpp"
 #include "common/wire_limits.hpp"
 
 namespace hapticast::server {
@@ -60,7 +61,7 @@ void Session::send(const EncodedFrame& frame) {
     return flush();
   }
   SharedBytes payload = queue_.pass(frame);
-  if (channel_->writeNow(payload)) return;
+  if (channel_->writeNow(payload, false)) return;
   unfinished_ = std::move(payload);
   wakeWriter();
 }
@@ -90,7 +91,7 @@ void Session::flush() {
     SharedBytes payload = nextPayload();
     idle_ = !payload;
     if (idle_) return;
-    if (!channel_->writeNow(payload)) unfinished_ = std::move(payload);
+    if (!channel_->writeNow(payload, payloadWaits())) unfinished_ = std::move(payload);
   }
   wakeWriter();
 }
@@ -142,6 +143,8 @@ void Session::check(LocalTime now) {
     if (now >= refusal_time_) close(*refusal_);
   } else if (!hello_ && now - started_ >= settings.hello_deadline) {
     close({ErrorCode::kTimeout, "no hello arrived in time"});
+  } else if (!pongs_.empty()) {
+    flush();  // no frame has come
   } else if (unconfirmed_ == 0 && now - received_ >= settings.idle_timeout) {
     close({ErrorCode::kTimeout, "no message arrived for too long"});
   }
@@ -219,6 +222,7 @@ void Session::queueWelcome() {
   Welcome welcome{kProtocolVersion, id_, 0, host_.description()};
   host_.completeWelcome(*channel_, welcome);
   datagram_token_ = welcome.datagram_token;
+  quick_pongs_ = 0;
   idle_ = false;
   (void)queue_.pushControl(encodeShared(welcome));  // an empty queue has room
 }
@@ -237,6 +241,10 @@ void Session::handle(const Ping& ping) {
   if (pongs_.size() >= kMaxPongs) return close({ErrorCode::kUnexpected, "too many pings"});
   idle_ = false;
   pongs_.push_back({ping.t0, host_.mediaClock().now(), {}, {}});
+  // Later pongs leave with the next frame, which saves a send for each. Their times t1 and t2 show
+  // that they have waited.
+  if (frames_on_tcp_ && quick_pongs_ > ClockSync::kBurst) return;
+  ++quick_pongs_;
   flush();
 }
 

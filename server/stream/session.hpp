@@ -148,6 +148,8 @@ class Session : public std::enable_shared_from_this<Session> {
   void sendGoodbye(const WireError& farewell, const std::optional<WireError>& why);
   void end();
   [[nodiscard]] SharedBytes nextPayload();
+  /// Returns whether nextPayload() returns another payload.
+  [[nodiscard]] bool payloadWaits() const { return !pongs_.empty() || !queue_.empty(); }
   void wakeWriter();
 
   // With a thousand viewers, each session has left the cache at its turn. So the members that
@@ -162,6 +164,7 @@ class Session : public std::enable_shared_from_this<Session> {
   std::uint32_t id_;
   SharedBytes unfinished_;       // payload that is written in part; the writer continues with it
   std::deque<Pong> pongs_;       // t2 and error are set when the pong is sent
+  std::size_t quick_pongs_ = 0;  // pongs that were sent at once, since the newest welcome
   std::size_t unconfirmed_ = 0;  // requests of this operator that are not carried out yet
   std::optional<Hello> hello_;   // without its token
   std::optional<Grant> grant_;

@@ -38,14 +38,14 @@ class MemoryChannel final : public Channel {
   }
   // Without memory a test may end.
   // NOLINTNEXTLINE(bugprone-exception-escape)
-  bool writeNow(const SharedBytes& payload) noexcept override {
+  bool writeNow(const SharedBytes& payload, bool /*more_follows*/) noexcept override {
     if (out_->ended) return false;
     bytes_written_ += payload->size();
     out_->waiting.push_back(payload);
     out_->changed.cancel();
     return true;
   }
-  asio::awaitable<bool> write(SharedBytes payload) override { co_return writeNow(payload); }
+  asio::awaitable<bool> write(SharedBytes payload) override { co_return writeNow(payload, false); }
   asio::awaitable<void> drain(std::size_t most_bytes) override {
     for (std::size_t drained = 0; drained <= most_bytes && !(in_->waiting.empty() && in_->ended);) {
       if (in_->waiting.empty()) {

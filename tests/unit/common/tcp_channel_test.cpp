@@ -35,7 +35,7 @@ struct TcpChannelTest : ::testing::Test {
 
 TEST_F(TcpChannelTest, WritesDataThatFitsAtOnce) {
   const SharedBytes sent = payload(100);
-  ASSERT_TRUE(channel->writeNow(sent));
+  ASSERT_TRUE(channel->writeNow(sent, false));
   EXPECT_EQ(channel->bytesWritten(), kPrefixBytes + 100U);
   std::vector<std::uint8_t> got(kPrefixBytes + 100);
   asio::read(far, asio::buffer(got));
@@ -45,14 +45,14 @@ TEST_F(TcpChannelTest, WritesDataThatFitsAtOnce) {
 
 TEST_F(TcpChannelTest, AWriteGoesOnWhereWriteNowHasStopped) {
   const SharedBytes large = payload(1U << 20U), small = payload(10);
-  ASSERT_FALSE(channel->writeNow(large)) << "more than the buffers hold";
+  ASSERT_FALSE(channel->writeNow(large, false)) << "more than the buffers hold";
   const std::uint64_t at_once = channel->bytesWritten();
   EXPECT_GT(at_once, 0U);
   bool written = false;
   asio::co_spawn(
       io,
       [&]() -> asio::awaitable<void> {
-        written = co_await channel->write(large) && channel->writeNow(small);
+        written = co_await channel->write(large) && channel->writeNow(small, false);
       },
       asio::detached);
   std::vector<std::uint8_t> got(2 * kPrefixBytes + large->size() + small->size());
@@ -73,7 +73,7 @@ TEST_F(TcpChannelTest, AWriteGoesOnWhereWriteNowHasStopped) {
 TEST_F(TcpChannelTest, ReportsTheEndOfTheConnectionByTheWrite) {
   channel->close();
   const SharedBytes sent = payload(10);
-  EXPECT_FALSE(channel->writeNow(sent));
+  EXPECT_FALSE(channel->writeNow(sent, false));
   bool written = true;
   asio::co_spawn(
       io, [&]() -> asio::awaitable<void> { written = co_await channel->write(sent); },
@@ -137,7 +137,7 @@ TEST_F(TcpServerEndTest, AnswersARequestOfHttpWithOneSentence) {
   const auto payload = read({"G", "ET", " / HTTP/1.1\r\nHost: a\r\n\r\n"});
   ASSERT_FALSE(payload.ok());
   EXPECT_EQ(payload.error().message, "a request of HTTP on the port for viewers");
-  EXPECT_TRUE(channel->writeNow(TcpChannelTest::payload(10))) << "it sends no payload";
+  EXPECT_TRUE(channel->writeNow(TcpChannelTest::payload(10), false)) << "it sends no payload";
   const std::string answer = readAnswer();
   const std::size_t body = answer.find("\r\n\r\n") + 4;
   EXPECT_TRUE(answer.starts_with("HTTP/1.1 400 Bad Request\r\n")) << answer;
