@@ -239,12 +239,11 @@ void RelayPublisher::onProof(std::span<const std::uint8_t> whole, LocalTime now)
 }
 
 void RelayPublisher::logUnansweredPing(LocalTime now) {
-  if (const auto line = unanswered_.admit(
-          "origin of the channel " + channel_ +
-              ": some program sends too many pings, or pings that are not valid; the origin does "
-              "not answer them",
-          now))
-    spdlog::warn("{}", *line);
+  if (!unanswered_.allow(now)) return;
+  spdlog::warn(
+      "origin of the channel {}: a program sends too many pings, or pings that are not valid; the "
+      "origin does not answer them ({} more since the last line)",
+      channel_, unanswered_.popDropped());
 }
 
 }  // namespace hapticast::server

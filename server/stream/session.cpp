@@ -243,7 +243,7 @@ void Session::handle(const Ping& ping) {
   pongs_.push_back({ping.t0, host_.mediaClock().now(), {}, {}});
   // Later pongs leave with the next frame, which saves a send for each. Their times t1 and t2 show
   // that they have waited.
-  if (frames_on_tcp_ && quick_pongs_ > ClockSync::kBurst) return;
+  if (frames_on_tcp_ && quick_pongs_ >= ClockSync::kBurst) return;
   ++quick_pongs_;
   flush();
 }
