@@ -62,7 +62,8 @@ TEST_F(ProgramsHttpTest, FiguresMoveWhenAViewerJoins) {
   EXPECT_NE(sample(port, "plan_stage_enabled{object=\"0\",stage=\"clean\"}"), -1.0);
   EXPECT_EQ(sample(port, "stream_info{stream=\"a \\\"clip\\\"\"}"), 1.0);
   const std::string health = ask(port, "/health");
-  EXPECT_TRUE(health.starts_with("HTTP/1.1 200 OK\r\n") && health.ends_with("\r\n\r\nok: sends frames\n"))
+  EXPECT_TRUE(health.starts_with("HTTP/1.1 200 OK\r\n") &&
+              health.ends_with("\r\n\r\nok: sends frames\n"))
       << health;
   const std::string response = ask(port, "/status.json");
   const auto status = nlohmann::json::parse(response.substr(response.find("\r\n\r\n")));
