@@ -152,7 +152,7 @@ TEST_F(ProgramsRelayTest, AfterEveryHostileMessageAStandbyTakesOver) {
     EXPECT_TRUE(framesArrive("strict") && framesArrive("open")) << i;
     active = std::move(standby);
   }
-  EXPECT_EQ(countOccurrences("another server makes the stream", strict_viewer->output()),
+  EXPECT_EQ(countOccurrences("another origin sends from now on", strict->output()),
             static_cast<std::size_t>(takeovers))
       << "one second Welcome for each takeover";
   (void)endViewer(*strict_viewer, "strict");

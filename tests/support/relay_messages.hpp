@@ -70,6 +70,7 @@ inline std::vector<std::vector<std::uint8_t>> listHostileMessages(SigningKey& ri
       RelayPicture{extreme, MediaTime(time), makeFrame(1).delta},
       RelayPong{LocalTime(time), MediaTime(time), MediaTime(time)}};
   std::vector<std::vector<std::uint8_t>> messages;
+  messages.reserve(3 * contents.size() + 1);
   for (const RelayContent& content : contents) {
     for (const RelayHead& head : {RelayHead{extreme, kRival, 1}, RelayHead{start_s, extreme, 1},
                                   RelayHead{start_s + 50, kRival, extreme}})
