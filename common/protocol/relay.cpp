@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "common/protocol/relay.hpp"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <string>
 #include <utility>
@@ -189,7 +187,7 @@ std::string describeLoss(std::span<const std::uint8_t> begin, std::uint64_t numb
   const std::size_t magic = std::size(kRelayMagic);
   if (begin.size() <= magic || begin.size() < contentBegin(begin)) return text;
   const auto origin = begin.subspan(contentBegin(begin) - kNumbersBytes + sizeof(RelayHead::term));
-  return text + fmt::format(" (origin {:016x})", readNumber(origin, sizeof(RelayHead::origin)));
+  return text + " (origin " + std::to_string(readNumber(origin, sizeof(RelayHead::origin))) + ")";
 }
 
 }  // namespace
