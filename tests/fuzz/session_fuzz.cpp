@@ -43,8 +43,10 @@ struct Host final : server::SessionHost {
     if (hello.access_token.empty()) return std::nullopt;
     return server::Grant{{}, server::Role::kOperator, std::nullopt};
   }
-  [[nodiscard]] bool control(const Control& control) override {
+  [[nodiscard]] bool control(const Control& control,
+                             const std::shared_ptr<server::Session>& sender) override {
     require(!control.seek_s || *control.seek_s >= 0.0);
+    sender->confirm(control);
     return true;
   }
   void completeWelcome(const Channel&, Welcome&) override {}
