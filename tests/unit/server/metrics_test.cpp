@@ -237,7 +237,7 @@ TEST(Health, OfAnEdge) {
   EXPECT_EQ(findProblem(metrics), std::nullopt) << "a standby origin has viewers of its own";
 }
 
-TEST(Health, SaysWhatTheServerDoes) {
+TEST(Health, DescribesTheActivity) {
   Metrics metrics;
   EXPECT_EQ(describeActivity(metrics), "forwards the frames of its origin");
   metrics.pipeline.emplace();
