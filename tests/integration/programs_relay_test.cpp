@@ -240,7 +240,8 @@ TEST_F(ProgramsRelayTest, IgnoresMessagesOfUnauthorisedSenders) {
   const auto forged = encodeRelay("lab", {std::uint64_t{1} << 61U, 5, 1}, RelayPong{},
                                   [](auto /*bytes*/) { return Signature{}; });
   (void)unauthorised.publish(subjects.state, splitRelay(forged, 1, 100'000).front());
-  EXPECT_TRUE(origin->says("it ignores heartbeats: they are no states", kSoon)) << origin->output();
+  EXPECT_TRUE(origin->says("it ignores heartbeats: a term is more than a day ahead", kSoon))
+      << origin->output();
   EXPECT_TRUE(edge->says("bytes that are not a piece of a relayed message", kSoon))
       << edge->output();
   EXPECT_TRUE(framesArrive("stranger"));
