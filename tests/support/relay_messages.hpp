@@ -41,7 +41,7 @@ inline std::vector<std::uint8_t> makeMessage(SigningKey& key, RelayHead head,
 
 /// Returns numbers at the limits of their types and of terms at the time `start_s`, s since 1970.
 inline std::vector<std::uint64_t> listExtremes(std::uint64_t start_s) {
-  constexpr std::uint64_t kDay_s = 24 * 3600;
+  constexpr std::uint64_t kDay_s = 86'400;
   std::vector<std::uint64_t> extremes{0, 1, ~std::uint64_t{0}, std::uint64_t{1} << 62U};
   for (const unsigned bits : {31U, 32U, 62U, 63U}) {
     for (const std::uint64_t more : {~std::uint64_t{0}, std::uint64_t{0}, std::uint64_t{1}})

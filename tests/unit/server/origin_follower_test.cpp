@@ -89,7 +89,7 @@ TEST_F(OriginFollowerTest, ReportsWhyItDropsAMessage) {
 }
 
 TEST_F(OriginFollowerTest, AcceptsATermUpToADayAhead) {
-  constexpr std::uint64_t kLatest = 1'000'000 + 24 * 3600;
+  constexpr std::uint64_t kLatest = 1'000'000 + 86'400;
   EXPECT_TRUE(follow(makeMessage(key_, {kLatest, kOrigin, 1}, makeState(key_))).new_origin);
   EXPECT_FALSE(follow(makeMessage(key_, {kLatest + 1, kOrigin, 2}, makeState(key_))).content);
   EXPECT_EQ(follower_.term(), kLatest);
