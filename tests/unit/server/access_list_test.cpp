@@ -2,6 +2,7 @@
 // Access tokens: files, roles, expiry, and refusals.
 #include "server/stream/access_list.hpp"
 
+#include <fmt/core.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -97,10 +98,10 @@ TEST(AccessList, RefusesWithTheLine) {
 TEST(AccessList, NoErrorHasAWordOfTheFile) {
   const std::string digest = digestOf("wonder");
   const std::string token = "5ecret";
-  for (const std::string& line :
-       {token, token + " viewer never", "viewer " + token + " never", digest + " " + token,
-        digest + " " + token + " never", digest + " viewer " + token,
-        digest + " viewer never " + token, digest + token + " viewer never"}) {
+  for (const char* const form :
+       {"{0}", "{0} viewer never", "viewer {0} never", "{1} {0}", "{1} {0} never", "{1} viewer {0}",
+        "{1} viewer never {0}", "{1}{0} viewer never"}) {
+    const std::string line = fmt::format(fmt::runtime(form), token, digest);
     const auto list = AccessList::parse(line + "\n");
     ASSERT_FALSE(list.ok()) << line;
     EXPECT_THAT(list.error().message, Not(HasSubstr(token)));
