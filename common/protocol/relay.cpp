@@ -293,9 +293,8 @@ Result<std::optional<std::vector<std::uint8_t>>, WireError> RelayJoiner::add(
     whole_.clear();
     number_ = number;
   } else if (index != next_ || count != pieces_before || number != number_) {
-    const bool begun = pieces_before != 0;
     return WireError{ErrorCode::kMalformed,
-                     describeLoss(begun ? whole_ : RelayBytes(), begun ? number_ : number)};
+                     pieces_before != 0 ? describeLoss(whole_, number_) : describeLoss({}, number)};
   }
   const auto content = piece.subspan(kRelayPieceHeadBytes);
   if (whole_.size() + content.size() > kMostRelayBytes)

@@ -44,19 +44,19 @@ class OriginElection {
   /// heartbeat, check() raises its term above the proved one. Requires a term that readRelayHead()
   /// accepts.
   void onProvedTerm(std::uint64_t term, LocalTime now) {
-    if (term <= std::max(highest_, seen_)) return;
-    seen_ = term;
-    seen_since_ = now;
+    if (term <= std::max(highest_, proved_)) return;
+    proved_ = term;
+    proved_since_ = now;
   }
   /// Restarts the measurement of kSilence. Call it while there is no connection, because no
   /// heartbeat can arrive then.
   void onDisconnected(LocalTime now) { last_received_ = now; }
   /// Becomes active after kSilence. Returns whether this origin is active.
   bool check(LocalTime now) {
-    const bool outdone = active_ && seen_ > highest_ && now - seen_since_ >= kSilence;
+    const bool outdone = active_ && proved_ > highest_ && now - proved_since_ >= kSilence;
     if (outdone || (!active_ && now - last_received_ >= kSilence)) {
       active_ = true;
-      highest_ = std::max({highest_, seen_, least_term_}) + 1;
+      highest_ = std::max({highest_, proved_, least_term_}) + 1;
       leader_ = origin_;
     }
     return active_;
@@ -74,8 +74,8 @@ class OriginElection {
   std::uint64_t least_term_;
   std::uint64_t highest_ = 0;
   std::uint64_t leader_ = 0;
-  std::uint64_t seen_ = 0;  // highest term that edges have proved
-  LocalTime seen_since_{};
+  std::uint64_t proved_ = 0;  // highest term that edges have proved
+  LocalTime proved_since_{};
   LocalTime last_received_;  // begins anew without a connection
   std::optional<LocalTime> heard_at_;
   bool active_ = false;

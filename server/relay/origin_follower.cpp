@@ -31,21 +31,29 @@ Result<TrustedState> readTrustedState(const RelayHead& head, std::span<const std
   return TrustedState{std::move(*state), std::move(key).value()};
 }
 
+Result<RelayHead> readTrustedHead(std::span<const std::uint8_t> whole, std::string_view channel,
+                                  const std::vector<KeyBytes>& keys,
+                                  std::chrono::system_clock::time_point utc) {
+  const auto head = readRelayHead(whole, channel, utc);
+  if (!head.ok()) return Error{head.error().message};
+  const auto trusted = readTrustedState(head.value(), whole, keys);
+  if (!trusted.ok()) return trusted.error();
+  return head.value();
+}
+
 FollowedMessage OriginFollower::onMessage(std::span<const std::uint8_t> whole, LocalTime now,
                                           std::chrono::system_clock::time_point utc) {
   const auto head = readRelayHead(whole, channel_, utc);
   if (!head.ok()) return dropMessage(head.error().message);
+  // An origin may raise its own term. Its stream goes on.
+  if (leader_ && head.value().origin == leader_->origin)
+    return head.value().term < leader_->term ? dropMessage() : onLeader(head.value(), whole, now);
   const auto order = [](const auto& of) { return std::pair(of.term, of.origin); };
   const bool lost_rank = leader_ && keys_.empty() && now - leader_->received >= kLoseRankAfter;
-  if (!leader_ || (lost_rank && head.value().origin != leader_->origin))
+  if (!leader_ || lost_rank || order(head.value()) > order(*leader_))
     return onOther(head.value(), whole, now);
-  if (order(head.value()) < order(*leader_)) {
-    rival_ = rival_ || head.value().origin != leader_->origin;
-    return dropMessage();
-  }
-  // An origin may raise its own term. Its stream goes on.
-  if (head.value().origin == leader_->origin) return onLeader(head.value(), whole, now);
-  return onOther(head.value(), whole, now);
+  rival_ = true;
+  return dropMessage();
 }
 
 FollowedMessage OriginFollower::onOther(const RelayHead& head, std::span<const std::uint8_t> whole,

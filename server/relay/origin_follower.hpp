@@ -12,6 +12,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -33,6 +34,13 @@ struct TrustedState {
 [[nodiscard]] Result<TrustedState> readTrustedState(const RelayHead& head,
                                                     std::span<const std::uint8_t> whole,
                                                     const std::vector<KeyBytes>& keys);
+/// Returns the head of the whole message `whole` of `channel` if it is a state that an origin has
+/// signed. Returns the errors of readRelayHead() and readTrustedState(). `utc`: the time of its
+/// arrival. Thread: any.
+[[nodiscard]] Result<RelayHead> readTrustedHead(std::span<const std::uint8_t> whole,
+                                                std::string_view channel,
+                                                const std::vector<KeyBytes>& keys,
+                                                std::chrono::system_clock::time_point utc);
 
 /// Result of OriginFollower::onMessage().
 struct FollowedMessage {

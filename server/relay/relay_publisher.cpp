@@ -184,15 +184,13 @@ void RelayPublisher::onHeartbeat(std::span<const std::uint8_t> bytes) {
   const LocalTime now = clock_.now();
   auto whole = RelayJoiner().add(bytes);  // a heartbeat has one piece
   if (!whole.ok() || !whole.value()) return;
-  const auto head = readRelayHead(*whole.value(), channel_, std::chrono::system_clock::now());
-  const auto trusted = head.ok() ? readTrustedState(head.value(), *whole.value(), keys_)
-                                 : Result<TrustedState>(Error{head.error().message});
+  const auto head =
+      readTrustedHead(*whole.value(), channel_, keys_, std::chrono::system_clock::now());
   const std::lock_guard lock(mutex_);
-  if (!trusted.ok()) {
+  if (!head.ok()) {
     if (distrusted_.allow(now))
-      spdlog::warn(
-          "origin of the channel {}: it ignores heartbeats: {}", channel_,
-          trusted.error().message.empty() ? "they are no states" : trusted.error().message);
+      spdlog::warn("origin of the channel {}: it ignores heartbeats: {}", channel_,
+                   head.error().message.empty() ? "they are no states" : head.error().message);
     return;
   }
   if (head.value().origin != election_.origin())
@@ -208,14 +206,12 @@ void RelayPublisher::onHeartbeat(std::span<const std::uint8_t> bytes) {
 void RelayPublisher::onPing(std::span<const std::uint8_t> bytes, const std::string& reply) {
   const MediaTime received = media_clock_.now();
   const LocalTime now = clock_.now();
-  const bool inbox = PingLimiter::isInbox(reply);
   const auto ping = decodeRelayPing(bytes);
-  if (inbox && ping.ok()) {  // a flood does not hide what edges need
-    const std::int64_t now_ns = now.time_since_epoch().count();
-    if (ping.value().wants_pictures) pictures_wanted_ns_ = now_ns;
-    if (ping.value().wants_datagrams) datagrams_wanted_ns_ = now_ns;
-  }
-  if (!inbox || !ping.ok() || !ping_limiter_.admit(reply, now)) return logUnansweredPing(now);
+  if (!PingLimiter::isInbox(reply) || !ping.ok()) return logUnansweredPing(now);
+  const std::int64_t now_ns = now.time_since_epoch().count();  // a flood hides no edge's needs
+  if (ping.value().wants_pictures) pictures_wanted_ns_ = now_ns;
+  if (ping.value().wants_datagrams) datagrams_wanted_ns_ = now_ns;
+  if (!ping_limiter_.admit(reply, now)) return logUnansweredPing(now);
   if (!ping.value().proof.empty()) onProof(ping.value().proof, now);
   RelayHead head;
   {
@@ -231,9 +227,8 @@ void RelayPublisher::onPing(std::span<const std::uint8_t> bytes, const std::stri
 }
 
 void RelayPublisher::onProof(std::span<const std::uint8_t> whole, LocalTime now) {
-  const auto head = readRelayHead(whole, channel_, std::chrono::system_clock::now());
+  const auto head = readTrustedHead(whole, channel_, keys_, std::chrono::system_clock::now());
   if (!head.ok() || head.value().origin == election_.origin()) return;
-  if (!readTrustedState(head.value(), whole, keys_).ok()) return;
   const std::lock_guard lock(mutex_);
   election_.onProvedTerm(head.value().term, now);
 }

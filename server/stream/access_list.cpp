@@ -105,8 +105,8 @@ AccessList loadAccessList(const std::string& file, LimitedLog& log) {
   auto list = AccessList::parse(text.value());
   if (!list.ok()) throw KeyFileError("--tokens " + file + ":" + list.error().message);
   if (list.value().size() == 0)
-    throw KeyFileError("--tokens " + file + ": has no token, so nobody could connect; add lines " +
-                       kForm);
+    throw KeyFileError("--tokens " + file +
+                       ": has no token, so no client could connect; add lines " + kForm);
   if (auto warning = findReaders("--tokens", file, "try tokens against it"))
     log.warn(std::move(*warning));
   return std::move(list).value();

@@ -181,7 +181,8 @@ TEST_F(ProgramsTlsTest, ATokenThatIsRemovedEndsItsViewersAtTheNextReload) {
   EXPECT_EQ(server->output().find("nonsense"), std::string::npos) << "it could be a token";
   write("tokens", "");
   server->signal(SIGHUP);
-  EXPECT_TRUE(server->says("has no token, so nobody could connect; ", kSoon)) << server->output();
+  EXPECT_TRUE(server->says("has no token, so no client could connect; ", kSoon))
+      << server->output();
   std::filesystem::remove(path("tokens"));
   (void)makeToken("bob", "viewer never");
   server->signal(SIGHUP);

@@ -144,14 +144,14 @@ TEST(AccessList, AFileWithoutATokenIsAnError) {
   const TempFolder folder;
   const ManualClock clock;
   LimitedLog log(clock);
-  for (const char* text : {"", "\n", "# nobody yet\n\n"}) {
+  for (const char* text : {"", "\n", "# no tokens yet\n\n"}) {
     const std::string file = folder.write("tokens", text);
     try {
       (void)loadAccessList(file, log);
       FAIL() << text;
     } catch (const KeyFileError& error) {
       EXPECT_THAT(error.what(), HasSubstr("--tokens " + file +
-                                          ": has no token, so nobody could "
+                                          ": has no token, so no client could "
                                           "connect; add lines SHA256 viewer|operator"));
     }
   }

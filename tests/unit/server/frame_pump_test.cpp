@@ -63,6 +63,7 @@ class FramePumpTest : public ::testing::Test {
   void push(const Control& request) {
     requests_.push(request, [this] { ++confirmed_; });
   }
+  void pushSeek(double time_s) { push({{}, time_s, {}}); }
   std::size_t countPublished() {
     encoder_.finish();
     return sink_.ids.size();
@@ -116,9 +117,7 @@ TEST_F(FramePumpTest, ALoopEndsWithTheServer) {
 TEST_F(FramePumpTest, ASeekContinuesAtItsTimeAndPublishesNothingBefore) {
   FramePump pump = makePump();
   EXPECT_EQ(pump.step(), PumpStep::kFrame);
-  Control seek;
-  seek.seek_s = 0.6;
-  push(seek);
+  pushSeek(0.6);
   EXPECT_TRUE(requests_.carryOut(pump, counter_, settings_));
   pump.resume();
   EXPECT_EQ(runToEnd(pump), 5) << "frames 15 to 19";
@@ -127,12 +126,11 @@ TEST_F(FramePumpTest, ASeekContinuesAtItsTimeAndPublishesNothingBefore) {
 
 TEST_F(FramePumpTest, ManyRequestsBecomeOne) {
   FramePump pump = makePump();
-  Control seek, material, texture;
+  Control material, texture;
   for (int i = 0; i < 180; ++i) {
-    seek.seek_s = i % 2 == 0 ? 0.4 : 0.6;
     material.material.stiffness_N_mm = 0.01 * i;
     texture.material.texture_K_mm = i;
-    push(seek);
+    pushSeek(i % 2 == 0 ? 0.4 : 0.6);
     push(material);
     push(texture);
   }
@@ -149,13 +147,9 @@ TEST_F(FramePumpTest, ANewerSeekEndsTheRunningOne) {
   bool pushed = false;
   FramePump pump = makePump(false, [&] {
     if (std::exchange(pushed, true)) return;
-    Control newer;
-    newer.seek_s = 0.2;
-    push(newer);
+    pushSeek(0.2);
   });
-  Control seek;
-  seek.seek_s = 0.6;
-  push(seek);
+  pushSeek(0.6);
   EXPECT_TRUE(requests_.carryOut(pump, counter_, settings_));
   pump.resume();
   EXPECT_EQ(runToEnd(pump), 15) << "frames 5 to 19";
@@ -166,13 +160,11 @@ TEST_F(FramePumpTest, ANewerSeekEndsTheRunningOne) {
 // An operator who seeks again before each frame cannot stop the stream: the seek that runs after a
 // second comes to its end.
 TEST_F(FramePumpTest, SeeksWithoutEndDelayTheStreamByASecondAndOneSeek) {
-  Control seek;
-  seek.seek_s = 0.6;
   FramePump pump = makePump(false, [&] {
     clock_.advance(std::chrono::milliseconds(50));  // vision's time for a frame
-    push(seek);
+    pushSeek(0.6);
   });
-  push(seek);
+  pushSeek(0.6);
   const LocalTime begin = clock_.now();
   EXPECT_TRUE(requests_.carryOut(pump, counter_, settings_));
   EXPECT_LE(clock_.now() - begin,

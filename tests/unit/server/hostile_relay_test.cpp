@@ -25,10 +25,9 @@ struct Origin {
       : election(number, kStart_s, LocalTime{}), keys(std::move(trusted)) {}
 
   void onHeartbeat(std::span<const std::uint8_t> whole, Duration now, bool proof) {
-    const auto head =
-        readRelayHead(whole, "lab", std::chrono::system_clock::time_point(kStart_s * 1s + now));
-    if (!head.ok() || !readTrustedState(head.value(), whole, keys).ok()) return;
-    if (head.value().origin == election.origin()) return;
+    const auto utc = std::chrono::system_clock::time_point(kStart_s * 1s + now);
+    const auto head = readTrustedHead(whole, "lab", keys, utc);
+    if (!head.ok() || head.value().origin == election.origin()) return;
     if (proof) {
       election.onProvedTerm(head.value().term, LocalTime(now));
     } else {
