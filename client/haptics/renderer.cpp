@@ -88,7 +88,7 @@ HapticRenderer::HapticRenderer(const RendererSettings& settings, FramePool& pool
 const TickReport& HapticRenderer::tick(LocalTime now, const DeviceState& state) noexcept {
   const StreamTiming& stream = stream_.load();
   const UserControls& user = user_.load();
-  const bool world_changed = updateInputs(stream, user);
+  const Changes changes = updateInputs(stream, user);
   motion_.setDelay(safety_.delayTicks());
   motion_.sent(report_.force_N, safety_.wall_N_mm());
   const HipEstimate& hip = motion_.update(state);
@@ -98,12 +98,13 @@ const TickReport& HapticRenderer::tick(LocalTime now, const DeviceState& state) 
 
   report_.hip_mm = mapping_.toNominal(hip.position_mm);
   parseDevice(settings_.profile, state, report_);
-  if (world_changed || hip.restarted) proxies_.restart();
+  const bool restarts = changes.any() || hip.restarted;
+  if (restarts) proxies_.restart();
   const Vec3 ahead_mm = report_.ahead_mm = mapping_.toNominal(hip.ahead.position_mm);
   const Contact contact = computeContact(scene, ahead_mm);
   SafetyInput input = safetyInput(hip, contact, scene);
-  input.scene_jumped = scene.jumped || contact.jump;
-  input.world_jumped = world_changed || input.scene_jumped;
+  input.scene_jumped = changes.by_stream || scene.jumped || (contact.jump && !restarts);
+  input.world_jumped = changes.any() || input.scene_jumped || contact.jump;
   input.device_lost = state.status == DeviceStatus::kLost;
   const Vec3 contact_mm = ahead_mm + contact.displacement_mm;
   report_.contact_mm = contact_mm;
@@ -148,31 +149,33 @@ void HapticRenderer::reportTick(LocalTime now, MediaTime play_time, const Scene&
   report_.mapping = mapping_;
 }
 
-/// Applies changes of stream and controls. Returns true if the scene has no connection with the
-/// last tick.
-bool HapticRenderer::updateInputs(const StreamTiming& stream, const UserControls& user) noexcept {
-  bool changed = stream.connected != connected_ && stream.connected;
-  if (changed) safety_.newConnection();
-  changed = force_mix_.update(user) || changed;
+/// Applies changes of stream and controls. Returns the changes after which the scene has no
+/// connection with the last tick.
+HapticRenderer::Changes HapticRenderer::updateInputs(const StreamTiming& stream,
+                                                     const UserControls& user) noexcept {
+  Changes changes;
+  changes.by_stream = stream.connected != connected_ && stream.connected;
+  if (changes.by_stream) safety_.newConnection();
+  changes.by_user = force_mix_.update(user);
   proxies_.setFriction(force_mix_.friction());
   connected_ = stream.connected;
   if (paused_ && !user.paused) {  // the stream continued meanwhile: join it like a new one
     playout_.resync();
     lookup_.resync();
-    changed = true;
+    changes.by_user = true;
   }
-  changed = changed || (user.paused && !paused_ && force_mix_.method() == Method::kThesis);
+  if (user.paused && !paused_ && force_mix_.method() == Method::kThesis) changes.by_user = true;
   paused_ = user.paused;
   if (!(stream.workspace == workspace_)) {
     workspace_ = stream.workspace;
     mapping_ = DeviceMapping::fit(workspace_, settings_.profile.workspace_mm);
-    changed = true;
+    changes.by_stream = true;
   }
   if (user.rearm != rearmed_) {
     rearmed_ = user.rearm;
     safety_.rearm();
   }
-  return changed;
+  return changes;
 }
 
 Contact HapticRenderer::computeContact(const Scene& scene, const Vec3& hip_mm) noexcept {
@@ -196,6 +199,7 @@ SafetyInput HapticRenderer::safetyInput(const HipEstimate& hip, const Contact& c
   input.velocity_mm_s = hip.velocity_mm_s;
   input.ahead = hip.ahead;
   input.measurement_jumped = hip.restarted;
+  input.measurement_late = hip.bridged;
   input.contact = contact.contact;
   input.displacement_mm = contact.displacement_mm * mapping_.scale;
   input.normal = contact.normal;

@@ -71,7 +71,13 @@ class HapticRenderer {
   [[nodiscard]] FlightRecorder& recorder() noexcept { return recorder_; }
 
  private:
-  bool updateInputs(const StreamTiming& stream, const UserControls& user) noexcept;
+  /// What does not continue that of the last tick.
+  struct Changes {
+    bool by_stream = false;  // the connection or the workspace
+    bool by_user = false;    // the method, the surface model, or the end of a pause
+    [[nodiscard]] bool any() const noexcept { return by_stream || by_user; }
+  };
+  Changes updateInputs(const StreamTiming& stream, const UserControls& user) noexcept;
   Contact computeContact(const Scene& scene, const Vec3& hip_mm) noexcept;
   SafetyInput safetyInput(const HipEstimate& hip, const Contact& contact,
                           const Scene& scene) const noexcept;

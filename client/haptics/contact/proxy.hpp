@@ -62,8 +62,13 @@ class Proxy {
   static constexpr double kJump_mm = 0.3;
 
   /// Deletes the state. The next tick then places the proxy at the HIP. If that tick begins in
-  /// contact, `faded` = true makes its displacement begin at zero, and false at its full length.
-  void restart(bool faded) noexcept;
+  /// contact, its displacement begins at its full length.
+  void restart() noexcept { *this = Proxy(); }
+  /// Moves a proxy in contact to another object: `relief`, in whose frame a vector has the
+  /// coordinates R v + `shift_mm`. R is the rotation by the angle with the cosine `c` and the sine
+  /// `s`. Returns false and changes nothing if the surface of `relief` at the proxy differs by more
+  /// than kJump_mm, or if the proxy has no contact.
+  bool continueOn(const MovingRelief& relief, double c, double s, const Vec3& shift_mm) noexcept;
   /// Invalidates the stored samples of the relief.
   void forgetSamples() noexcept { probe_.forget(); }
   /// If the proxy is free and no contact is possible on its path to the HIP, moves the proxy to the
@@ -117,7 +122,7 @@ class Proxy {
 
   // State across ticks.
   bool valid_ = false;
-  bool faded_ = true;
+  bool faded_ = false;  // a jump in the next tick fades in
   Kind kind_ = Kind::kFree;
   bool slipping_ = false;
   int rested_ticks_ = 0;  // number of ticks without a move, at most as many as sticking needs

@@ -127,7 +127,6 @@ Friction ProxySurface::friction(ProxySlot& tied, const InterpolatedObject& objec
 }
 
 void ProxySurface::restart() noexcept {
-  just_restarted_ = true;
   ++tick_;  // the slots of the last tick no longer count
 }
 
@@ -142,6 +141,34 @@ ProxySurface::ProxySlot* ProxySurface::isKnown(std::uint64_t key) noexcept {
 ProxySurface::ProxySlot& ProxySurface::findUnused() noexcept {
   return *std::min_element(tied_.begin(), tied_.end(),
                            [](const ProxySlot& a, const ProxySlot& b) { return a.tick < b.tick; });
+}
+
+/// Returns the slot whose contact `object` continues, or null: of the objects that vanished in this
+/// tick, that with the longest displacement, if the surface of `object` is there. Moves the proxy
+/// of that slot into the frame of `object`.
+ProxySurface::ProxySlot* ProxySurface::findContinued(const InterpolatedObject& object,
+                                                     const Workspace& workspace) noexcept {
+  ProxySlot* vanished = nullptr;
+  double longest_mm2 = 0.0;
+  for (ProxySlot& tied : tied_) {
+    const double length_mm2 = tied.touch.contact ? tied.touch.displacement_mm.squaredNorm() : 0.0;
+    if (tied.tick + 1 != tick_ || length_mm2 <= longest_mm2) continue;
+    vanished = &tied;
+    longest_mm2 = length_mm2;
+  }
+  if (vanished == nullptr) return nullptr;
+  MovingRelief relief;
+  (void)relief.update(object, workspace);
+  const double turn_rad = vanished->angle_rad - object.angle_rad;
+  const Vec3 shift_mm = rotate(vanished->position_mm - object.position_mm,
+                               std::cos(object.angle_rad), -std::sin(object.angle_rad));
+  if (!vanished->proxy.continueOn(relief, std::cos(turn_rad), std::sin(turn_rad), shift_mm))
+    return nullptr;
+  vanished->position_mm = object.position_mm;
+  vanished->velocity_mm_s = object.velocity_mm_s;
+  vanished->angle_rad = object.angle_rad;
+  vanished->angular_velocity_rad_s = object.angular_velocity_rad_s;
+  return vanished;
 }
 
 /// Returns true if the pose changed by more than the velocities of this tick and the last explain.
@@ -178,8 +205,9 @@ void ProxySurface::updateObject(ProxySlot& tied, const InterpolatedObject& objec
   const bool was_there = tied.tick + 1 == tick_;
   if (!was_there) {
     tied.relief = {};  // the slot may hold the relief of another object
-    tied.proxy.restart(!just_restarted_);
+    tied.proxy.restart();
     tied.touch = {};
+    tied.arrived = true;
   }
   if (tied.relief.update(object, workspace)) tied.proxy.forgetSamples();
   const Vec3 arm_mm = hip_mm - object.position_mm;
@@ -194,9 +222,12 @@ void ProxySurface::updateObject(ProxySlot& tied, const InterpolatedObject& objec
   tied.angle_rad = object.angle_rad;
   tied.angular_velocity_rad_s = object.angular_velocity_rad_s;
   if (!own_mm.allFinite()) {
-    tied.proxy.restart(true);
+    tied.proxy.restart();
     tied.touch = {};
-  } else if (!tied.proxy.clear(tied.relief, own_mm)) {
+    tied.arrived = true;
+  } else if (tied.proxy.clear(tied.relief, own_mm)) {
+    tied.arrived = false;
+  } else {
     near_[near_count_++] = {&tied, &object, own_mm, jumped};
   }
 }
@@ -219,7 +250,9 @@ void ProxySurface::gather(const Scene& scene, const Vec3& hip_mm,
     }
   }
   for (std::size_t i = 0; i < arrived_count; ++i) {
-    updateObject(findUnused(), *arrived[i], hip_mm, workspace, elapsed_s);
+    ProxySlot* const continued = findContinued(*arrived[i], workspace);
+    updateObject(continued != nullptr ? *continued : findUnused(), *arrived[i], hip_mm, workspace,
+                 elapsed_s);
   }
 }
 
@@ -231,13 +264,13 @@ Contact ProxySurface::computeContact(const Scene& scene, const Vec3& hip_mm,
   Sum sum;
   if (hip_mm.allFinite()) {
     gather(scene, hip_mm, workspace);
-    just_restarted_ = false;
   } else {
     near_count_ = 0;
   }
   // If the sample budget runs out, the remaining objects hold their result for a tick. Another
   // object is first in each tick.
   ++round_robin_;
+  bool appeared = false;
   for (std::size_t i = 0; i < near_count_; ++i) {
     const Candidate& near = near_[(round_robin_ + i) % near_count_];
     ProxySlot& tied = *near.tied;
@@ -247,6 +280,8 @@ Contact ProxySurface::computeContact(const Scene& scene, const Vec3& hip_mm,
       tied.touch = tied.proxy.update(
           tied.relief, {near.hip_mm, friction(tied, *near.object), fair, near.jumped, deepest_mm});
       used_ += tied.proxy.samplesUsed();
+      appeared = appeared || (tied.arrived && tied.touch.contact);
+      tied.arrived = false;
     }
   }
   for (std::size_t i = 0; i < near_count_; ++i) {
@@ -254,7 +289,7 @@ Contact ProxySurface::computeContact(const Scene& scene, const Vec3& hip_mm,
     if (tied.touch.contact) sum.add(tied.touch, *near_[i].object, tied.proxy.position_mm());
   }
   Contact contact = sum.result();
-  contact.jump = scene.jumped;
+  contact.jump = scene.jumped || appeared;
   return contact;
 }
 

@@ -38,11 +38,14 @@ class ProxySurface {
   /// Contact::object is the object with the longest displacement. Each pair of object id and layer
   /// has a proxy. The proxy is deleted when its object disappears.
   ///
-  /// A jump of the geometry never causes a step of the force. A jump is an object that appears, or
-  /// a surface or pose that changes by more than its motion explains. After a jump this function
-  /// fades in the displacement, so the caller need not handle the jump. Contact::jump is set only
-  /// when the epoch changes. If the displacement of an object is longer than `deepest_mm` after a
-  /// jump, the object is disarmed until the HIP is out of it.
+  /// A surface or pose that changes by more than its motion explains is a jump. After such a jump
+  /// this function fades in the displacement, so the caller need not handle it. An object that
+  /// appears at the HIP begins with its full displacement, and so does a new epoch: Contact::jump
+  /// is then set. An object that appears where another one vanished in the same tick continues the
+  /// contact of that one, if the surface at the proxy is the same within Proxy::kJump_mm. A tracker
+  /// that lost and found an object causes this: the object has a new id. If the displacement of an
+  /// object is longer than `deepest_mm` after a jump, the object is disarmed until the HIP is out
+  /// of it.
   Contact computeContact(const Scene& scene, const Vec3& hip_mm, const Workspace& workspace,
                          double deepest_mm) noexcept;
 
@@ -63,6 +66,7 @@ class ProxySurface {
   struct ProxySlot {
     std::uint64_t key = 0;
     std::uint64_t tick = 0;  // last tick with this object
+    bool arrived = false;    // the proxy has not been updated yet since the object appeared
     MovingRelief relief;
     Proxy proxy;
     ProxyTouch touch;  // result of the last tick
@@ -83,6 +87,7 @@ class ProxySurface {
 
   [[nodiscard]] ProxySlot* isKnown(std::uint64_t key) noexcept;
   [[nodiscard]] ProxySlot& findUnused() noexcept;
+  ProxySlot* findContinued(const InterpolatedObject& object, const Workspace& workspace) noexcept;
   static bool poseJumped(const ProxySlot& tied, const InterpolatedObject& object, double arm_mm,
                          double elapsed_s) noexcept;
   void gather(const Scene& scene, const Vec3& hip_mm, const Workspace& workspace) noexcept;
@@ -97,7 +102,6 @@ class ProxySurface {
   // Index of the first candidate; it changes each tick, because the sample budget may run out.
   std::size_t round_robin_ = 0;
   std::uint64_t tick_ = 1;
-  bool just_restarted_ = true;
   MediaTime play_time_{};
   int used_ = 0;
 };

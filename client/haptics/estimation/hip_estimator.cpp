@@ -58,7 +58,7 @@ void HipEstimator::sent(const Vec3& force_N, double wall_N_mm) noexcept {
 }
 
 const HipEstimate& HipEstimator::update(const DeviceState& state) noexcept {
-  estimate_.restarted = false;
+  estimate_.restarted = estimate_.bridged = false;
   estimate_.finite = state.position_mm.allFinite();
   if (state.status != DeviceStatus::kOk || !estimate_.finite) {
     ++estimate_.ticks_without_data;
@@ -106,6 +106,7 @@ void HipEstimator::onPosition(const Vec3& measured_mm) noexcept {
 // Uses the mean velocity over the gap, which is certain. A prediction through the gap would cause a
 // spike by the old acceleration.
 void HipEstimator::bridge(const Vec3& measured_mm, double gap_s) noexcept {
+  estimate_.bridged = true;
   x_mm_ = measured_mm;
   estimate_.velocity_mm_s = (measured_mm - estimate_.position_mm) / gap_s;
   a_mm_s2_ = Vec3::Zero();

@@ -9,12 +9,6 @@
 namespace hapticast::client {
 
 namespace {
-// Duration of the fades: 0.2 s and 0.1 s. Chosen: neither a blow nor a delay for the hand.
-constexpr double kFadeIn = kTick_s / 0.2;
-constexpr double kFadeOut = kTick_s / 0.1;
-
-double smoothstep(double x) noexcept { return x * x * (3.0 - 2.0 * x); }
-
 /// Returns the energy (mJ) of a spring whose force saturates at limit_N.
 double springEnergy_mJ(double stiffness_N_mm, double depth_mm, double limit_N) noexcept {
   const double force_N = stiffness_N_mm * depth_mm;
@@ -33,7 +27,6 @@ double countedDepth_mm(const StepState& state) noexcept {
 SafetyChain::SafetyChain(const DeviceProfile& profile, const SafetyLinks& links) noexcept
     : links_(links),
       peak_N_(profile.peak_N),
-      residue_step_N_(profile.residue_N_per_tick),
       mass_kg_(profile.mass_kg),
       profile_delay_ticks_(profile.delay_ticks),
       wall_N_mm_(profile.stiffness_N_mm),
@@ -41,6 +34,7 @@ SafetyChain::SafetyChain(const DeviceProfile& profile, const SafetyLinks& links)
       steps_(profile),
       moved_(profile.count_mm),
       ports_(profile.delay_ticks, profile.count_mm),
+      fade_(profile.residue_N_per_tick, links.fade, links.arming),
       tank_(profile),
       thermal_(profile),
       watch_(profile.count_mm),
@@ -66,6 +60,7 @@ void SafetyChain::forgetDelay() noexcept {
 SafetyOutput SafetyChain::step(const SafetyInput& in) noexcept {
   SafetyOutput out;
   if (forget_delay_ && !in.contact && !acts()) forgetDelay();
+  account_.refill();
   limit_N_ = links_.thermal ? thermal_.limit_N() : peak_N_;  // 6
   const Geometry geometry = plausible(in, out);              // 1
   const bool halt_now = halts(in, out);
@@ -82,14 +77,20 @@ SafetyOutput SafetyChain::step(const SafetyInput& in) noexcept {
   out.dynamic_force_N = dynamicForce(in, geometry, out);  // 4
   const Vec3 sum_N = out.static_force_N + out.dynamic_force_N;
   const double clamp = clampFactor(sum_N, out);  // 7
-  fadeAndArm(jump, touchable, geometry, out);    // 9
-  const double gain = clamp * smoothstep(fade_);
-  const Vec3 faded_N = sum_N * gain + residue_N_;
+  const Vec3 own_N = out.static_force_N + inertia_N_ * dynamic_fade_;
+  fadeAndArm(in,
+             {.jump = jump,
+              .touchable = touchable,
+              .full_N = clamp * sum_N,
+              .full_static_N = clamp * own_N},
+             now, geometry, out);  // 9
+  const double gain = clamp * fade_.gain();
+  const Vec3 faded_N = sum_N * gain + fade_.residue_N();
   const double tank = tankFactor(faded_N, out);  // 5
   const double again = clampFactor(faded_N * tank, out);
   now.force_N = faded_N * tank * again;
-  const Vec3 own_N = (out.static_force_N + inertia_N_ * dynamic_fade_) * gain + residue_static_N_;
-  static_N_ = limitStep(now, own_N * (tank * again), in.measurement_jumped, out);  // 8
+  const Vec3 faded_own_N = own_N * gain + fade_.residueStatic_N();
+  static_N_ = limitStep(now, faded_own_N * (tank * again), in.measurement_jumped, out);  // 8
 
   ports_.sent(now.force_N, now.force_N - static_N_);
   thermal_.add(now.force_N.squaredNorm());
@@ -128,7 +129,8 @@ Vec3 SafetyChain::limitStep(StepState& now, const Vec3& static_N, bool measureme
   const MotionExplainedStep possible =
       measurement_jumped ? MotionExplainedStep{} : computeStepPossibleByHand(now, last_);
   // Compares what the chain wants in both ticks: a force behind its target catches up afterwards.
-  const bool by_stream = steps_.excess_N(now.force_N, wanted_N_, possible) > 0.0;
+  const bool by_stream =
+      !measurement_jumped && steps_.excess_N(now.force_N, wanted_N_, possible) > 0.0;
   wanted_N_ = now.force_N;
   const MotionExplainedStep hand =
       measurement_jumped ? MotionExplainedStep{} : computeStepAllowedByMotion(now, last_);
@@ -148,8 +150,7 @@ void SafetyChain::rearm() noexcept {
   if (halt_ == Halt::kTrustLost) trust_.renew();
   stop_requested_ = false;
   halt_ = Halt::kNone;
-  fade_ = 0.0;
-  check_depth_ = true;
+  fade_.restart();
 }
 
 StepState SafetyChain::computeState(const SafetyInput& in, const Geometry& geometry,
@@ -186,17 +187,16 @@ void SafetyChain::meter(const SafetyInput& in, StepState& now, const Geometry& g
   PortTick tick{.position_mm = now.position_mm,
                 .connected = !in.measurement_jumped,
                 .surface_mm = surface_.present_mm()};
-  const double gain = smoothstep(fade_);
+  const double gain = fade_.gain();
   // Each energy uses the stiffness of its own tick; with one tick in contact, both use that tick's
   // stiffness.
   const double stiffness_N_mm = (now.contact ? now : last_).local_stiffness_N_mm;
   const double before_N_mm = (last_.contact ? last_ : now).local_stiffness_N_mm;
-  // After a jump the new spring begins without force. The energy of the old one belongs to the
-  // hand.
+  // At a jump the account of the discontinuities compares the springs.
   if (!jump) {
     tick.stored_mJ = gain * springEnergy_mJ(stiffness_N_mm, countedDepth_mm(now), limit_N_);
+    tick.stored_before_mJ = gain * springEnergy_mJ(before_N_mm, countedDepth_mm(last_), limit_N_);
   }
-  tick.stored_before_mJ = gain * springEnergy_mJ(before_N_mm, countedDepth_mm(last_), limit_N_);
   tank_.withdraw(ports_.meter(tick), now.velocity_mm_s);
 
   if (delay_ticks_ != profile_delay_ticks_ && geometry.contact) {
@@ -252,35 +252,19 @@ Vec3 SafetyChain::dynamicForce(const SafetyInput& in, const Geometry& geometry,
   return dynamic_N_ * dynamic_fade_;
 }
 
-void SafetyChain::fadeAndArm(bool jump, bool touchable, const Geometry& geometry,
-                             SafetyOutput& out) noexcept {
-  if (jump) {
-    residue_N_ = links_.fade ? last_.force_N : Vec3(Vec3::Zero());
-    residue_static_N_ = links_.fade ? static_N_ : Vec3(Vec3::Zero());
-    fade_ = 0.0;
-    check_depth_ = true;
-    out.safety_actions |= bit(SafetyAction::kJump);
+void SafetyChain::fadeAndArm(const SafetyInput& in, FadeTick tick, const StepState& now,
+                             const Geometry& geometry, SafetyOutput& out) noexcept {
+  tick.contact = geometry.contact;
+  tick.too_deep = geometry.size_mm > armDepth_mm(geometry.stiffness_N_mm, peak_N_);
+  tick.spring_mJ = springEnergy_mJ(geometry.stiffness_N_mm, geometry.size_mm, limit_N_);
+  if (in.measurement_late || in.measurement_jumped) {
+    // The force was constant while the HIP moved by x: the spring gains K x² / 2.
+    tick.gap_mJ =
+        0.5 * now.local_stiffness_N_mm * (now.position_mm - last_.position_mm).squaredNorm();
   }
-  if (touchable && check_depth_) {
-    blocked_ = links_.arming && geometry.size_mm > armDepth_mm(geometry.stiffness_N_mm, peak_N_);
-    check_depth_ = false;
-  }
-  if (touchable && !geometry.contact) blocked_ = false;
-  const bool armed = touchable && !blocked_;
-  fade_ = !links_.fade ? (armed ? 1.0 : 0.0)
-                       : std::clamp(fade_ + (armed ? kFadeIn : -kFadeOut), 0.0, 1.0);
-  check_depth_ = check_depth_ || !touchable;
-
-  if (residue_N_ == Vec3::Zero()) residue_static_N_.setZero();  // two shares that cancelled out
-  if (residue_N_ != Vec3::Zero()) {
-    const double residue_N = residue_N_.norm();
-    const double left = residue_N > residue_step_N_ ? 1.0 - residue_step_N_ / residue_N : 0.0;
-    residue_N_ *= left;
-    residue_static_N_ *= left;
-    if (residue_N_ != Vec3::Zero()) out.safety_actions |= bit(SafetyAction::kResidue);
-  }
-  if (geometry.contact && blocked_) out.safety_actions |= bit(SafetyAction::kDisarmed);
-  if (geometry.contact && fade_ < 1.0) out.safety_actions |= bit(SafetyAction::kFade);
+  tick.last_N = last_.force_N;
+  tick.last_static_N = static_N_;
+  out.safety_actions |= fade_.step(tick, account_);
 }
 
 double SafetyChain::clampFactor(const Vec3& force_N, SafetyOutput& out) const noexcept {
@@ -301,6 +285,7 @@ double SafetyChain::tankFactor(const Vec3& force_N, SafetyOutput& out) const noe
 namespace {
 constexpr double kSurfaceSpeed_mm_s = 1500.0;  // plausible limit
 constexpr double kJump_mm = 3.0;               // unexplained change of depth in a tick
+constexpr double kAppears_mm = 0.3;            // the same where the contact begins
 constexpr double kLongestStep_s = 20e-3;       // a larger step of play time connects no two ticks
 constexpr double kUnit = 1e-12;                // rounding error of a unit vector's square
 constexpr double kFarthest_mm = 1000.0;        // beyond the reach of any device: a broken number
@@ -316,8 +301,7 @@ bool finite(const SafetyInput& in) noexcept {
 }
 }  // namespace
 
-SafetyChain::Geometry SafetyChain::plausible(const SafetyInput& in,
-                                             SafetyOutput& out) const noexcept {
+SafetyChain::Geometry SafetyChain::plausible(const SafetyInput& in, SafetyOutput& out) noexcept {
   const bool all_finite = finite(in);
   out.too_far = all_finite && in.displacement_mm.squaredNorm() > kFarthest_mm * kFarthest_mm;
   if (!all_finite || out.too_far) {
@@ -354,8 +338,7 @@ SafetyChain::Geometry SafetyChain::plausible(const SafetyInput& in,
 
 /// Limits stiffness and damping along the normal to the limits of the device. The factor of
 /// `perturbed` reduces the stiffness limit, not the damping.
-void SafetyChain::material(const SafetyInput& in, Geometry& geometry,
-                           SafetyOutput& out) const noexcept {
+void SafetyChain::material(const SafetyInput& in, Geometry& geometry, SafetyOutput& out) noexcept {
   geometry.stiffness_factor = std::max(1.0, in.stiffness_factor);
   const double limit_N_mm = stiffness_limit_N_mm_ / geometry.stiffness_factor;
   geometry.stiffness_N_mm = std::max(0.0, in.stiffness_N_mm);
@@ -363,12 +346,27 @@ void SafetyChain::material(const SafetyInput& in, Geometry& geometry,
     geometry.stiffness_N_mm = limit_N_mm;
     out.safety_actions |= bit(SafetyAction::kStiffness);
   }
+  geometry.stiffness_N_mm = payStiffening(in, geometry);
   if (!links_.damping) return;
   const double law_Ns_m = wallDamping_Ns_m(geometry.stiffness_N_mm * geometry.stiffness_factor,
                                            mass_kg_, stiffness_limit_N_mm_);
   const double most_Ns_m = std::max(0.0, damping_limit_Ns_m_ - law_Ns_m);
   if (in.damping_Ns_m > most_Ns_m) out.safety_actions |= bit(SafetyAction::kDamping);
   geometry.damping_Ns_m = law_Ns_m + std::clamp(in.damping_Ns_m, 0.0, most_Ns_m);
+}
+
+/// A stream that stiffens a pressed spring adds energy: the account pays for it. Returns the
+/// stiffness that it can pay for.
+double SafetyChain::payStiffening(const SafetyInput& in, const Geometry& geometry) noexcept {
+  const double before_N_mm = geometry_.stiffness_N_mm;
+  const double after_N_mm = geometry.stiffness_N_mm;
+  const bool continues = geometry_.contact && !in.world_jumped && !in.measurement_jumped;
+  if (!continues || after_N_mm <= before_N_mm) return after_N_mm;
+  const double added_mJ = fade_.gain() * (springEnergy_mJ(after_N_mm, geometry.size_mm, limit_N_) -
+                                          springEnergy_mJ(before_N_mm, geometry.size_mm, limit_N_));
+  const double paid_mJ = account_.pay(added_mJ);
+  return paid_mJ < added_mJ ? before_N_mm + (after_N_mm - before_N_mm) * (paid_mJ / added_mJ)
+                            : after_N_mm;
 }
 
 /// Returns the last geometry as a plane at rest; only the HIP moves.
@@ -388,9 +386,11 @@ bool SafetyChain::jumped(const SafetyInput& in, const Geometry& geometry) const 
   if (in.world_jumped || in.measurement_jumped) return true;
   // Without contact the displacement is zero: a surface that vanishes jumps like one that appears.
   const double change_mm = std::abs(geometry.size_mm - geometry_.size_mm);
-  if (change_mm <= kJump_mm) return false;
+  const bool begins = geometry.contact && !geometry_.contact;
+  const double most_mm = begins ? kAppears_mm + geometry.surface_step_mm.norm() : kJump_mm;
+  if (change_mm <= most_mm) return false;
   const double moved_mm = (in.ahead.position_mm - last_.ahead.position_mm).norm();
-  return change_mm > kJump_mm + (1.0 + geometry.stiffness_factor) * moved_mm;
+  return change_mm > most_mm + (1.0 + geometry.stiffness_factor) * moved_mm;
 }
 
 }  // namespace hapticast::client

@@ -12,6 +12,8 @@
 
 #include "client/haptics/estimation/hip_observer.hpp"
 #include "client/haptics/haptic_device.hpp"
+#include "client/haptics/safety/contact_fade.hpp"
+#include "client/haptics/safety/discontinuity_account.hpp"
 #include "client/haptics/safety/oscillation_detector.hpp"
 #include "client/haptics/safety/passivity_observer.hpp"
 #include "client/haptics/safety/safety_action.hpp"
@@ -47,6 +49,7 @@ struct SafetyInput {
   HipState ahead;
   bool measurement_jumped =
       false;  ///< the HIP was measured, but its position does not continue that of the last tick
+  bool measurement_late = false;  ///< the HIP moved unseen for more than a tick, under one force
   bool scene_jumped = false;  ///< the stream caused a jump: a new epoch, or a surface that jumped
   /// The device does not answer; the halt that follows lasts until rearm().
   bool device_lost = false;
@@ -143,8 +146,9 @@ class SafetyChain {
   void setDelay(int delay_ticks) noexcept;
   void forgetDelay() noexcept;
   bool halts(const SafetyInput& input, SafetyOutput& out) noexcept;
-  Geometry plausible(const SafetyInput& input, SafetyOutput& out) const noexcept;
-  void material(const SafetyInput& input, Geometry& geometry, SafetyOutput& out) const noexcept;
+  Geometry plausible(const SafetyInput& input, SafetyOutput& out) noexcept;
+  void material(const SafetyInput& input, Geometry& geometry, SafetyOutput& out) noexcept;
+  double payStiffening(const SafetyInput& input, const Geometry& geometry) noexcept;
   Geometry holdGeometry(const Vec3& ahead_mm) const noexcept;
   bool jumped(const SafetyInput& input, const Geometry& geometry) const noexcept;
   StepState computeState(const SafetyInput& input, const Geometry& geometry,
@@ -153,7 +157,8 @@ class SafetyChain {
              SafetyOutput& out) noexcept;
   Vec3 wallForce(const StepState& now, const Geometry& geometry, SafetyOutput& out) const noexcept;
   Vec3 dynamicForce(const SafetyInput& input, const Geometry& geometry, SafetyOutput& out) noexcept;
-  void fadeAndArm(bool jump, bool touchable, const Geometry& geometry, SafetyOutput& out) noexcept;
+  void fadeAndArm(const SafetyInput& input, FadeTick tick, const StepState& now,
+                  const Geometry& geometry, SafetyOutput& out) noexcept;
   double clampFactor(const Vec3& force_N, SafetyOutput& out) const noexcept;
   Vec3 limitStep(StepState& now, const Vec3& static_N, bool measurement_jumped,
                  SafetyOutput& out) noexcept;
@@ -161,7 +166,7 @@ class SafetyChain {
   double tankFactor(const Vec3& force_N, SafetyOutput& out) const noexcept;
 
   SafetyLinks links_;
-  double peak_N_, residue_step_N_, mass_kg_;
+  double peak_N_, mass_kg_;
   int profile_delay_ticks_;
   int delay_ticks_ = 0;
   double wall_N_mm_;
@@ -172,6 +177,8 @@ class SafetyChain {
   CountedMotion moved_;
   SurfaceHistory surface_;
   PassivityObserver ports_;
+  DiscontinuityAccount account_;
+  ContactFade fade_;
   EnergyTank tank_;
   ThermalBudget thermal_;
   OscillationDetector watch_;
@@ -182,17 +189,12 @@ class SafetyChain {
   Geometry geometry_;  // of the last tick
   bool stop_requested_ = false;
   Halt halt_ = Halt::kNone;  // cause of the present halt, which lasts until rearm()
-  double fade_ = 0.0;        // 0..1, before the smoothstep
   double dynamic_fade_ = 0.0;
   Vec3 dynamic_N_ = Vec3::Zero();  // last valid dynamic force
   Vec3 inertia_N_ = Vec3::Zero();  // share of the inertia in dynamic_N_
-  Vec3 residue_N_ = Vec3::Zero();
-  Vec3 residue_static_N_ = Vec3::Zero();  // share of wall and inertia in residue_N_
-  Vec3 static_N_ = Vec3::Zero();          // share of wall and inertia in the last force
-  bool check_depth_ = true;  // the next geometry under which a force may act decides about arming
-  bool blocked_ = false;     // disarmed: too deep after a jump
-  Vec3 wanted_N_ = Vec3::Zero();  // force of the last tick before the slew limit
-  bool stream_stepped_ = false;   // the slew limit slowed a step that no hand can cause
+  Vec3 static_N_ = Vec3::Zero();   // share of wall and inertia in the last force
+  Vec3 wanted_N_ = Vec3::Zero();   // force of the last tick before the slew limit
+  bool stream_stepped_ = false;    // the slew limit slowed a step that no hand can cause
 };
 
 }  // namespace hapticast::client

@@ -42,6 +42,7 @@ static void evaluateStability(const Options& options) {
                {"integrators", stabilityIntegrators},
                {"life", stabilityLife},
                {"cases", stabilityCases},
+               {"discontinuities", stabilityDiscontinuities},
                {"false_streams", stabilityFalseStreams},
                {"honest", stabilityHonest}};
   for (const auto& [name, run] : parts) {

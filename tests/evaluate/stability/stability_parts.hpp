@@ -38,6 +38,8 @@ void stabilityIntegrators(const StabilityReport& to);
 void stabilityLife(const StabilityReport& to);
 void stabilityCases(const StabilityReport& to);
 void stabilityHonest(const StabilityReport& to);
+/// Energy of discontinuities at a still plate, and of late ticks.
+void stabilityDiscontinuities(const StabilityReport& to);
 void stabilityFalseStreams(const StabilityReport& to);
 
 }  // namespace hapticast::evaluate

@@ -192,17 +192,17 @@ FalseStreams order() {
        }},
       {"epoch_flips_per_second", kHold, kLimited,
        [](OutgoingFrame& t) { t.frame.epoch = static_cast<std::uint32_t>(t.n / 25 % 2); }},
-      {"object_id_flips", kHold, kLimited,
+      {"object_id_flips", kHold, kHarmless,
        [](OutgoingFrame& t) {
          t.object().id = static_cast<std::uint32_t>(1 + t.n % 2);
          t.object().relief = flatRelief(kPlateau_px, kPlateau_mm);
        }},
-      {"layer_flips", kHold, kLimited,
+      {"layer_flips", kHold, kHarmless,
        [](OutgoingFrame& t) {
          t.object().layer = static_cast<std::uint32_t>(t.n % 16);
          t.object().relief = flatRelief(kPlateau_px, kPlateau_mm);
        }},
-      {"presence_flips", kHold, kLimited,
+      {"presence_flips", kHold, kHarmless,
        [](OutgoingFrame& t) {
          if (t.n % 2 == 1) t.frame.objects.clear();
        }},

@@ -38,16 +38,17 @@ TEST(ProxyJump, ASurfaceThatJumpsUpFadesIn) {
   }
 }
 
-TEST(ProxyJump, AnObjectThatAppearsOverTheHipStartsAtZero) {
+TEST(ProxyJump, AnObjectThatAppearsOverTheHipIsAJumpAtFullDepth) {
   Table table;
   table.put(1, relief(10.0, level(5.0)));
   const Vec3 hip(0.0, 0.0, 8.5);
   (void)table.touch(hip);
   table.put(2, relief(10.0, level(10.0)));  // 1.5 mm over it
-  const Still still = stand(table, hip, 200, Vec3::Zero());
-  EXPECT_LT(still.step, 0.04);
-  EXPECT_NEAR(still.contact.displacement_mm.z(), 1.5, 0.02);
-  EXPECT_EQ(still.contact.object->before->id, 2U);
+  const Contact contact = table.touch(hip);
+  EXPECT_TRUE(contact.jump);
+  EXPECT_NEAR(contact.displacement_mm.z(), 1.5, 1e-3);
+  EXPECT_EQ(contact.object->before->id, 2U);
+  EXPECT_FALSE(table.touch(hip).jump);
 }
 
 TEST(ProxyJump, TooDeepItIsSilentUntilTheHandHasLeft) {
@@ -153,11 +154,29 @@ TEST(ProxyJump, VanishingObjectsOnlyLetGo) {
   (void)table.move({0.0, 0.0, 12.0}, {0.0, 0.0, 9.0});
   table.scene.object_count = 0;
   EXPECT_FALSE(table.touch({0.0, 0.0, 9.0}).contact);
-  // Back again: appears, and so fades in.
+  // Back again: it appears.
   table.scene.object_count = 1;
-  const Still still = stand(table, {0.0, 0.0, 9.0}, 200, Vec3::Zero());
-  EXPECT_LT(still.step, 0.03);
-  EXPECT_NEAR(still.contact.displacement_mm.z(), 1.0, 0.01);
+  const Contact back = table.touch({0.0, 0.0, 9.0});
+  EXPECT_TRUE(back.jump);
+  EXPECT_NEAR(back.displacement_mm.z(), 1.0, 1e-3);
+}
+
+TEST(ProxyJump, AnObjectUnderANewIdContinuesTheContact) {
+  Table table;
+  table.put(1, relief(10.0, level(10.0)));
+  const Contact before = table.move({0.0, 0.0, 12.0}, {0.3, 0.2, 8.5});
+  for (std::uint32_t id = 2; id < 40; ++id) {
+    table.scene.object_count = 0;
+    table.put(id, relief(10.0, level(10.0 + 0.001 * id)));
+    const Contact contact = table.touch({0.3, 0.2, 8.5});
+    EXPECT_FALSE(contact.jump) << id;
+    EXPECT_NEAR(contact.displacement_mm.z(), before.displacement_mm.z() + 0.001 * id, 1e-3);
+    EXPECT_EQ(contact.object->before->id, id);
+  }
+  // Another height is another object.
+  table.scene.object_count = 0;
+  table.put(50, relief(10.0, level(10.5)));
+  EXPECT_TRUE(table.touch({0.3, 0.2, 8.5}).jump);
 }
 
 }  // namespace

@@ -31,12 +31,14 @@ SafetyInput pressed(double depth_mm, double stiffness_N_mm = 0.5) {
   return input;
 }
 
-/// Presses gently (a depth no jump) until the chain rests; returns the last output.
+/// Enters the wall by the hand's motion and presses until the chain rests; returns the last output.
 SafetyOutput settled(SafetyChain& chain, SafetyInput input) {
   SafetyOutput out;
   const Vec3 whole_mm = input.displacement_mm;
+  const Vec3 at_mm = input.position_mm;
   for (int i = 1; i <= 60; ++i) {
     input.displacement_mm = whole_mm * std::min(1.0, i / 30.0);
+    input.position_mm = input.ahead.position_mm = at_mm + whole_mm - input.displacement_mm;
     out = chain.step(input);
   }
   return out;
@@ -229,21 +231,42 @@ TEST(SafetyChain, AVanishedWorldLeavesAResidue) {
   }
 }
 
-TEST(SafetyChain, EpochJumpRampsTheOldForceDownAndTheNewOneUp) {
+TEST(SafetyChain, AJumpToTheSameSurfaceContinuesTheForce) {
   SafetyChain chain = armedChain(omni(0.5, 1));
   (void)settled(chain, pressed(2.0));
   SafetyInput input = pressed(2.0);
-  input.world_jumped = true;
-  EXPECT_NEAR(chain.step(input).force_N.z(), 0.9, 1e-3);
-  input.world_jumped = false;
-  double least_N = 1.0;
-  SafetyOutput out;
   for (int i = 0; i < 250; ++i) {
-    out = chain.step(input);
-    least_N = std::min(least_N, out.force_N.z());
+    input.world_jumped = i % 10 == 0;
+    EXPECT_NEAR(chain.step(input).force_N.z(), 1.0, 1e-9) << i;
   }
-  EXPECT_LT(least_N, 0.02);
-  EXPECT_NEAR(out.force_N.z(), 1.0, 1e-9);
+}
+
+TEST(SafetyChain, AJumpToADeeperSurfaceContinuesTheForceAndThenFades) {
+  SafetyChain chain = armedChain(omni(0.5, 1));
+  (void)settled(chain, pressed(2.0));
+  SafetyInput input = pressed(4.0);
+  input.world_jumped = true;
+  double last_N = chain.step(input).force_N.z();
+  EXPECT_NEAR(last_N, 1.0, 0.03);
+  input.world_jumped = false;
+  for (int i = 0; i < 2000; ++i) {
+    const double force_N = chain.step(input).force_N.z();
+    EXPECT_GE(force_N, last_N - 1e-9) << i;
+    EXPECT_LE(force_N, last_N + 0.02) << i;
+    last_N = force_N;
+  }
+  EXPECT_NEAR(last_N, 2.0, 1e-9);
+}
+
+TEST(SafetyChain, AJumpToAShallowerSurfaceReleasesTheRest) {
+  SafetyChain chain = armedChain(omni(0.5, 1));
+  (void)settled(chain, pressed(4.0));
+  SafetyInput input = pressed(2.0);
+  input.world_jumped = true;
+  for (int i = 1; i <= 20; ++i) {
+    EXPECT_NEAR(chain.step(input).force_N.z(), std::max(1.0, 2.0 - 0.1 * i), 1e-9) << i;
+    input.world_jumped = false;
+  }
 }
 
 TEST(SafetyChain, ALostDeviceIsRearmedOnlyFromOutside) {

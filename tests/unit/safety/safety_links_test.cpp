@@ -108,10 +108,15 @@ TEST(SafetyLinks, ARisingSurfacePushesAtItsOwnPort) {
 
 TEST(SafetyLinks, ALongHardPressIsEasedToTheContinuousForce) {
   const PlantProfile profile = omni(1.0, 1, 0.05);
+  const auto pressLong = [](ChainFixture& pressed, int ticks) {
+    pressed.device.reset({0.0, 0.0, 5.0}, Vec3::Zero());
+    pressed.device.setTarget({0.0, 0.0, 5.0});
+    pressed.run(250);  // the force has faded in before the first touch
+    pressed.device.setTarget({0.0, 0.0, -30.0});
+    pressed.run(ticks);
+  };
   ChainFixture rig(profile, profile, Hand::light());
-  rig.device.reset({0.0, 0.0, 5.0}, Vec3::Zero());
-  rig.device.setTarget({0.0, 0.0, -30.0});
-  rig.run(700);
+  pressLong(rig, 700);
   EXPECT_NEAR(rig.out.force_N.z(), 3.3, 0.01);
   EXPECT_EQ(rig.count(SafetyAction::kThermal), 0U);
   rig.clear();
@@ -120,9 +125,7 @@ TEST(SafetyLinks, ALongHardPressIsEasedToTheContinuousForce) {
   EXPECT_GT(rig.count(SafetyAction::kThermal), 19'000U);
   EXPECT_LE(rig.max_step_N, 0.05);  // eased, not dropped
   ChainFixture warm(profile, profile, Hand::light(), {.thermal = false});
-  warm.device.reset({0.0, 0.0, 5.0}, Vec3::Zero());
-  warm.device.setTarget({0.0, 0.0, -30.0});
-  warm.run(20'000);
+  pressLong(warm, 20'000);
   EXPECT_NEAR(warm.out.force_N.z(), 3.3, 0.01);
 }
 
@@ -166,6 +169,9 @@ struct DelayedRig {
              const SafetyLinks& links = {})
       : rig(profileOf(stiffness_N_mm, profile_ticks), profileOf(stiffness_N_mm, real), hand,
             links) {
+    rig.device.reset({0.0, 0.0, 5.0}, Vec3::Zero());
+    rig.device.setTarget({0.0, 0.0, 5.0});
+    rig.run(250);  // the force has faded in
     rig.device.reset({0.0, 0.0, 5.0}, {0.0, 0.0, -200.0});
     rig.device.setPush({0.0, 0.0, -1.0});
     rig.device.setTarget({0.0, 0.0, -2.0});
