@@ -126,7 +126,7 @@ void UserInterface::onReport(const TickReport& report) {
   for (const auto& view : views_) view->onReport(report);
   handleButtons(report.buttons);
   if (!rearm_.onReport(report)) return;
-  ++state_.user.rearm;
+  ++state_.user.rearm_by_itself;
   controls_.store(state_.user);
 }
 

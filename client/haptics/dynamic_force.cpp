@@ -5,9 +5,11 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include "client/haptics/contact/surface_model.hpp"
 #include "client/haptics/playback/pose.hpp"
+#include "common/time.hpp"
 
 namespace hapticast::client {
 
@@ -23,7 +25,12 @@ constexpr double kUnknownMass_kg = 0.5;
 // frames of a stream support an acceleration but no mass. With a tonne, the last micrometre of them
 // would reach the device's peak.
 constexpr double kHeaviest_kg = 5.0;
-constexpr double kPulse_s = 0.015;
+constexpr double kShortestPulse_s = 0.015;
+// Chosen: the rest of the slew limit remains for the surface.
+constexpr double kPulseSlew = 0.8;
+// Two times that differ by less belong to the same impact. An impact that the first frame lists
+// later than this has no pulse.
+constexpr double kSameImpact_s = 0.015;
 constexpr double kKnee = 0.8;  // share of the pulse limit
 // Chosen: half of the peak remains for the surface, whatever acceleration a stream states.
 constexpr double kObjectShare = 0.5;
@@ -101,13 +108,9 @@ AtContact computeAcceleration(const InterpolatedObject& object, const Vec3& cont
                                 plausibility.turn_rate_rad_s2))};
 }
 
-double secondsSince(const Impact& impact, MediaTime play_time) noexcept {
-  return secondsBetween(impact.time, play_time);
-}
-
 bool isUnderWay(const Impact& impact, MediaTime play_time) noexcept {
-  const double since_s = secondsSince(impact, play_time);
-  return since_s >= 0.0 && since_s < kPulse_s;
+  const double since_s = secondsBetween(impact.time, play_time);
+  return since_s >= 0.0 && since_s < kSameImpact_s;
 }
 
 /// Returns the first active impact that differs from `known` (null: differs from none); null if
@@ -117,7 +120,8 @@ const Impact* impactUnderWay(const PlayObject& object, MediaTime play_time,
   for (std::size_t i = 0; i < std::min(object.impact_count, kMaxImpacts); ++i) {
     const Impact& impact = object.impacts[i];
     if (!isUnderWay(impact, play_time)) continue;
-    if (known != nullptr && std::abs(secondsBetween(known->time, impact.time)) < kPulse_s) continue;
+    if (known != nullptr && std::abs(secondsBetween(known->time, impact.time)) < kSameImpact_s)
+      continue;
     return &impact;
   }
   return nullptr;
@@ -157,34 +161,52 @@ double DynamicForce::objectMass_kg(const Material& material, const StreamTiming&
   return std::min(wanted_kg, profile_.continuous_N / largest_m_s2);
 }
 
+/// Starts the pulse of `impact` at `play_time`, its first tick: a half-sine. One of the height A
+/// and the length T has the area 2 A T / pi = m |dv|, and rises by A pi / T at most. T is the
+/// shortest length whose rise fits into the slew limit.
+void DynamicForce::startPulse(const Impact& impact, const InterpolatedObject& object,
+                              MediaTime play_time, double kg_m_per_mm) noexcept {
+  const double slew_N_s = kPulseSlew * profile_.slew_rise_N_per_tick / kTick_s;
+  const double limit_N = profile_.pulse_limit_N;
+  const double longest_s = std::max(kShortestPulse_s, std::numbers::pi * limit_N / slew_N_s);
+  const auto pulseOf = [&](const Vec3& change_mm_s) noexcept {
+    const double impulse_N_s = kg_m_per_mm * change_mm_s.norm();
+    const double length_s = std::clamp(std::numbers::pi * std::sqrt(impulse_N_s / (2.0 * slew_N_s)),
+                                       kShortestPulse_s, longest_s);
+    return std::pair(length_s,
+                     compressForce(impulse_N_s * std::numbers::pi / (2.0 * length_s), limit_N));
+  };
+  const Vec3 change_mm_s = limitLength(impact.delta_velocity_mm_s, object.plausibility.impact_mm_s);
+  const auto [length_s, height_N] = pulseOf(change_mm_s);
+  pulse_ = {.impact = impact, .begin = play_time, .length_s = length_s};
+  pulse_.object = object.before->id;
+  const double size_mm_s = change_mm_s.norm();
+  if (size_mm_s > 0.0 && std::isfinite(size_mm_s))
+    pulse_.height_N = height_N / size_mm_s * change_mm_s;
+  const double cut_N = pulseOf(impact.delta_velocity_mm_s).second - height_N;
+  pulse_.implausible = !(cut_N <= kFelt_N);
+  has_pulse_ = true;
+}
+
+bool DynamicForce::pulseActs(MediaTime play_time) const noexcept {
+  const double since_s = secondsBetween(pulse_.begin, play_time);
+  return has_pulse_ && since_s >= 0.0 && since_s < pulse_.length_s;
+}
+
 Vec3 DynamicForce::pulse_N(const InterpolatedObject& object, MediaTime play_time,
                            double kg_m_per_mm) noexcept {
-  // A half-sine of height A and length T has the area 2 A T / pi = m |dv|.
-  const auto height_N = [&](const Vec3& change_mm_s) noexcept {
-    return compressForce(kg_m_per_mm * change_mm_s.norm() * std::numbers::pi / (2.0 * kPulse_s),
-                         profile_.pulse_limit_N);
-  };
   const PlayObject& before = *object.before;
-  const Impact* const known = has_pulse_ && pulse_object_ == before.id ? &pulse_ : nullptr;
-  if (known == nullptr || !isUnderWay(*known, play_time)) {
-    const Impact* impact = impactUnderWay(before, play_time, known);
+  const bool known = has_pulse_ && pulse_.object == before.id;
+  if (!known || !pulseActs(play_time)) {
+    const Impact* const last = known ? &pulse_.impact : nullptr;
+    const Impact* impact = impactUnderWay(before, play_time, last);
     if (impact == nullptr && object.after != nullptr)
-      impact = impactUnderWay(*object.after, play_time, known);
+      impact = impactUnderWay(*object.after, play_time, last);
     if (impact == nullptr) return Vec3::Zero();
-    has_pulse_ = true;
-    pulse_ = *impact;
-    pulse_.delta_velocity_mm_s =
-        limitLength(pulse_.delta_velocity_mm_s, object.plausibility.impact_mm_s);
-    const double cut_N =
-        height_N(impact->delta_velocity_mm_s) - height_N(pulse_.delta_velocity_mm_s);
-    implausible_pulse_ = !(cut_N <= kFelt_N);
-    pulse_object_ = before.id;
+    startPulse(*impact, object, play_time, kg_m_per_mm);
   }
-  const double length = pulse_.delta_velocity_mm_s.norm();
-  if (!(length > 0.0) || !std::isfinite(length)) return Vec3::Zero();
-  const double phase = std::numbers::pi * secondsSince(pulse_, play_time) / kPulse_s;
-  return height_N(pulse_.delta_velocity_mm_s) * std::sin(phase) / length *
-         pulse_.delta_velocity_mm_s;
+  const double phase = std::numbers::pi * secondsBetween(pulse_.begin, play_time) / pulse_.length_s;
+  return std::sin(phase) * pulse_.height_N;
 }
 
 Vec3 DynamicForce::evaluate(const InterpolatedObject* object, double penetration_mm,
@@ -209,7 +231,7 @@ Vec3 DynamicForce::evaluate(const InterpolatedObject* object, double penetration
   const Vec3 force_N = object_N + inertia_N + pulsed_N;
   implausible_ =
       (streamed_N - object_N).norm() > kFelt_N ||
-      (implausible_pulse_ && pulse_object_ == object->before->id && isUnderWay(pulse_, play_time));
+      (pulse_.implausible && pulse_.object == object->before->id && pulseActs(play_time));
   if (!force_N.allFinite()) return Vec3::Zero();
   const double length_N = force_N.norm();
   const double share = std::min(1.0, penetration_mm / kFullWeight_mm) *

@@ -34,9 +34,10 @@ class DynamicForce {
   ///
   /// The object's part of the force is at most half of the device's peak, and the whole force is at
   /// most the peak. The half does not include the force of an impact. An impact pushes along its
-  /// change of velocity, by a half-sine of 15 ms that begins at the time of the impact.
-  /// Acceleration, rotation, motion grid and impact of the object count only up to their
-  /// plausibility bounds.
+  /// change of velocity, by a half-sine that begins in the first tick that knows the impact. It
+  /// lasts 15 ms, or longer where its rise would exceed four fifths of the slew limit (at most 39
+  /// ms on an Omni). Acceleration, rotation, motion grid and impact of the object count only up to
+  /// their plausibility bounds.
   Vec3 evaluate(const InterpolatedObject* object, double penetration_mm,
                 const Vec3& cursor_acceleration_m_s2, MediaTime play_time,
                 const StreamTiming& stream, double scale,
@@ -62,14 +63,24 @@ class DynamicForce {
   [[nodiscard]] double cursorMass_kg() const noexcept;
   [[nodiscard]] Vec3 pulse_N(const InterpolatedObject& object, MediaTime play_time,
                              double kg_m_per_mm) noexcept;
+  void startPulse(const Impact& impact, const InterpolatedObject& object, MediaTime play_time,
+                  double kg_m_per_mm) noexcept;
+  [[nodiscard]] bool pulseActs(MediaTime play_time) const noexcept;
+
+  /// The pulse of the latest impact. It continues in later frames that do not list the impact. A
+  /// frame that states a slightly later time for the same impact causes no second pulse.
+  struct Pulse {
+    Impact impact;
+    std::uint32_t object = 0;
+    MediaTime begin{};
+    double length_s = 0.0;
+    Vec3 height_N = Vec3::Zero();
+    bool implausible = false;
+  };
 
   const DeviceProfile& profile_;
-  // The latest impact that caused a pulse. Its pulse continues in later frames that do not list the
-  // impact. A frame that states a slightly later time for the same impact causes no second pulse.
   bool has_pulse_ = false;
-  Impact pulse_;
-  std::uint32_t pulse_object_ = 0;
-  bool implausible_pulse_ = false;
+  Pulse pulse_;
   bool implausible_ = false;
   Vec3 inertia_N_ = Vec3::Zero();
 };

@@ -28,6 +28,7 @@ void LoopStats::add(const TickReport& report, double step_N) noexcept {
   max_force_step_N = std::max(max_force_step_N, step_N);
   step_excess_max_N = std::max(step_excess_max_N, report.step_excess_N);
   work = report.work;
+  safety_states |= report.safety_states;
 }
 
 void runLoop(HapticDevice& device, HapticRenderer& renderer, const Clock& clock,

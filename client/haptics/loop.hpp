@@ -34,7 +34,8 @@ struct LoopStats {
   /// Largest step of the force beyond the steps that the motion of the HIP and the slew limit
   /// allow, N. It must be 0.
   double step_excess_max_N = 0.0;
-  PortWork work;  ///< work of the force since the start, by its cause
+  std::uint32_t safety_states = 0;  ///< bits of all safety states that the run had
+  PortWork work;                    ///< work of the force since the start, by its cause
 
   /// Adds one tick to the statistics. `step_N` is the magnitude of the change of the force since
   /// the tick before, N.

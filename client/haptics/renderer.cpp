@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "client/haptics/playback/pose.hpp"
 
@@ -146,6 +147,7 @@ void HapticRenderer::reportTick(LocalTime now, MediaTime play_time, const Scene&
   report_.step_excess_N = out.step_excess_N;
   report_.safety_actions = out.safety_actions;
   report_.work = safety_.work();
+  report_.safety_states = states_.update(now, report_.work.user_mJ(), report_.halt, acknowledged_);
   report_.mapping = mapping_;
 }
 
@@ -171,10 +173,10 @@ HapticRenderer::Changes HapticRenderer::updateInputs(const StreamTiming& stream,
     mapping_ = DeviceMapping::fit(workspace_, settings_.profile.workspace_mm);
     changes.by_stream = true;
   }
-  if (user.rearm != rearmed_) {
-    rearmed_ = user.rearm;
-    safety_.rearm();
-  }
+  acknowledged_ = std::exchange(rearmed_, user.rearm) != user.rearm;
+  const bool by_itself =
+      std::exchange(rearmed_by_itself_, user.rearm_by_itself) != user.rearm_by_itself;
+  if (acknowledged_ || by_itself) safety_.rearm();
   return changes;
 }
 
@@ -199,7 +201,7 @@ SafetyInput HapticRenderer::safetyInput(const HipEstimate& hip, const Contact& c
   input.velocity_mm_s = hip.velocity_mm_s;
   input.ahead = hip.ahead;
   input.measurement_jumped = hip.restarted;
-  input.measurement_late = hip.bridged;
+  input.measurement_late = hip.late;
   input.contact = contact.contact;
   input.displacement_mm = contact.displacement_mm * mapping_.scale;
   input.normal = contact.normal;

@@ -112,6 +112,9 @@ class HapticRenderer {
   bool paused_ = false;
   bool faulty_ = false;  // a lasting fault is reported once
   std::uint32_t rearmed_ = 0;
+  std::uint32_t rearmed_by_itself_ = 0;
+  bool acknowledged_ = false;  // the user re-armed the force in this tick
+  SafetyStates states_;
   MediaTime scene_time_{};  // media time of the last tick's scene
   std::uint64_t dropped_reports_ = 0;
   TickReport report_;

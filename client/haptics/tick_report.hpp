@@ -10,6 +10,7 @@
 #include "client/haptics/playback/scene.hpp"
 #include "client/haptics/safety/passivity_observer.hpp"
 #include "client/haptics/safety/safety_action.hpp"
+#include "client/haptics/safety/safety_state.hpp"
 #include "common/geometry.hpp"
 #include "common/time.hpp"
 
@@ -55,8 +56,10 @@ struct TickReport {
   double trust_score_ticks = 0.0;  ///< counted safety actions of the stream (safety/trust.hpp)
   double step_excess_N = 0.0;      ///< step of the force beyond the slew limit; must be 0
   std::uint32_t safety_actions = 0;  ///< one bit for each safety action that changed the force
-  PortWork work;                     ///< work of the force since the start, by its cause
-  DeviceMapping mapping;             ///< conversion between nominal and device mm in this tick
+  /// One bit for each safety state (safety/safety_state.hpp) that holds.
+  std::uint32_t safety_states = 0;
+  PortWork work;          ///< work of the force since the start, by its cause
+  DeviceMapping mapping;  ///< conversion between nominal and device mm in this tick
   // The object nearest to the HIP, for the window and for scripted hands.
   bool object_present = false;
   std::uint32_t object_id = 0;

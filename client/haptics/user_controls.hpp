@@ -31,6 +31,9 @@ struct UserControls {
   /// A new value re-arms the force, which then fades in. Re-arming is necessary after the return of
   /// a lost device, after a loss of trust, and for a device that the user has not confirmed.
   std::uint32_t rearm = 0;
+  /// A new value re-arms the force as well. The client does it by itself (--rearm), so it does not
+  /// end a safety state that waits for the user.
+  std::uint32_t rearm_by_itself = 0;
   /// Enable the static and the dynamic force. If the static force is enabled again, it fades in
   /// from zero.
   bool static_on = true;

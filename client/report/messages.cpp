@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 #include <fmt/format.h>
 #include <cmath>
+#include <utility>
 
 namespace hapticast::client {
 
@@ -123,33 +124,46 @@ constexpr Duration kDeepLong = std::chrono::milliseconds(300);
 
 }  // namespace
 
-double WorkMeter::onWork(double work_mJ, LocalTime now) {
-  constexpr Duration kInterval{100'000'000};
-  if (!sampled_) work_mJ_.fill(work_mJ);
-  const double done_mJ = work_mJ - work_mJ_[next_];  // the oldest sample
-  if (!sampled_ || now - *sampled_ >= kInterval) {
-    sampled_ = now;
-    work_mJ_[next_] = work_mJ;
-    next_ = (next_ + 1) % kSamples;
-  }
-  return done_mJ;
+std::vector<std::string> HapticStatusLog::onReport(const TickReport& report,
+                                                   const RearmPolicy& rearm) {
+  std::vector<std::string> lines;
+  addHalt(report, rearm, lines);
+  addStates(report, lines);
+  if (!lines.empty()) return lines;
+  std::string line = describeStatus(report);
+  if (line.empty()) return lines;
+  if (auto admitted = limit_.admit(std::move(line), report.time))
+    lines.push_back(*std::move(admitted));
+  return lines;
 }
 
-std::optional<std::string> HapticStatusLog::onReport(const TickReport& report,
-                                                     const RearmPolicy& rearm) {
-  if (report.halt != halt_) {
-    halt_ = report.halt;
-    if (halt_ == Halt::kStopped) return std::nullopt;
-    return halt_limit_.admit(
-        halt_ == Halt::kNone ? "re-armed: the force returns" : halted(report, rearm), report.time);
+/// Adds the line of a halt. A device that is lost again within 10 s, such as one with a loose plug,
+/// adds none.
+void HapticStatusLog::addHalt(const TickReport& report, const RearmPolicy& rearm,
+                              std::vector<std::string>& lines) {
+  if (report.halt == halt_) return;
+  const bool flaps = report.halt == Halt::kDeviceLost && lost_before_ &&
+                     (states_ & bit(SafetyState::kForceOff)) != 0;
+  halt_ = report.halt;
+  if (halt_ == Halt::kStopped) return;
+  if (halt_ == Halt::kNone) {
+    if (!flaps_) lines.emplace_back("re-armed: the force returns");
+    return;
   }
-  std::string line = describeStatus(report);
-  if (line.empty()) return std::nullopt;
-  return limit_.admit(std::move(line), report.time);
+  flaps_ = flaps;
+  lost_before_ = halt_ == Halt::kDeviceLost;
+  if (!flaps) lines.push_back(halted(report, rearm));
+}
+
+/// Adds a line for each safety state that begins. The line of a halt describes the last two.
+void HapticStatusLog::addStates(const TickReport& report, std::vector<std::string>& lines) {
+  const std::uint32_t begun = report.safety_states & ~std::exchange(states_, report.safety_states);
+  for (const SafetyState state : {SafetyState::kMovesHand, SafetyState::kLateMachine}) {
+    if ((begun & bit(state)) != 0) lines.emplace_back(toText(state));
+  }
 }
 
 std::string HapticStatusLog::describeStatus(const TickReport& report) {
-  const double done_mJ = work_.onWork(report.work.user_mJ(), report.time);
   if (!report.enabled && !logged_enable_) {
     logged_enable_ = true;
     return "the device's enabling button is not pressed: the client renders force only while you "
@@ -181,10 +195,6 @@ std::string HapticStatusLog::describeStatus(const TickReport& report) {
     return "a wall is softer than the stream asks for: --stiffness-limit or the device limits it";
   if (hasActed(report, SafetyAction::kLatency) && later_.allow(report.time))
     return "the device answers later than its profile declares: walls are softer";
-  if (done_mJ > WorkMeter::kReported_mJ && works_.allow(report.time))
-    return fmt::format(
-        "the stream moves the hand: {:.0f} mJ of work in 10 s; the safety chain limits it",
-        done_mJ);
   return "";
 }
 

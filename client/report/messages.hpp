@@ -4,10 +4,10 @@
 // Thread: network (ConnectionLog, StreamErrorLog), main (HapticStatusLog).
 #pragma once
 
-#include <array>
-#include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "client/haptics/rearm_policy.hpp"
 #include "client/haptics/tick_report.hpp"
@@ -80,38 +80,24 @@ class LateFrameLog {
   RateLimiter interval_ = RateLimiter::makeOnceAMinute();
 };
 
-/// Measures the work of the force on the hand in the last 10 s, for a line to the user.
-class WorkMeter {
- public:
-  /// Above this work in 10 s, the client logs a line. Chosen between two values: a press only
-  /// returns the work of the hand, and a ball that bounces on the hand at 1 m/s does 240 mJ.
-  static constexpr double kReported_mJ = 100.0;
-
-  /// Processes `work_mJ`, the work since the start of the run until `now`. Returns the work of the
-  /// last 10 s, mJ.
-  double onWork(double work_mJ, LocalTime now);
-
- private:
-  static constexpr std::size_t kSamples = 100;  // one every 100 ms
-  std::array<double, kSamples> work_mJ_{};
-  std::size_t next_ = 0;
-  std::optional<LocalTime> sampled_;
-};
-
 /// Log lines about the force during a run: a halt and its cause, the return of the force, a softer
-/// wall. The object compares each report with the last logged values, and returns a line only for a
-/// change.
+/// wall, and the safety states. The object compares each report with the last logged values, and
+/// returns a line only for a change. No rate limiter applies to halts and safety states.
 class HapticStatusLog {
  public:
-  /// Processes the report of one tick. Returns the line to log, or nullopt if nothing has changed.
+  /// Processes the report of one tick. Returns the lines to log.
   /// Call it for every report in order, and before rearm.onReport(). `rearm` is the policy of
   /// re-arming; the line for a halt describes when the force returns.
-  std::optional<std::string> onReport(const TickReport& report, const RearmPolicy& rearm);
+  std::vector<std::string> onReport(const TickReport& report, const RearmPolicy& rearm);
 
  private:
+  void addStates(const TickReport& report, std::vector<std::string>& lines);
+  void addHalt(const TickReport& report, const RearmPolicy& rearm, std::vector<std::string>& lines);
   [[nodiscard]] std::string describeStatus(const TickReport& report);
 
   Halt halt_ = Halt::kNone;
+  bool lost_before_ = false;  // the last halt was that of a lost device
+  bool flaps_ = false;        // no line describes the present halt
   bool stale_ = false;
   bool logged_enable_ = false;            // logged once a run
   std::optional<LocalTime> empty_since_;  // no frame since then
@@ -120,11 +106,8 @@ class HapticStatusLog {
   RateLimiter deep_ = RateLimiter::makeOnceAMinute();
   RateLimiter softer_ = RateLimiter::makeOnceAMinute();
   RateLimiter later_ = RateLimiter::makeOnceAMinute();
-  WorkMeter work_;
-  RateLimiter works_ = RateLimiter::makeOnceAMinute();
+  std::uint32_t states_ = 0;  // safety states of the last report
   RateLimiter limit_;
-  // Separate limit, so that a stream cannot suppress lines about a halt.
-  RateLimiter halt_limit_;
 };
 
 }  // namespace hapticast::client

@@ -12,7 +12,7 @@ void Reporter::onReport(TickReport& report, const RearmPolicy& rearm) {
   if (!begin_) begin_ = report.time;
   report.time = LocalTime(report.time - *begin_);
   log_.write(report);
-  if (const auto line = status_.onReport(report, rearm)) spdlog::warn("{}", *line);
+  for (const std::string& line : status_.onReport(report, rearm)) spdlog::warn("{}", line);
 }
 
 void Reporter::writeFaults(FlightRecorder& recorder) {

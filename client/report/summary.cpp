@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "client/haptics/safety/safety_action.hpp"
+#include "client/haptics/safety/safety_state.hpp"
 #include "client/report/tick_log.hpp"
 
 namespace hapticast::client {
@@ -50,6 +51,15 @@ Json faultNames(const std::array<std::uint64_t, kFaultKinds>& faults) {
   Json names = Json::array();
   for (std::size_t i = 1; i < faults.size(); ++i) {
     if (faults[i] > 0) names.push_back(faultName(static_cast<Fault>(i)));
+  }
+  return names;
+}
+
+/// Returns the names of the safety states that the run had.
+Json stateNames(std::uint32_t states) {
+  Json names = Json::array();
+  for (std::size_t i = 0; i < kSafetyStates; ++i) {
+    if ((states >> i & 1U) != 0) names.push_back(kSafetyStateNames[i]);
   }
   return names;
 }
@@ -123,6 +133,7 @@ Json summary(const RunResult& result) {
        counters(loop.safety_actions, [](std::size_t i) { return kSafetyActionNames[i]; })},
       {"device", toJson(result.device)},
       {"realtime", {{"fifo", result.realtime.fifo}, {"mlock", result.realtime.mlock}}},
+      {"safety_states", stateNames(loop.safety_states)},
       {"faults", faultNames(loop.faults)}};
 }
 
@@ -173,6 +184,10 @@ std::string toText(const RunResult& result) {
     text += "The hand's own motion explains every force step.\n";
   }
   text += chain;
+  for (std::size_t i = 0; i < kSafetyStates; ++i) {
+    if ((loop.safety_states >> i & 1U) != 0)
+      text += fmt::format("Note: {}.\n", toText(static_cast<SafetyState>(i)));
+  }
   const Json faults = faultNames(loop.faults);
   if (!faults.empty()) text += "Faults: " + faults.dump() + "\n";
   return text;

@@ -35,6 +35,7 @@ struct PressSetup {
 class PressBench {
  public:
   static constexpr double kPlate_mm = 10.0;
+  static constexpr double kRest_s = 0.5;
 
   explicit PressBench(const PressSetup& setup) : setup_(setup) {
     settings_.profile = setup.profile;
@@ -46,8 +47,9 @@ class PressBench {
     stream.playout_delay_target = Duration(60'000'000);
     stream.frame_interval = fromSeconds(1.0 / setup.frames_per_s);
     target_mm = mapping_.toDevice({0.1, 0.1, kPlate_mm - setup.depth_mm / mapping_.scale});
-    // The HIP begins 5 mm above the plate, and the force history at zero.
+    // The hand rests 5 mm above the plate until the force has faded in.
     at_mm_ = mapping_.toDevice({0.1, 0.1, kPlate_mm + 5.0});
+    rest_mm_ = at_mm_;
     next_s_ = toSeconds(clock_.now().time_since_epoch());
     begin_s_ = next_s_;
     scene = [this](PlayFrame& frame, double) { add(frame, 1); };
@@ -138,8 +140,8 @@ class PressBench {
     const double mass_kg = setup_.device_kg + setup_.hand_kg;
     double done_mJ = work_mJ.empty() ? 0.0 : work_mJ.back();
     for (int i = 0; i < kSteps; ++i) {
-      Vec3 push_N =
-          force_N + setup_.hand_N_mm * (target_mm - at_mm_) - 1e-3 * setup_.hand_Ns_m * speed_mm_s_;
+      const Vec3& goal_mm = time_s < kRest_s ? rest_mm_ : target_mm;
+      Vec3 push_N = force_N + setup_.hand_N_mm * (goal_mm - at_mm_) - 1e-3 * setup_.hand_Ns_m * speed_mm_s_;
       for (int axis = 0; axis < 3; ++axis) {
         const double free_mm_s = speed_mm_s_[axis] + 1e3 * push_N[axis] / mass_kg * kStep_s;
         const double most_mm_s = 1e3 * setup_.friction_N / mass_kg * kStep_s;
@@ -175,6 +177,7 @@ class PressBench {
   std::uint64_t id_ = 0;
   double next_s_ = 0.0;
   double begin_s_ = 0.0;
+  Vec3 rest_mm_ = Vec3::Zero();
   Vec3 at_mm_ = Vec3::Zero();
   Vec3 speed_mm_s_ = Vec3::Zero();
   std::int64_t send_ms_ = 0;

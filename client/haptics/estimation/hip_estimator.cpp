@@ -15,6 +15,7 @@ namespace {
 constexpr double kJerkDensity_m2_s5 = 1e6;
 constexpr double kLateTick_s = 1.5e-3;   // chosen: the loop counts late ticks by the same limit
 constexpr double kLongestGap_s = 20e-3;  // chosen
+constexpr double kLongestWay_s = 1.0;    // chosen: the meters count the way through a shorter gap
 // Above any hand: the device was homed again, or reports nonsense.
 constexpr double kFastest_mm_s = 10'000.0;
 const double kOnePole20Hz = 1.0 - std::exp(-2.0 * std::numbers::pi * 20.0 * kTick_s);
@@ -58,7 +59,7 @@ void HipEstimator::sent(const Vec3& force_N, double wall_N_mm) noexcept {
 }
 
 const HipEstimate& HipEstimator::update(const DeviceState& state) noexcept {
-  estimate_.restarted = estimate_.bridged = false;
+  estimate_.restarted = estimate_.late = false;
   estimate_.finite = state.position_mm.allFinite();
   if (state.status != DeviceStatus::kOk || !estimate_.finite) {
     ++estimate_.ticks_without_data;
@@ -68,7 +69,10 @@ const HipEstimate& HipEstimator::update(const DeviceState& state) noexcept {
   const double gap_s = toSeconds(state.time - last_time_);
   const double path_mm = (state.position_mm - estimate_.position_mm).norm();
   if (!running_ || gap_s <= 0.0 || gap_s > kLongestGap_s || path_mm > kFastest_mm_s * gap_s) {
+    const bool continues = running_ && gap_s > kLongestGap_s && gap_s < kLongestWay_s &&
+                           path_mm <= kFastest_mm_s * gap_s;
     restart(state);
+    estimate_.late = continues;
   } else if (gap_s > kLateTick_s) {
     bridge(state.position_mm, gap_s);
   } else {
@@ -106,7 +110,7 @@ void HipEstimator::onPosition(const Vec3& measured_mm) noexcept {
 // Uses the mean velocity over the gap, which is certain. A prediction through the gap would cause a
 // spike by the old acceleration.
 void HipEstimator::bridge(const Vec3& measured_mm, double gap_s) noexcept {
-  estimate_.bridged = true;
+  estimate_.late = true;
   x_mm_ = measured_mm;
   estimate_.velocity_mm_s = (measured_mm - estimate_.position_mm) / gap_s;
   a_mm_s2_ = Vec3::Zero();

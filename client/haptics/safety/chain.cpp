@@ -108,6 +108,9 @@ SafetyOutput SafetyChain::step(const SafetyInput& in) noexcept {
 void SafetyChain::countTrust(std::uint32_t safety_actions, bool scene_jumped) noexcept {
   if (!stream_stepped_) safety_actions &= ~bit(SafetyAction::kSlew);
   trust_.add(safety_actions, scene_jumped);
+  const bool pushed = geometry_.contact && acts();
+  trust_.addMotion(pushed ? geometry_.surface_velocity_mm_s.dot(geometry_.normal) : 0.0,
+                   pushed ? last_.velocity_mm_s.dot(geometry_.normal) : 0.0);
 }
 
 /// Determines the cause of a halt. Returns true if the halt begins in this tick.
@@ -185,7 +188,7 @@ void SafetyChain::meter(const SafetyInput& in, StepState& now, const Geometry& g
   surface_.add(geometry.surface_step_mm, delay_ticks_ + kPredictionMargin_ticks);
   now.surface_ahead_mm = surface_.coming_mm();
   PortTick tick{.position_mm = now.position_mm,
-                .connected = !in.measurement_jumped,
+                .connected = !in.measurement_jumped || in.measurement_late,
                 .surface_mm = surface_.present_mm()};
   const double gain = fade_.gain();
   // Each energy uses the stiffness of its own tick; with one tick in contact, both use that tick's

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "client/haptics/safety/hand_limits.hpp"
 #include "client/haptics/safety/wall_law.hpp"
 #include "common/time.hpp"
 
@@ -25,7 +26,6 @@ constexpr double kTankSpeed_mm_s = 10.0;
 constexpr double kTankHorizon_s = 0.02;
 constexpr double kTankSmooth_s = 0.005;
 constexpr double kReserve_s = 0.3;  // chosen: a rise of 30 mm under the hand ends within this time
-constexpr double kLastingShare = 0.2;  // chosen: 0.04 W on an Omni, less than a shake needs
 }  // namespace
 
 void SurfaceHistory::add(const Vec3& step_mm, int ticks_ahead) noexcept {
@@ -99,10 +99,10 @@ double PassivityObserver::damping_Ns_m(double u_mm_s) const noexcept {
 }
 
 EnergyTank::EnergyTank(const DeviceProfile& profile) noexcept
-    : most_mJ_(profile.tank_mJ),
+    : most_mJ_(std::min(profile.tank_mJ, kHandEvent_mJ)),
       refill_W_(profile.tank_W),
-      content_mJ_(profile.tank_mJ),
-      most_reserve_mJ_(kReserve_s * profile.tank_W * 1e3),
+      content_mJ_(most_mJ_),
+      most_reserve_mJ_(std::min(kReserve_s * profile.tank_W * 1e3, kHandBurst_mJ)),
       reserve_mJ_(most_reserve_mJ_) {}
 
 void EnergyTank::withdraw(double work_mJ, const Vec3& velocity_mm_s) noexcept {
@@ -110,7 +110,8 @@ void EnergyTank::withdraw(double work_mJ, const Vec3& velocity_mm_s) noexcept {
   const double refill_mJ = refill_W_ * kTick_s * 1e3;
   content_mJ_ = std::max(content_mJ_ - work_mJ, -most_mJ_);
   const double over_mJ = std::max(0.0, content_mJ_ - most_mJ_);
-  reserve_mJ_ = std::min(reserve_mJ_ + over_mJ + kLastingShare * refill_mJ, most_reserve_mJ_);
+  const double lasting_mJ = std::min(refill_mJ, kHandPower_W * kTick_s * 1e3);
+  reserve_mJ_ = std::min(reserve_mJ_ + over_mJ + lasting_mJ, most_reserve_mJ_);
   content_mJ_ -= over_mJ;
   const double poured_mJ = std::min({refill_mJ, reserve_mJ_, most_mJ_ - content_mJ_});
   reserve_mJ_ -= poured_mJ;

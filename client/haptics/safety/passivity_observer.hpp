@@ -127,18 +127,19 @@ class PassivityObserver {
 
 /// Energy tank: it bounds the energy that the force transfers into the hand.
 ///
-/// The tank starts full, with `tank_mJ` of the profile. Work into the hand lowers the content, and
+/// The constants follow from the limits of a hand (hand_limits.hpp). The tank starts full, with
+/// `tank_mJ` of the profile, at most 18.75 mJ. Work into the hand lowers the content, and
 /// work by the hand raises it. A content below zero is a debt. The refill first repays the debt.
 /// The debt is at most one tank, so that one broken number does not end the contact for long.
 ///
 /// Each tick refills the tank with at most the power `tank_W`. A second store, the reserve,
-/// supplies this energy. The full reserve lasts 0.3 s at that power. A fifth of the power flows
-/// into the reserve all the time. Work by the hand that the full tank cannot store flows into the
-/// reserve as well.
+/// supplies this energy. The full reserve lasts 0.3 s at that power, and has at most 60 mJ. A power
+/// of 20 mW flows into the reserve all the time. Work by the hand that the full tank cannot store
+/// flows into the reserve as well.
 ///
 /// This bounds the energy that a stream can transfer, beyond the work of the hand itself. In any 10
-/// s it is at most one tank, one full reserve, and a fifth of the power for 10 s. On an Omni that
-/// is 15 + 60 + 400 = 475 mJ.
+/// s it is at most one tank, one full reserve, and 20 mW for 10 s. On an Omni that is 15 + 60 + 200
+/// = 275 mJ, on any device at most 279 mJ.
 class EnergyTank {
  public:
   explicit EnergyTank(const DeviceProfile& profile) noexcept;

@@ -19,6 +19,7 @@ void Trust::add(std::uint32_t safety_actions, bool scene_jumped) noexcept {
     of_each_[i] = of_each_[i] * kKeep + cost;
   }
   ticks_ = ticks_ * kKeep + most;
+  lasting_ticks_ = lasting_ticks_ * (1.0 - 1.0 / kLongMemory_ticks) + most;
 }
 
 SafetyAction Trust::findMostFrequent() const noexcept {

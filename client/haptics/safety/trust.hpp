@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
-// Trust in a stream: a counter of the ticks in which the stream caused a safety action. The count
-// decays with time. The force ends when the count reaches a threshold. Without the counter, a
-// stream could shake a hand without end, within the limits of the other steps.
+// Trust in a stream: two counters of the ticks in which the stream caused a safety action. One
+// decays within 2 s, the other within 60 s. A third meter is the vibration dose of the last minute.
+// The force ends when one of them reaches its threshold. Without them, a stream could shake a hand
+// without end, within the limits of the other steps.
 // Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 
@@ -9,7 +10,9 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "client/haptics/safety/hand_limits.hpp"
 #include "client/haptics/safety/safety_action.hpp"
+#include "client/haptics/safety/vibration_dose.hpp"
 
 namespace hapticast::client {
 
@@ -32,6 +35,10 @@ class Trust {
   /// streams stay below the threshold as well, so the chain only limits their force.
   static constexpr double kMost_ticks = 200.0;
 
+  /// Threshold of the second count, whose memory is 60 s. Chosen: a jump of the scene under a force
+  /// in every second reaches it within a minute, and a clip of 2 s never does.
+  static constexpr double kMostLasting_ticks = 2500.0;
+
   /// Cost of a jump of the scene under a force, in ticks. Each jump ends a force and lets another
   /// one fade in, and this transfers energy into the hand. Chosen: a clip that starts again every
   /// second keeps its trust, and one that starts again every 0.3 s loses it within 1.2 s.
@@ -44,8 +51,17 @@ class Trust {
   /// Adds one tick. `safety_actions` has one bit for each safety action of the tick. `scene_jumped`
   /// is true if the scene jumped while a force acted.
   void add(std::uint32_t safety_actions, bool scene_jumped = false) noexcept;
-  /// Returns true if the count has reached the threshold.
-  [[nodiscard]] bool lost() const noexcept { return score() >= kMost_ticks; }
+  /// Adds the motion of one tick to the vibration dose (VibrationDose::add).
+  void addMotion(double surface_mm_s, double hip_mm_s) noexcept {
+    vibration_.add(surface_mm_s, hip_mm_s);
+  }
+  /// Returns true if one of the counts or the vibration has reached its threshold.
+  [[nodiscard]] bool lost() const noexcept {
+    return score() >= kMost_ticks || lasting_ticks_ >= kMostLasting_ticks ||
+           vibration_.rms_m_s2() >= kHandVibration_m_s2;
+  }
+  /// Returns the count of the last minute.
+  [[nodiscard]] double lastingScore() const noexcept { return lasting_ticks_; }
   /// Returns the number of counted ticks. Each tick's share decays with a time constant of 2 s.
   [[nodiscard]] double score() const noexcept { return ticks_; }
   /// Returns the safety action that contributed most to the count.
@@ -56,7 +72,11 @@ class Trust {
  private:
   /// Time constant of the count's decay: 2 s.
   static constexpr double kMemory_ticks = 2000.0;
+  /// Time constant of the second count's decay: 60 s.
+  static constexpr double kLongMemory_ticks = 60'000.0;
   double ticks_ = 0.0;
+  double lasting_ticks_ = 0.0;
+  VibrationDose vibration_;
   int since_jump_ticks_ = kJumpPause_ticks;
   std::array<double, kCounted.size()> of_each_{};
 };

@@ -92,7 +92,7 @@ void stabilityFalseStreams(const StabilityReport& to) {
                          differing.empty() ? "-" : differing.front().c_str(), in_the_end),
                     differing.empty());
   to.report.require("false streams: net work on the user's port, largest over any 10 s",
-                    "<= 500 mJ (aim 100)", text("%.0f mJ", most_mJ), most_mJ <= 500.0);
+                    "<= 300 mJ (aim 150)", text("%.0f mJ", most_mJ), most_mJ <= 300.0);
   to.report.require(
       text("false streams: relative port under pumped stiffness and friction, net of %.0f s",
            net_s),

@@ -190,7 +190,7 @@ FalseStreams order() {
          t.frame.epoch = static_cast<std::uint32_t>(t.n % 2);
          t.object().relief = flatRelief(kPlateau_px, kPlateau_mm);
        }},
-      {"epoch_flips_per_second", kHold, kLimited,
+      {"epoch_flips_per_second", kHold, kHarmless,
        [](OutgoingFrame& t) { t.frame.epoch = static_cast<std::uint32_t>(t.n / 25 % 2); }},
       {"object_id_flips", kHold, kHarmless,
        [](OutgoingFrame& t) {

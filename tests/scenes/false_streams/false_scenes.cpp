@@ -20,7 +20,7 @@ FalseStreams geometry() {
        [](OutgoingFrame& t) { moveTo(t, t.n % 2 == 0 ? 10.0 : 12.0); }},
       {"strobe_20mm", kHold, kLimited,
        [](OutgoingFrame& t) { moveTo(t, t.n % 2 == 0 ? 5.0 : 25.0); }},
-      {"strobe_20mm_new_ids", kHold, kLimited,
+      {"strobe_20mm_new_ids", kHold, kHarmless,
        [](OutgoingFrame& t) {
          moveTo(t, t.n % 2 == 0 ? 5.0 : 25.0);
          t.object().id = static_cast<std::uint32_t>(t.n);
@@ -290,7 +290,7 @@ FalseStreams material() {
          t.motion().position_mm.x() = x_mm;
          t.motion().velocity_mm_s.x() = 8.0 * 4.0 * std::numbers::pi * wave(t.t_s, 2.0, 1.5708);
        }},
-      {"drag_in_circles", kHold, kHarmless,
+      {"drag_in_circles", kHold, kTrustLost,
        [](OutgoingFrame& t) {
          t.material().static_friction = 1.5;
          const Vec2 at_mm(6.0 * wave(t.t_s, 3.0), 6.0 * wave(t.t_s, 3.0, 1.5708));

@@ -49,6 +49,7 @@ RunResult eventful() {
     result.loop.safety_actions[i] = 100 + i;
   }
   result.loop.contact_ticks = 2000;
+  result.loop.safety_states = bit(SafetyState::kMovesHand) | bit(SafetyState::kForceOff);
   result.loop.max_force_N = 1.25;
   result.loop.max_force_step_N = 0.125;
   result.loop.work = {.relative_mJ = -8.0, .surface_mJ = 5.0, .object_mJ = 0.5};
@@ -96,6 +97,7 @@ TEST(Summary, EveryKeyWithItsNumber) {
     "interferences": {},
     "device": {"round_trips": 20, "misses": 21, "resyncs": 22, "saturated": 23, "reduced": 24, "slow": 25},
     "realtime": {"fifo": true, "mlock": false},
+    "safety_states": ["moves_hand", "force_off"],
     "faults": []
   })");
   for (std::size_t i = 0; i < kSafetyActionNames.size(); ++i) {
@@ -154,7 +156,9 @@ TEST(SummaryInWords, OfARun) {
             "was cut at the device's peak (104 ticks); a step was slowed (105 ticks); there was no "
             "force until the hand left the object (107 ticks); a contact that generated energy was "
             "damped (111 ticks); the energy into the hand was limited (112 ticks); the force was "
-            "cut for warm motors (113 ticks); implausible motion was rejected (115 ticks).\n");
+            "cut for warm motors (113 ticks); implausible motion was rejected (115 ticks).\n"
+            "Note: this stream moves your hand: it did more than 100 mJ of work in 10 s.\n"
+            "Note: the force is off.\n");
 }
 
 TEST(SummaryInWords, OfAChainThatHadLittleToDo) {
