@@ -127,6 +127,11 @@ typedef struct hapticast_driver {
   int (*zero)(hapticast_device* device);
   /* Commands zero, ends all threads of the driver, and frees the device. */
   void (*close)(hapticast_device* device);
+  /* Switches a sign on the device on (1) or off (0): a safety state holds that the user must not
+   * miss, for example "this stream moves your hand". NULL: the device has no light. Does not block.
+   * The thread of exchange() calls it. Drivers built before this member have a smaller `size`; the
+   * host then does not call it. */
+  void (*warn)(hapticast_device* device, int on);
 } hapticast_driver;
 
 /* The only symbol that a driver exports. */

@@ -133,6 +133,18 @@ std::string statusLine(const TickReport& report, const UiState& ui_state) {
   return paused + touchLine(report, ui_state.user);
 }
 
+std::string stateLines(const TickReport& report) {
+  std::string lines;
+  for (const SafetyState state :
+       {SafetyState::kMovesHand, SafetyState::kTrustLost, SafetyState::kLateMachine}) {
+    if ((report.safety_states & bit(state)) == 0) continue;
+    const bool latched = state != SafetyState::kLateMachine;
+    lines += fmt::format("{}{}{}", lines.empty() ? "" : "\n", toText(state),
+                         latched ? " (press R when you have read this)" : "");
+  }
+  return lines;
+}
+
 std::string hintLine(const TickStatus& ticks, const UiState& ui_state) {
   const TickReport& report = ticks.last();
   if (ticks.hasTouched() || report.halt != Halt::kNone) return {};

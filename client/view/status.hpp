@@ -56,6 +56,10 @@ class TickStatus {
 /// that. Otherwise the line is touchLine().
 [[nodiscard]] std::string statusLine(const TickReport& report, const UiState& ui_state);
 
+/// Returns a line for each safety state that holds, except for a halt, which the status line
+/// states. The text is empty without such a state.
+[[nodiscard]] std::string stateLines(const TickReport& report);
+
 /// Returns a hint for the time before the first touch: the event for which the client waits, or how
 /// to touch. Returns an empty text after the first touch, and if the status line states the remedy.
 [[nodiscard]] std::string hintLine(const TickStatus& ticks, const UiState& ui_state);

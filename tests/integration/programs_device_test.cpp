@@ -66,6 +66,30 @@ TEST_F(ProgramsDeviceTest, ADriverThatMisbehavesInContactEndsAtZeroWithOneLine) 
                      });
 }
 
+TEST_F(ProgramsDeviceTest, AHaltSwitchesTheSignOfADeviceThatHasOne) {
+  const auto server = startStillServer();
+  for (const char* shape : {"", "no_sign"}) {
+    SCOPED_TRACE(shape);
+    const Trace trace(path(std::string("trace") + shape));
+    const auto client =
+        startWith({addressOf(*server), "--view", "off", "--device", "standin", "--device-option",
+                   "trace=" + trace.file(), "--device-option", "fault=lost"},
+                  {std::string("STANDIN_SHAPE=") + shape});
+    ASSERT_TRUE(waitUntil(kSoon, [&] { return trace->force_N > 0.1; })) << client->output();
+    EXPECT_EQ(trace->sign, 0U);
+    trace->go = 1;
+    EXPECT_TRUE(client->says("the device does not answer: no force", kSoon)) << client->output();
+    if (*shape == '\0') {
+      EXPECT_TRUE(waitUntil(kSoon, [&] { return trace->sign == 1; })) << client->output();
+    }
+    interrupt(*client);
+    if (*shape != '\0') {
+      EXPECT_EQ(trace->sign, 0U);
+    }
+  }
+  interrupt(*server);
+}
+
 TEST_F(ProgramsDeviceTest, AZeroThatTheDeviceDoesNotConfirmIsReported) {
   const auto server = startStillServer();
   const Trace trace(path("trace"));

@@ -115,6 +115,8 @@ class Falcon {
     state.saturated = pilot_.saturated();
   }
 
+  void warn(bool on) { pilot_.warn(on); }
+
   /// Thread: any.
   bool commandZero() { return link_.sendZero(); }
 

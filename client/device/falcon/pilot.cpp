@@ -2,6 +2,7 @@
 #include "client/device/falcon/pilot.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cstdlib>
 #include <utility>
 
@@ -9,6 +10,10 @@
 #include "common/time.hpp"
 
 namespace hapticast::client {
+
+namespace {
+constexpr Duration kBlink = std::chrono::milliseconds(250);  // chosen: twice a second
+}  // namespace
 
 void FalconPilot::onReply(const FalconReply& reply, LocalTime at) noexcept {
   buttons_ = reply.buttons;
@@ -104,14 +109,16 @@ DeviceState FalconPilot::state() noexcept {
   return state;
 }
 
-std::uint8_t FalconPilot::computeLights() const noexcept {
+std::uint8_t FalconPilot::computeLights(LocalTime now) const noexcept {
+  const bool flash = now.time_since_epoch() / kBlink % 2 == 0;
+  if (warns_ && phase_ == Phase::kReady) return flash ? FalconLight::kRed : 0;
   if (phase_ == Phase::kReady) return FalconLight::kGreen;
   return phase_ == Phase::kOutside ? FalconLight::kBlue : FalconLight::kRed;
 }
 
 FalconRequest FalconPilot::request(const Vec3& force_N, LocalTime now) noexcept {
   FalconRequest request;
-  request.lights = computeLights();
+  request.lights = computeLights(now);
   if (forget_ > 0) {
     --forget_;
     request.homing = false;

@@ -58,6 +58,8 @@ class FalconPilot {
   /// Returns the number of replies with an implausible position. Such a position is out of the
   /// arms' reach, or too far from the last one for the time between the two replies.
   [[nodiscard]] std::uint64_t implausible() const noexcept { return implausible_; }
+  /// Makes the red light blink in place of the green one, or ends that.
+  void warn(bool on) noexcept { warns_ = on; }
   /// Returns the number of requests for which the motors were scaled down to kMostMotor.
   [[nodiscard]] std::uint64_t saturated() const noexcept { return saturated_; }
 
@@ -65,11 +67,12 @@ class FalconPilot {
   void home(const FalconReply& reply, LocalTime at) noexcept;
   bool processReply(const FalconReply& reply, LocalTime at) noexcept;
   void rejectPosition() noexcept;
-  [[nodiscard]] std::uint8_t computeLights() const noexcept;
+  [[nodiscard]] std::uint8_t computeLights(LocalTime now) const noexcept;
 
   double gain_;
   Phase phase_ = Phase::kAway;
   bool was_ready_ = false;
+  bool warns_ = false;  // the red light blinks
   bool fresh_ = false;
   int homed_replies_ = 0;
   int rejected_ = 0;

@@ -51,9 +51,10 @@ void requireComplete(const hapticast_driver* driver, const std::string& name,
     refuse(file, "has version " + std::to_string(driver->abi) + " of the interface, not " +
                      std::to_string(HAPTICAST_DEVICE_ABI) +
                      "; build it with this version's hapticast_device.h");
-  if (driver->size < sizeof(hapticast_driver))
+  constexpr std::size_t kLeast_bytes = offsetof(hapticast_driver, warn);
+  if (driver->size < kLeast_bytes)
     refuse(file, "its driver structure has " + std::to_string(driver->size) + " bytes, not " +
-                     std::to_string(sizeof(hapticast_driver)));
+                     std::to_string(kLeast_bytes) + " or more");
   if (!isText(driver->name) || driver->name != name)
     refuse(file, "the driver in it has another name than its file");
   if (!isText(driver->about) || !isText(driver->licence))

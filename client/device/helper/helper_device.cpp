@@ -86,6 +86,7 @@ class HelperDevice final : public HapticDevice {
   // Loop:
   Life* last_life_ = nullptr;
   DeviceReading reading_;
+  bool warns_ = false;
   std::optional<StateCheck> check_;
   // The thread of this object:
   RateLimiter driver_lines_{kMostLines, kLineRefill};
@@ -182,6 +183,7 @@ void HelperDevice::storeCommand(Life& life, const Vec3& force_N) noexcept {
   std::copy_n(force_N.data(), 3, command.force_N);
   command.time_ns = clock_.now().time_since_epoch().count();
   command.reading = reading_.number;
+  command.warns = warns_ ? 1 : 0;
   life.mapping.page().command.store(command);
 }
 
@@ -196,7 +198,8 @@ void HelperDevice::waitForTick(LocalTime deadline) noexcept {
   life->seen = read.rings();
 }
 
-DeviceState HelperDevice::exchange(const Vec3& force_N, const TickReport& /*report*/) noexcept {
+DeviceState HelperDevice::exchange(const Vec3& force_N, const TickReport& report) noexcept {
+  warns_ = report.safety_states != 0;
   Life* const life = life_.load(std::memory_order_acquire);
   if (std::exchange(last_life_, life) != life) {
     check_->restart();

@@ -20,6 +20,8 @@ struct DeviceCommand {
   double force_N[3] = {};
   std::int64_t time_ns = 0;   ///< local time of the command; 0: none yet
   std::uint64_t reading = 0;  ///< number of the reading that led to the force
+  std::uint32_t warns = 0;    ///< 1: the device shows a safety state to the user
+  std::uint32_t reserved = 0;
 };
 
 /// Reading of the helper: the driver's state in one tick.

@@ -31,19 +31,22 @@ bool drawsForNobody() {
   return (driver == "offscreen" || driver == "dummy") && SDL_getenv("SDL_VIDEODRIVER") == nullptr;
 }
 
-/// Draws `text` in the middle of the upper edge of the picture, on a dark ground.
-void drawHint(ImDrawList& list, const ScenePlace& place, const std::string& text) {
+/// Draws `text` in the middle of the picture, on a dark ground. `down` is the share of the height
+/// that lies above it.
+void drawNote(ImDrawList& list, const ScenePlace& place, const std::string& text, ImU32 colour,
+              double down) {
   if (text.empty()) return;
   const float margin = 0.5F * ImGui::GetFontSize();
   const auto most = static_cast<float>(0.9 * place.size().x());
   const ImVec2 size = ImGui::CalcTextSize(text.c_str(), nullptr, false, most);
   const auto middle = static_cast<float>(place.corner().x() + 0.5 * place.size().x());
-  const ImVec2 corner(middle - 0.5F * size.x,
-                      static_cast<float>(place.corner().y()) + 2.0F * margin);
+  const ImVec2 corner(
+      middle - 0.5F * size.x,
+      static_cast<float>(place.corner().y() + down * place.size().y()) + 2.0F * margin);
   list.AddRectFilled({corner.x - margin, corner.y - margin},
                      {corner.x + size.x + margin, corner.y + size.y + margin},
                      IM_COL32(18, 20, 24, 215), 4.0F);
-  list.AddText(nullptr, 0.0F, corner, IM_COL32(255, 240, 180, 255), text.c_str(), nullptr, most);
+  list.AddText(nullptr, 0.0F, corner, colour, text.c_str(), nullptr, most);
 }
 
 }  // namespace
@@ -197,7 +200,9 @@ void ViewerWindow::showTexts(const WindowLayout& layout, const UiState& ui_state
   const auto wrap = static_cast<float>(layout.room.x() - buttonsWidth_px(layout)) - 2.0F * margin;
   list.AddText(nullptr, 0.0F, {margin, margin}, IM_COL32(235, 235, 235, 255), status.c_str(),
                nullptr, wrap);
-  if (!state_.help) drawHint(list, place_, hintLine(ticks_, ui_state));
+  if (!state_.help)
+    drawNote(list, place_, hintLine(ticks_, ui_state), IM_COL32(255, 240, 180, 255), 0.0);
+  drawNote(list, place_, stateLines(ticks_.last()), IM_COL32(255, 110, 100, 255), 0.12);
 }
 
 /// Returns the picture with the HIP and the forces, in px of the screen.

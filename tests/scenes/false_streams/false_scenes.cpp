@@ -290,7 +290,7 @@ FalseStreams material() {
          t.motion().position_mm.x() = x_mm;
          t.motion().velocity_mm_s.x() = 8.0 * 4.0 * std::numbers::pi * wave(t.t_s, 2.0, 1.5708);
        }},
-      {"drag_in_circles", kHold, kTrustLost,
+      {"drag_in_circles", kHold, kLimited,
        [](OutgoingFrame& t) {
          t.material().static_friction = 1.5;
          const Vec2 at_mm(6.0 * wave(t.t_s, 3.0), 6.0 * wave(t.t_s, 3.0, 1.5708));

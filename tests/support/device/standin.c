@@ -7,6 +7,7 @@
 #include <fenv.h>
 #include <math.h>
 #include <signal.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -133,13 +134,17 @@ static void close_device(hapticast_device* device) {
   free(device);
 }
 
+static void warn(hapticast_device* device, int on) { device->light.trace->sign = on != 0; }
+
 const hapticast_driver* hapticast_device_v1(void) {
   static hapticast_driver driver = {sizeof driver, HAPTICAST_DEVICE_ABI, "standin",
                                     "a light device in a hand", "MIT", 0, 0, list, open_device,
-                                    wait, exchange, zero, close_device};
+                                    wait, exchange, zero, close_device, warn};
   /* A driver of another version. The environment reaches it before any option does. */
   const char* const shape = getenv("STANDIN_SHAPE");
   if (shape != NULL && strcmp(shape, "size") == 0) driver.size = 16;
+  if (shape != NULL && strcmp(shape, "no_sign") == 0)
+    driver.size = (uint32_t)offsetof(hapticast_driver, warn);
   if (shape != NULL && strcmp(shape, "abi") == 0) driver.abi = 7;
   if (shape != NULL && strcmp(shape, "null") == 0) driver.exchange = NULL;
   if (shape != NULL && strcmp(shape, "name") == 0) driver.name = "other";

@@ -18,6 +18,7 @@ struct standin_trace {
   volatile uint32_t opened;
   volatile uint32_t closed;
   volatile uint32_t zeros; /* calls of zero() */
+  volatile uint32_t sign;  /* 1: warn() has switched the sign on */
   volatile uint64_t exchanges;
   volatile int64_t last_force_ns; /* CLOCK_MONOTONIC of the last command that was not zero */
   volatile double force_N;        /* magnitude of the last command */

@@ -89,6 +89,17 @@ TEST(FalconPilot, NoForceUntilTheGripIsNearTheMiddle) {
   rig.run(2);
   EXPECT_EQ(rig.pilot.phase(), Phase::kReady);
   EXPECT_EQ(rig.request.lights, FalconLight::kGreen);
+  rig.pilot.warn(true);
+  int red = 0;
+  for (int tick = 0; tick < 1000; ++tick) {
+    rig.run(1);
+    EXPECT_NE(rig.request.lights, FalconLight::kGreen);
+    red += rig.request.lights == FalconLight::kRed ? 1 : 0;
+  }
+  EXPECT_EQ(red, 500) << "it blinks";
+  rig.pilot.warn(false);
+  rig.run(1);
+  EXPECT_EQ(rig.request.lights, FalconLight::kGreen);
   EXPECT_EQ(rig.state.status, DeviceStatus::kOk);
   EXPECT_NEAR((rig.state.position_mm - rig.offset_mm).norm(), 0.0, 0.05);
 }

@@ -89,6 +89,18 @@ TEST_F(StatusTest, EveryHaltHasAReasonAndARemedy) {
   EXPECT_TRUE(advises("cable")) << status();
 }
 
+TEST_F(StatusTest, SafetyStatesHaveALineOfTheirOwn) {
+  touch(1.2);
+  EXPECT_EQ(stateLines(report), "");
+  report.safety_states = bit(SafetyState::kForceOff);
+  EXPECT_EQ(stateLines(report), "") << "the status line states the halt";
+  report.safety_states |= bit(SafetyState::kMovesHand) | bit(SafetyState::kLateMachine);
+  EXPECT_EQ(stateLines(report), std::string(toText(SafetyState::kMovesHand)) +
+                                    " (press R when you have read this)\n" +
+                                    toText(SafetyState::kLateMachine));
+  EXPECT_EQ(status(), "in contact, 1.2 N");
+}
+
 TEST_F(StatusTest, AStaleOrMissingStreamHasAReasonAndARemedy) {
   report.lookup = Lookup::kStale;
   EXPECT_TRUE(advises("wait")) << status();

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstddef>
+#include <utility>
 
 #include "client/device/sleep_until.hpp"
 #include "common/time.hpp"
@@ -75,11 +77,20 @@ void HelperLoop::exchange() noexcept {
   state.size = sizeof state;
   state.status = HAPTICAST_NO_DATA;
   beginCall();
+  warn();
   const int result = driver_.exchange(device_, force_N.data(), &state);
   if (endCall() > kSlowExchange) ++reading_.slow;
   if (gate_.atZero()) force_acts_.store(false, std::memory_order_release);
   if (result != HAPTICAST_OK) state.status = HAPTICAST_LOST;
   publish(state);
+}
+
+/// Switches the sign of the device, if it has one and the client wants a change.
+void HelperLoop::warn() noexcept {
+  const bool has_sign = driver_.size >= offsetof(hapticast_driver, warn) + sizeof driver_.warn &&
+                        driver_.warn != nullptr;
+  const bool warns = command_.warns != 0;
+  if (has_sign && std::exchange(warns_, warns) != warns) driver_.warn(device_, warns ? 1 : 0);
 }
 
 /// Passes a reading on. A second exchange() of a tick without a new position adds nothing.

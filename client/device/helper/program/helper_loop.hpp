@@ -40,6 +40,7 @@ class HelperLoop {
   void tick(LocalTime deadline) noexcept;
   void wait(LocalTime deadline) noexcept;
   void exchange() noexcept;
+  void warn() noexcept;
   void publish(const hapticast_state& state) noexcept;
   void beginCall() noexcept;
   Duration endCall() noexcept;
@@ -52,6 +53,7 @@ class HelperLoop {
   DeviceCommand command_;
   DeviceReading reading_;
   std::array<std::int64_t, 8> taken_ns_{};  // of the last readings, by number
+  bool warns_ = false;                      // the driver shows a safety state
   std::uint64_t handed_over_ = 0;           // newest reading whose force the driver has
   std::atomic<bool> ending_{false};
   std::atomic<bool> ended_{false};

@@ -87,6 +87,7 @@ struct DriverFunctions {
   }
   static int zero(hapticast_device* device) { return cast(device).commandZero() ? 0 : 1; }
   static void close(hapticast_device* device) { delete &cast(device); }
+  static void warn(hapticast_device* device, int on) { cast(device).warn(on != 0); }
 };
 
 /// Returns the driver table for the class `Device`. `name`, `about` and `flags` are as in
@@ -106,9 +107,11 @@ hapticast_driver makeDriver(const char* name, const char* about, std::uint32_t f
                           nullptr,
                           Functions::exchange,
                           Functions::zero,
-                          Functions::close};
+                          Functions::close,
+                          nullptr};
   if constexpr (requires(Device & device) { device.wait(LocalTime()); })
     driver.wait = Functions::wait;
+  if constexpr (requires(Device & device) { device.warn(true); }) driver.warn = Functions::warn;
   return driver;
 }
 
