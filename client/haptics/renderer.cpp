@@ -107,8 +107,7 @@ const TickReport& HapticRenderer::tick(LocalTime now, const DeviceState& state) 
   input.scene_jumped = changes.by_stream || scene.jumped || (contact.jump && !restarts);
   input.world_jumped = changes.any() || input.scene_jumped || contact.jump;
   input.device_lost = state.status == DeviceStatus::kLost;
-  const Vec3 contact_mm = ahead_mm + contact.displacement_mm;
-  report_.contact_mm = contact_mm;
+  const Vec3 contact_mm = report_.contact_mm = ahead_mm + contact.displacement_mm;
   if (!paused_) {
     input.dynamic_N = dynamic_.evaluate(contact.object, contact.depth_mm, hip.acceleration_m_s2,
                                         scene.play_time, stream, mapping_.scale, &contact_mm);

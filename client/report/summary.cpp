@@ -64,6 +64,16 @@ Json stateNames(std::uint32_t states) {
   return names;
 }
 
+/// Returns a line for each safety state that the run had.
+std::string statesInWords(std::uint32_t states) {
+  std::string text;
+  for (std::size_t i = 0; i < kSafetyStates; ++i) {
+    if ((states >> i & 1U) != 0)
+      text += fmt::format("Note: {}.\n", toText(static_cast<SafetyState>(i)));
+  }
+  return text;
+}
+
 Json toJson(const ReceiverCounts& frames) {
   return {{"received", frames.received},   {"lost", frames.lost},
           {"late", frames.late},           {"concealed", frames.concealed},
@@ -95,6 +105,13 @@ Json toJson(const std::optional<DeviceTraffic>& device) {
           {"reduced", device->reduced},         {"slow", device->slow}};
 }
 
+Json toJson(const PortWork& work) {
+  return {{"relative", work.relative_mJ},
+          {"surface", work.surface_mJ},
+          {"object", work.object_mJ},
+          {"user", work.user_mJ()}};
+}
+
 Json summary(const RunResult& result) {
   const LoopStats& loop = result.loop;
   const auto lookupKey = [](std::size_t i) { return lookupName(static_cast<Lookup>(i)); };
@@ -119,11 +136,7 @@ Json summary(const RunResult& result) {
       {"max_force_N", loop.max_force_N},
       {"max_force_step_N", loop.max_force_step_N},
       {"step_excess_max_N", loop.step_excess_max_N},
-      {"work_mJ",
-       {{"relative", loop.work.relative_mJ},
-        {"surface", loop.work.surface_mJ},
-        {"object", loop.work.object_mJ},
-        {"user", loop.work.user_mJ()}}},
+      {"work_mJ", toJson(loop.work)},
       {"contact_ticks", loop.contact_ticks},
       {"playout_delay_ms", result.playout_delay_ms},
       {"clock_offset_us", result.clock_offset_us},
@@ -184,10 +197,7 @@ std::string toText(const RunResult& result) {
     text += "The hand's own motion explains every force step.\n";
   }
   text += chain;
-  for (std::size_t i = 0; i < kSafetyStates; ++i) {
-    if ((loop.safety_states >> i & 1U) != 0)
-      text += fmt::format("Note: {}.\n", toText(static_cast<SafetyState>(i)));
-  }
+  text += statesInWords(loop.safety_states);
   const Json faults = faultNames(loop.faults);
   if (!faults.empty()) text += "Faults: " + faults.dump() + "\n";
   return text;

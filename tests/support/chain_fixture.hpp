@@ -52,6 +52,7 @@ class ChainFixture {
     input.position_mm = hip.position_mm;
     input.velocity_mm_s = hip.velocity_mm_s;
     input.measurement_jumped = hip.restarted;
+    input.measurement_late = hip.late;
     input.device_lost = lost;
     input.ahead = hip.ahead;
     const double depth_mm = wall_mm - (by_counts ? hip.position_mm : hip.ahead.position_mm).z();

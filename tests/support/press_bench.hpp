@@ -141,7 +141,8 @@ class PressBench {
     double done_mJ = work_mJ.empty() ? 0.0 : work_mJ.back();
     for (int i = 0; i < kSteps; ++i) {
       const Vec3& goal_mm = time_s < kRest_s ? rest_mm_ : target_mm;
-      Vec3 push_N = force_N + setup_.hand_N_mm * (goal_mm - at_mm_) - 1e-3 * setup_.hand_Ns_m * speed_mm_s_;
+      Vec3 push_N =
+          force_N + setup_.hand_N_mm * (goal_mm - at_mm_) - 1e-3 * setup_.hand_Ns_m * speed_mm_s_;
       for (int axis = 0; axis < 3; ++axis) {
         const double free_mm_s = speed_mm_s_[axis] + 1e3 * push_N[axis] / mass_kg * kStep_s;
         const double most_mm_s = 1e3 * setup_.friction_N / mass_kg * kStep_s;

@@ -39,8 +39,8 @@ struct HipEstimate {
   Vec3 velocity_mm_s = Vec3::Zero();  ///< velocity from the measured positions alone
   HipState ahead;                     ///< predicted state, lookahead() after the reading
   Vec3 acceleration_m_s2 = Vec3::Zero();
-  bool finite = true;          ///< false: the reading was NaN; position and velocity are unchanged
-  bool restarted = false;      ///< this reading does not continue the motion of the reading before
+  bool finite = true;      ///< false: the reading was NaN; position and velocity are unchanged
+  bool restarted = false;  ///< this reading does not continue the motion of the reading before
   /// This reading came 1.5 ms to 1 s after the last one, and the HIP can have moved from there.
   bool late = false;
   int ticks_without_data = 0;  ///< ticks since the last valid reading

@@ -73,24 +73,9 @@ SafetyOutput SafetyChain::step(const SafetyInput& in) noexcept {
   StepState now = computeState(in, geometry, out.not_finite);
   meter(in, now, geometry, jump, out);  // 5, 10
 
-  out.static_force_N = wallForce(now, geometry, out);     // 3, 5
-  out.dynamic_force_N = dynamicForce(in, geometry, out);  // 4
-  const Vec3 sum_N = out.static_force_N + out.dynamic_force_N;
-  const double clamp = clampFactor(sum_N, out);  // 7
-  const Vec3 own_N = out.static_force_N + inertia_N_ * dynamic_fade_;
-  fadeAndArm(in,
-             {.jump = jump,
-              .touchable = touchable,
-              .full_N = clamp * sum_N,
-              .full_static_N = clamp * own_N},
-             now, geometry, out);  // 9
-  const double gain = clamp * fade_.gain();
-  const Vec3 faded_N = sum_N * gain + fade_.residue_N();
-  const double tank = tankFactor(faded_N, out);  // 5
-  const double again = clampFactor(faded_N * tank, out);
-  now.force_N = faded_N * tank * again;
-  const Vec3 faded_own_N = own_N * gain + fade_.residueStatic_N();
-  static_N_ = limitStep(now, faded_own_N * (tank * again), in.measurement_jumped, out);  // 8
+  out.static_force_N = wallForce(now, geometry, out);                          // 3, 5
+  out.dynamic_force_N = dynamicForce(in, geometry, out);                       // 4
+  limitForce(in, {.jump = jump, .touchable = touchable}, now, geometry, out);  // 7, 9, 5, 8
 
   ports_.sent(now.force_N, now.force_N - static_N_);
   thermal_.add(now.force_N.squaredNorm());
@@ -102,6 +87,24 @@ SafetyOutput SafetyChain::step(const SafetyInput& in) noexcept {
   if (geometry.contact) wall_N_mm_ = now.local_stiffness_N_mm;
   countTrust(out.safety_actions, scene_jumped);
   return out;
+}
+
+/// Sets now.force_N to the sum of both forces after clamp, fade, tank and slew limit.
+void SafetyChain::limitForce(const SafetyInput& in, FadeTick tick, StepState& now,
+                             const Geometry& geometry, SafetyOutput& out) noexcept {
+  const Vec3 sum_N = out.static_force_N + out.dynamic_force_N;
+  const Vec3 own_N = out.static_force_N + inertia_N_ * dynamic_fade_;
+  const double clamp = clampFactor(sum_N, out);  // 7
+  tick.full_N = clamp * sum_N;
+  tick.full_static_N = clamp * own_N;
+  fadeAndArm(in, tick, now, geometry, out);  // 9
+  const double gain = clamp * fade_.gain();
+  const Vec3 faded_N = sum_N * gain + fade_.residue_N();
+  const double tank = tankFactor(faded_N, out);  // 5
+  const double again = clampFactor(faded_N * tank, out);
+  now.force_N = faded_N * tank * again;
+  const Vec3 faded_own_N = own_N * gain + fade_.residueStatic_N();
+  static_N_ = limitStep(now, faded_own_N * (tank * again), in.measurement_jumped, out);  // 8
 }
 
 /// A hand in a stiff wall causes slowed steps as well: only those of the stream cost trust.
@@ -147,13 +150,6 @@ Vec3 SafetyChain::limitStep(StepState& now, const Vec3& static_N, bool measureme
   return steps_.excess_N(static_N, static_N_, hand) > 0.0
              ? steps_.limitForce(static_N, static_N_, hand)
              : static_N;
-}
-
-void SafetyChain::rearm() noexcept {
-  if (halt_ == Halt::kTrustLost) trust_.renew();
-  stop_requested_ = false;
-  halt_ = Halt::kNone;
-  fade_.restart();
 }
 
 StepState SafetyChain::computeState(const SafetyInput& in, const Geometry& geometry,
@@ -362,14 +358,14 @@ void SafetyChain::material(const SafetyInput& in, Geometry& geometry, SafetyOutp
 /// stiffness that it can pay for.
 double SafetyChain::payStiffening(const SafetyInput& in, const Geometry& geometry) noexcept {
   const double before_N_mm = geometry_.stiffness_N_mm;
-  const double after_N_mm = geometry.stiffness_N_mm;
+  const double rise_N_mm = geometry.stiffness_N_mm - before_N_mm;
   const bool continues = geometry_.contact && !in.world_jumped && !in.measurement_jumped;
-  if (!continues || after_N_mm <= before_N_mm) return after_N_mm;
-  const double added_mJ = fade_.gain() * (springEnergy_mJ(after_N_mm, geometry.size_mm, limit_N_) -
-                                          springEnergy_mJ(before_N_mm, geometry.size_mm, limit_N_));
+  if (!continues || rise_N_mm <= 0.0) return geometry.stiffness_N_mm;
+  const double added_mJ =
+      fade_.gain() * (springEnergy_mJ(geometry.stiffness_N_mm, geometry.size_mm, limit_N_) -
+                      springEnergy_mJ(before_N_mm, geometry.size_mm, limit_N_));
   const double paid_mJ = account_.pay(added_mJ);
-  return paid_mJ < added_mJ ? before_N_mm + (after_N_mm - before_N_mm) * (paid_mJ / added_mJ)
-                            : after_N_mm;
+  return before_N_mm + rise_N_mm * (paid_mJ < added_mJ ? paid_mJ / added_mJ : 1.0);
 }
 
 /// Returns the last geometry as a plane at rest; only the HIP moves.

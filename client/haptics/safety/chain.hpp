@@ -111,7 +111,12 @@ class SafetyChain {
   /// Ends a halt: the force then fades in from zero. The owner calls it on request of the user or
   /// of RearmPolicy. A halt follows the loss of the device, a loss of trust, stop() or
   /// awaitConfirmation().
-  void rearm() noexcept;
+  void rearm() noexcept {
+    if (halt_ == Halt::kTrustLost) trust_.renew();
+    stop_requested_ = false;
+    halt_ = Halt::kNone;
+    fade_.restart();
+  }
   /// Ramps the force to zero. It remains zero until rearm().
   void stop() noexcept { stop_requested_ = true; }
   /// Halts the force from the first tick until rearm(). Call it for a device that was detected
@@ -157,6 +162,8 @@ class SafetyChain {
              SafetyOutput& out) noexcept;
   Vec3 wallForce(const StepState& now, const Geometry& geometry, SafetyOutput& out) const noexcept;
   Vec3 dynamicForce(const SafetyInput& input, const Geometry& geometry, SafetyOutput& out) noexcept;
+  void limitForce(const SafetyInput& input, FadeTick tick, StepState& now, const Geometry& geometry,
+                  SafetyOutput& out) noexcept;
   void fadeAndArm(const SafetyInput& input, FadeTick tick, const StepState& now,
                   const Geometry& geometry, SafetyOutput& out) noexcept;
   double clampFactor(const Vec3& force_N, SafetyOutput& out) const noexcept;

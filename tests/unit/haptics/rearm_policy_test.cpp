@@ -75,8 +75,8 @@ TEST(RearmPolicy, WithoutTheFlagNothingComesBack) {
 
 const RearmPolicy kNever(false);
 
-/// The lines of a report, one after the other.
-std::string linesOf(HapticStatusLog& log, const TickReport& report, const RearmPolicy& rearm) {
+/// Returns the lines of a report, one after the other.
+std::string joinLines(HapticStatusLog& log, const TickReport& report, const RearmPolicy& rearm) {
   std::string all;
   for (const std::string& line : log.onReport(report, rearm)) all += line;
   return all;
@@ -84,33 +84,33 @@ std::string linesOf(HapticStatusLog& log, const TickReport& report, const RearmP
 
 TEST(HapticStatusLog, ReportsWhyThereIsNoForceAndThatItIsBack) {
   HapticStatusLog log;
-  EXPECT_EQ(linesOf(log, at(1.0, Halt::kNone), kNever), "");
-  EXPECT_EQ(linesOf(log, at(2.0, Halt::kTrustLost), kNever),
+  EXPECT_EQ(joinLines(log, at(1.0, Halt::kNone), kNever), "");
+  EXPECT_EQ(joinLines(log, at(2.0, Halt::kTrustLost), kNever),
             "the client does not trust the stream any more, because the safety chain acted too "
             "often (mostly: the energy into the hand was limited): no force from now on; restart "
             "the client to touch this stream (--rearm restores the force automatically)");
-  EXPECT_EQ(linesOf(log, at(3.0, Halt::kTrustLost), kNever), "");
-  EXPECT_EQ(linesOf(log, at(4.0, Halt::kNone), kNever), "re-armed: the force returns");
-  EXPECT_EQ(linesOf(log, at(5.0, Halt::kTrustLost), rearmAfter(2)),
+  EXPECT_EQ(joinLines(log, at(3.0, Halt::kTrustLost), kNever), "");
+  EXPECT_EQ(joinLines(log, at(4.0, Halt::kNone), kNever), "re-armed: the force returns");
+  EXPECT_EQ(joinLines(log, at(5.0, Halt::kTrustLost), rearmAfter(2)),
             "the client does not trust the stream any more, because the safety chain acted too "
             "often (mostly: the energy into the hand was limited): no force for 5 s; the client "
             "re-arms it automatically 1 more time");
   EXPECT_TRUE(
-      linesOf(log, at(6.0, Halt::kDeviceLost), kNever).starts_with("the device does not answer"));
-  EXPECT_EQ(linesOf(log, at(7.0, Halt::kStopped), kNever), "") << "the end is no news";
+      joinLines(log, at(6.0, Halt::kDeviceLost), kNever).starts_with("the device does not answer"));
+  EXPECT_EQ(joinLines(log, at(7.0, Halt::kStopped), kNever), "") << "the end is no news";
 }
 
 TEST(HapticStatusLog, ReportsThatFramesStayOutAndComeAgain) {
   HapticStatusLog log;
   TickReport report = at(1.0, Halt::kNone);
-  EXPECT_EQ(linesOf(log, report, kNever), "");
+  EXPECT_EQ(joinLines(log, report, kNever), "");
   report.lookup = Lookup::kHeld;
-  EXPECT_EQ(linesOf(log, report, kNever), "");
+  EXPECT_EQ(joinLines(log, report, kNever), "");
   report.lookup = Lookup::kStale;
-  EXPECT_EQ(linesOf(log, report, kNever), "no new frames arrive: the force has faded");
-  EXPECT_EQ(linesOf(log, report, kNever), "");
+  EXPECT_EQ(joinLines(log, report, kNever), "no new frames arrive: the force has faded");
+  EXPECT_EQ(joinLines(log, report, kNever), "");
   report.lookup = Lookup::kInterpolated;
-  EXPECT_EQ(linesOf(log, report, kNever), "frames arrive again");
+  EXPECT_EQ(joinLines(log, report, kNever), "frames arrive again");
 }
 
 TEST(HapticStatusLog, ReportsOnceThatNoFrameHasEverArrived) {
@@ -118,7 +118,7 @@ TEST(HapticStatusLog, ReportsOnceThatNoFrameHasEverArrived) {
   const auto line = [&](double time_s, Lookup lookup = Lookup::kEmpty) {
     TickReport report = at(time_s, Halt::kNone);
     report.lookup = lookup;
-    return linesOf(log, report, kNever);
+    return joinLines(log, report, kNever);
   };
   EXPECT_EQ(line(-9.0), "");
   EXPECT_EQ(line(-1.0, Lookup::kInterpolated), "");
@@ -130,9 +130,9 @@ TEST(HapticStatusLog, ReportsOnceThatNoFrameHasEverArrived) {
 
 TEST(HapticStatusLog, ReportsThatADeviceComesBackThoughNoTrustIsLeftToForgive) {
   HapticStatusLog log;
-  EXPECT_EQ(linesOf(log, at(1.0, Halt::kDeviceLost), rearmAfter(3)),
+  EXPECT_EQ(joinLines(log, at(1.0, Halt::kDeviceLost), rearmAfter(3)),
             "the device does not answer: no force until it answers again");
-  EXPECT_TRUE(linesOf(log, at(2.0, Halt::kTrustLost), rearmAfter(3))
+  EXPECT_TRUE(joinLines(log, at(2.0, Halt::kTrustLost), rearmAfter(3))
                   .ends_with("no force from now on; restart the client to touch this stream"));
 }
 
@@ -141,9 +141,9 @@ TEST(HapticStatusLog, ReportsAHaltEvenIfOtherLinesUsedUpTheLimit) {
   for (int i = 0; i < 100; ++i) {
     TickReport report = at(1.0 + i * 0.1, Halt::kNone);
     report.lookup = i % 2 == 0 ? Lookup::kStale : Lookup::kInterpolated;
-    EXPECT_EQ(linesOf(log, report, kNever) != "", i < RateLimiter::kLogBurst);
+    EXPECT_EQ(joinLines(log, report, kNever) != "", i < RateLimiter::kLogBurst);
   }
-  EXPECT_NE(linesOf(log, at(20.0, Halt::kTrustLost), kNever), "");
+  EXPECT_NE(joinLines(log, at(20.0, Halt::kTrustLost), kNever), "");
 }
 
 TEST(HapticStatusLog, ReportsADeviceWithALoosePlugOnce) {
@@ -152,7 +152,7 @@ TEST(HapticStatusLog, ReportsADeviceWithALoosePlugOnce) {
   for (int i = 0; i < 59'000; ++i) {
     TickReport report = at(1.0 + i * 1e-3, i % 700 < 300 ? Halt::kDeviceLost : Halt::kNone);
     report.safety_states = bit(SafetyState::kForceOff);
-    lines += linesOf(log, report, kNever);
+    lines += joinLines(log, report, kNever);
   }
   EXPECT_EQ(lines,
             "the device does not answer: no force from now on (--rearm restores the force "
@@ -164,21 +164,21 @@ TEST(HapticStatusLog, ReportsASafetyStateEvenIfOtherLinesUsedUpTheLimit) {
   for (int i = 0; i < 100; ++i) {
     TickReport report = at(1.0 + i * 0.1, Halt::kNone);
     report.lookup = i % 2 == 0 ? Lookup::kStale : Lookup::kInterpolated;
-    (void)linesOf(log, report, kNever);
+    (void)joinLines(log, report, kNever);
   }
   TickReport report = at(20.0, Halt::kNone);
   report.safety_states = bit(SafetyState::kMovesHand);
-  EXPECT_EQ(linesOf(log, report, kNever), toText(SafetyState::kMovesHand));
+  EXPECT_EQ(joinLines(log, report, kNever), toText(SafetyState::kMovesHand));
   report.safety_states |= bit(SafetyState::kLateMachine);
-  EXPECT_EQ(linesOf(log, report, kNever), toText(SafetyState::kLateMachine));
-  EXPECT_EQ(linesOf(log, report, kNever), "");
+  EXPECT_EQ(joinLines(log, report, kNever), toText(SafetyState::kLateMachine));
+  EXPECT_EQ(joinLines(log, report, kNever), "");
 }
 
 TEST(HapticStatusLog, ReportsOnceAMinuteThatAWallIsSofter) {
   HapticStatusLog log;
   int lines = 0;
   for (int i = 0; i < 150; ++i) {
-    lines += linesOf(log, at(i, Halt::kNone, bit(SafetyAction::kStiffness)), kNever) != "";
+    lines += joinLines(log, at(i, Halt::kNone, bit(SafetyAction::kStiffness)), kNever) != "";
   }
   EXPECT_EQ(lines, 3);
 }
@@ -188,7 +188,7 @@ TEST(HapticStatusLog, NamesTheKeyOfTheWindow) {
     HapticStatusLog log;
     TickReport report;
     report.halt = halt;
-    return linesOf(log, report, rearm);
+    return joinLines(log, report, rearm);
   };
   EXPECT_TRUE(describe(Halt::kTrustLost, RearmPolicy(false, true))
                   .ends_with("no force until you press R in the window"));
