@@ -6,8 +6,11 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <limits>
+#include <sstream>
 #include <stdexcept>
 #include <vector>
 
@@ -18,16 +21,19 @@ namespace hapticast::client {
 
 namespace {
 
-constexpr double kCheckPush_N = 0.3;
-constexpr int kCheckPush_ticks = 100;
-constexpr int kCheckRamp_ticks = 20;  // of the push, up and down
-constexpr int kStill_ticks = 500;     // of a grip that is held still, before each push
+constexpr double kCheckPush_N = 0.3;  // chosen: no hand at the grip, and a grip that falls is safe
+// To, fro and to, so that a free grip ends where it began.
+constexpr int kPush_ticks = 30;
+constexpr int kRecord_ticks = 130;  // of a push, until shortly after its end
+constexpr int kSettle_ticks = 60;   // between two pushes
+constexpr int kStill_ticks = 300;   // of a grip at rest, before the first push
 constexpr double kStill_mm = 1.0;
-constexpr int kCheckSettle_ticks = 100;  // the motion goes on for a while after the push
 constexpr auto kStillPatience = std::chrono::seconds(60);
-// 0.3 N for 0.1 s move a free grip of 50 to 500 g by 3 to 30 mm, and one in a loose hand by less.
+// 0.3 N move a free grip of 0.5 kg by 0.5 mm.
 constexpr double kLeastResponse_mm = 0.2;
-constexpr double kMostResponse_mm = 40.0;
+constexpr double kMostCount = 1.5;        // of the profile's count
+constexpr double kLeastMass = 2.0 / 3.0;  // of the profile's mass; the fit is exact to 15 %
+constexpr double kHeldMass = 3.0;         // of the profile's mass: a hand of 100 g and more
 constexpr std::array<const char*, 3> kAxisNames{"x (right)", "y (up)", "z (towards you)"};
 
 /// The check was stopped.
@@ -43,30 +49,32 @@ class CheckRun {
   CheckRun(const CheckRun&) = delete;
   CheckRun& operator=(const CheckRun&) = delete;
 
-  /// Waits until the grip is held still.
+  /// Waits until the grip rests.
   void waitForRest() {
     const LocalTime until = clock_.now() + kStillPatience;
     int rest_ticks = 0;
     Vec3 begin_mm = Vec3::Zero();
     while (rest_ticks < kStill_ticks) {
       if (clock_.now() > until)
-        throw std::runtime_error("--check-device: the grip was not held still for a minute");
+        throw std::runtime_error("--check-device: the grip did not come to rest for a minute");
       const bool fresh = tick(Vec3::Zero());
       if (!fresh) continue;
       if (rest_ticks++ == 0) begin_mm = position_mm_;
       if ((position_mm_ - begin_mm).norm() > kStill_mm) rest_ticks = 0;
     }
   }
-  /// Pushes once. Returns the motion in mm.
-  Vec3 push(const Vec3& force_N) {
-    waitForRest();
-    const Vec3 begin_mm = position_mm_;
-    for (int i = 0; i < kCheckPush_ticks + kCheckSettle_ticks; ++i) {
-      const double up = static_cast<double>(i) / kCheckRamp_ticks;
-      const double down = static_cast<double>(kCheckPush_ticks - i) / kCheckRamp_ticks;
-      (void)tick(std::clamp(std::min(up, down), 0.0, 1.0) * force_N);
+  /// Pushes along an axis, to and fro. Returns the recording.
+  PushRecord push(int axis, double sign) {
+    PushRecord record;
+    for (int i = 0; i < kRecord_ticks + kSettle_ticks; ++i) {
+      const bool back = i >= kPush_ticks && i < 3 * kPush_ticks;
+      const double size_N = i < 4 * kPush_ticks ? (back ? -1.0 : 1.0) * sign * kCheckPush_N : 0.0;
+      (void)tick(size_N * Vec3::Unit(axis));
+      if (i >= kRecord_ticks) continue;
+      record.force_N.push_back(size_N);
+      record.position_mm.push_back(position_mm_);
     }
-    return position_mm_ - begin_mm;
+    return record;
   }
 
  private:
@@ -109,44 +117,146 @@ std::vector<KeyValue> readChecks(const std::string& file) {
 
 }  // namespace
 
-DeviceCheck judgeDevice(const Eigen::Matrix3d& response_mm) {
-  DeviceCheck check{.response_mm = response_mm, .fault = {}};
-  for (int axis = 0; axis < 3 && check.fault.empty(); ++axis) {
-    const Vec3 moved_mm = response_mm.col(axis);
-    const double along_mm = moved_mm[axis];
-    const double aside_mm = (moved_mm - along_mm * Vec3::Unit(axis)).norm();
-    const bool follows =
-        along_mm >= kLeastResponse_mm && along_mm <= kMostResponse_mm && aside_mm < along_mm;
-    if (follows && moved_mm.allFinite()) continue;
-    check.fault = fmt::format("a push of {} N along {} moved the grip by {:.1f} {:.1f} {:.1f} mm",
-                              kCheckPush_N, kAxisNames[static_cast<std::size_t>(axis)],
-                              moved_mm.x(), moved_mm.y(), moved_mm.z());
+namespace {
+
+/// Returns the motion of the record that is the largest along the axis.
+Vec3 findLargest(const PushRecord& record, int axis) {
+  Vec3 largest_mm = Vec3::Zero();
+  for (const Vec3& each_mm : record.position_mm) {
+    const Vec3 moved_mm = each_mm - record.position_mm.front();
+    if (std::abs(moved_mm[axis]) > std::abs(largest_mm[axis])) largest_mm = moved_mm;
   }
+  return largest_mm;
+}
+
+MotionFit fitPush(const PushRecord& record, int axis) {
+  std::vector<double> along_mm;
+  along_mm.reserve(record.position_mm.size());
+  for (const Vec3& each_mm : record.position_mm) along_mm.push_back(each_mm[axis]);
+  return fitMotion(record.force_N, along_mm);
+}
+
+/// Returns the smallest step of the readings on any axis; infinity without one.
+double findCount_mm(const std::array<PushRecord, 6>& pushes) {
+  constexpr double kRounding_mm = 1e-6;
+  double smallest_mm = std::numeric_limits<double>::infinity();
+  for (const PushRecord& record : pushes) {
+    for (std::size_t i = 1; i < record.position_mm.size(); ++i) {
+      for (const double step_mm : record.position_mm[i] - record.position_mm[i - 1]) {
+        if (std::abs(step_mm) > kRounding_mm)
+          smallest_mm = std::min(smallest_mm, std::abs(step_mm));
+      }
+    }
+  }
+  return smallest_mm;
+}
+
+/// Returns the fault in sign or axis of the motion along an axis, or an empty text.
+std::string findWrongMotion(const Vec3& moved_mm, int axis) {
+  const double along_mm = moved_mm[axis];
+  const double aside_mm = (moved_mm - along_mm * Vec3::Unit(axis)).norm();
+  if (moved_mm.allFinite() && along_mm >= kLeastResponse_mm && 2.0 * aside_mm < along_mm) return "";
+  const bool small = moved_mm.norm() < kLeastResponse_mm;
+  return fmt::format("a push of {} N along {} moved the grip by {:.1f} {:.1f} {:.1f} mm{}",
+                     kCheckPush_N, kAxisNames[static_cast<std::size_t>(axis)], moved_mm.x(),
+                     moved_mm.y(), moved_mm.z(), small ? ": let go of the grip" : "");
+}
+
+/// Returns what of the measured values a profile cannot have, or an empty text.
+std::string findWrongProfile(const DeviceCheck& check, const DeviceProfile& profile) {
+  if (check.count_mm > kMostCount * profile.count_mm)
+    return fmt::format("its position moves in steps of {:.3f} mm, its profile has count_mm = {:g}",
+                       check.count_mm, profile.count_mm);
+  if (check.delay_ticks > kMostDelay_ticks)
+    return fmt::format("{} ms pass from a position to its force; at most {} ms are stable",
+                       check.delay_ticks, kMostDelay_ticks);
+  if (!(check.mass_kg <= kHeldMass * profile.mass_kg))
+    return fmt::format(
+        "it moved like {:.0f} g, its profile has {:.0f} g: let go of the grip, or "
+        "correct mass_kg",
+        1e3 * check.mass_kg, 1e3 * profile.mass_kg);
+  return "";
+}
+
+std::string describeChanges(const DeviceCheck& check, const DeviceProfile& profile) {
+  DeviceProfile changed = profile;
+  applyCheck(check, changed);
+  std::string note;
+  if (changed.mass_kg != profile.mass_kg)
+    note = fmt::format("it moves like {:.0f} g, not {:.0f} g", 1e3 * changed.mass_kg,
+                       1e3 * profile.mass_kg);
+  if (changed.delay_ticks != profile.delay_ticks)
+    note += fmt::format("{}{} ms pass from a position to its force, not {} ms",
+                        note.empty() ? "" : "; ", changed.delay_ticks, profile.delay_ticks);
+  return note.empty() ? note : note + ": walls are softer";
+}
+
+}  // namespace
+
+DeviceCheck judgeDevice(const std::array<PushRecord, 6>& pushes, const DeviceProfile& profile) {
+  DeviceCheck check;
+  check.mass_kg = std::numeric_limits<double>::infinity();
+  std::vector<int> delays_ticks;
+  for (int axis = 0; axis < 3 && check.fault.empty(); ++axis) {
+    const PushRecord& to = pushes[static_cast<std::size_t>(2 * axis)];
+    const PushRecord& fro = pushes[static_cast<std::size_t>(2 * axis + 1)];
+    const Vec3 moved_mm = 0.5 * (findLargest(to, axis) - findLargest(fro, axis));
+    check.response_mm.col(axis) = moved_mm;
+    check.fault = findWrongMotion(moved_mm, axis);
+    for (const PushRecord* const push : {&to, &fro}) {
+      const MotionFit fit = fitPush(*push, axis);
+      check.mass_kg = std::min(check.mass_kg, fit.mass_kg);
+      delays_ticks.push_back(fit.delay_ticks);
+    }
+    if (check.fault.empty() && !(check.mass_kg > 0.0))
+      check.fault = fmt::format("the grip does not follow a push along {}",
+                                kAxisNames[static_cast<std::size_t>(axis)]);
+  }
+  std::sort(delays_ticks.begin(), delays_ticks.end());
+  check.delay_ticks = delays_ticks[delays_ticks.size() / 2];
+  check.count_mm = findCount_mm(pushes);
+  if (check.fault.empty()) check.fault = findWrongProfile(check, profile);
+  if (check.fault.empty()) check.note = describeChanges(check, profile);
   return check;
+}
+
+void applyCheck(const DeviceCheck& check, DeviceProfile& profile) {
+  if (check.mass_kg < kLeastMass * profile.mass_kg) profile.mass_kg = check.mass_kg;
+  profile.delay_ticks = std::max(profile.delay_ticks, check.delay_ticks);
 }
 
 std::optional<DeviceCheck> checkDevice(HapticDevice& device, const Clock& clock,
                                        const std::atomic<bool>& stop,
                                        const std::function<void(const std::string&)>& log_line) {
   CheckRun run(device, clock, stop, log_line);
-  log_line("check: hold the grip loosely and still, in the middle; it will be pushed six times");
-  Eigen::Matrix3d response_mm;
+  log_line("check: let go of the grip; the client pushes it six times, with 0.3 N for 0.1 s");
+  std::array<PushRecord, 6> pushes;
   try {
-    for (int axis = 0; axis < 3; ++axis) {
-      const Vec3 force_N = kCheckPush_N * Vec3::Unit(axis);
-      response_mm.col(axis) = 0.5 * (run.push(force_N) - run.push(-force_N));
-    }
+    run.waitForRest();
+    for (std::size_t i = 0; i < pushes.size(); ++i)
+      pushes[i] = run.push(static_cast<int>(i / 2), i % 2 == 0 ? 1.0 : -1.0);
   } catch (const Stopped&) {
     return std::nullopt;
   }
-  return judgeDevice(response_mm);
+  return judgeDevice(pushes, device.profile());
 }
 
-void storeCheck(const std::string& file, const std::string& id, const DeviceCheck& check) {
+namespace {
+/// Identifies the values of a profile that a check compares.
+std::string describeProfile(const DeviceProfile& profile) {
+  return fmt::format("{:g} {} {:g}", profile.mass_kg, profile.delay_ticks, profile.count_mm);
+}
+}  // namespace
+
+void storeCheck(const std::string& file, const std::string& id, const DeviceProfile& profile,
+                const DeviceCheck& check) {
   auto lines = readChecks(file);
   const std::string key = toKey(id);
   std::erase_if(lines, [&](const KeyValue& line) { return line.key == key; });
-  lines.push_back({0, key, check.fault.empty() ? "passed" : check.fault});
+  const std::string result = check.fault.empty()
+                                 ? fmt::format("{:g} {}", check.mass_kg, check.delay_ticks)
+                                 : "failed: " + check.fault;
+  lines.push_back({0, key, describeProfile(profile) + ": " + result});
   std::error_code error;
   std::filesystem::create_directories(std::filesystem::path(file).parent_path(), error);
   std::ofstream out(file);
@@ -155,11 +265,21 @@ void storeCheck(const std::string& file, const std::string& id, const DeviceChec
   if (!out) throw std::runtime_error("--check-device: " + file + " cannot be written");
 }
 
-std::string readCheckFault(const std::string& file, const std::string& id) {
+std::optional<DeviceCheck> readCheck(const std::string& file, const std::string& id,
+                                     const DeviceProfile& profile) {
+  const std::string profile_part = describeProfile(profile) + ": ";
   for (const KeyValue& line : readChecks(file)) {
-    if (line.key == toKey(id) && line.value != "passed") return line.value;
+    if (line.key != toKey(id) || !line.value.starts_with(profile_part)) continue;
+    const std::string result = line.value.substr(profile_part.size());
+    DeviceCheck check;
+    if (result.starts_with("failed: ")) {
+      check.fault = result.substr(8);
+      return check;
+    }
+    std::istringstream in(result);
+    if (in >> check.mass_kg >> check.delay_ticks && check.mass_kg > 0.0) return check;
   }
-  return "";
+  return std::nullopt;
 }
 
 }  // namespace hapticast::client

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
-// The check of a device: a simulated grip in a loose hand that follows, or does not.
+// The check of a device: a simulated free grip that follows, or does not.
 #include "client/device/check_device.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 
+#include "client/device/virtual/virtual_device.hpp"
 #include "client/haptics/tick_report.hpp"
 #include "tests/support/manual_clock.hpp"
 #include "tests/support/scripted_device.hpp"
@@ -14,17 +16,21 @@
 namespace hapticast::client {
 namespace {
 
-/// A grip of 200 g in a loose hand; `motors` is what the driver makes of a force.
+/// A free grip behind a driver: `motors` is what the driver makes of a force, `stuck` an axis whose
+/// encoder stands. The profile is that of the scripted device, the plant is another.
 class CheckedGrip {
  public:
-  explicit CheckedGrip(const Eigen::Matrix3d& motors, double drift_mm_s = 0.0) {
+  explicit CheckedGrip(const PlantProfile& plant, const DeviceProfile& profile,
+                       const Hand& hand = Hand::none())
+      : grip_(plant, hand, clock) {
+    device.its_profile = profile;
+    grip_.reset(Vec3::Zero(), Vec3::Zero());
     device.wait = [this](LocalTime) { clock.advance(kTickPeriod); };
-    device.answer = [this, motors, drift_mm_s](const Vec3& force_N) {
+    device.answer = [this](const Vec3& force_N) {
       largest_N = std::max(largest_N, force_N.norm());
-      const Vec3 hand_N = -0.02 * position_mm - 0.001 * speed_mm_s;
-      speed_mm_s += 1e-3 * 1e3 * (motors * force_N + hand_N) / 0.2;
-      position_mm += 1e-3 * (speed_mm_s + Vec3::Constant(drift_mm_s));
-      return DeviceState{.position_mm = position_mm, .buttons = 0, .time = clock.now()};
+      DeviceState state = grip_.exchange(motors * force_N, {});
+      if (stuck >= 0) state.position_mm[stuck] = 0.11;
+      return state;
     };
   }
   std::optional<DeviceCheck> check() {
@@ -33,52 +39,99 @@ class CheckedGrip {
   ManualClock clock;
   ScriptedDevice device;
   std::atomic<bool> stop{false};
-  Vec3 position_mm = Vec3::Zero();
-  Vec3 speed_mm_s = Vec3::Zero();
+  Eigen::Matrix3d motors = Eigen::Matrix3d::Identity();
+  int stuck = -1;
   double largest_N = 0.0;
+
+ private:
+  VirtualDevice grip_;
 };
 
-TEST(CheckDevice, AGripThatFollowsPassesInADriftingHand) {
-  for (const double drift_mm_s : {0.0, 0.5}) {
-    CheckedGrip grip(Eigen::Matrix3d::Identity(), drift_mm_s);
-    const auto check = grip.check();
+PlantProfile grip(double mass_kg = 0.045, int delay_ticks = 1, double count_mm = 0.055) {
+  PlantProfile plant;
+  plant.mass_kg = mass_kg;
+  plant.delay_ticks = delay_ticks;
+  plant.count_mm = count_mm;
+  plant.friction_N = 0.05;
+  return plant;
+}
+
+TEST(CheckDevice, AFreeGripThatFitsItsProfilePasses) {
+  for (const auto& plant : {grip(), grip(0.04, 0), grip(0.1, 3, 0.038), grip(0.2, 5, 0.01)}) {
+    CheckedGrip checked(plant, plant);
+    const auto check = checked.check();
     ASSERT_TRUE(check);
     EXPECT_EQ(check->fault, "");
-    EXPECT_GT(check->response_mm(1, 1), 0.5);
-    EXPECT_LE(grip.largest_N, 0.3 + 1e-12);
-    EXPECT_EQ(grip.device.forces_N.back(), Vec3(Vec3::Zero()));
+    EXPECT_EQ(check->note, "");
+    EXPECT_NEAR(check->mass_kg, plant.mass_kg, 0.15 * plant.mass_kg);
+    EXPECT_NEAR(check->count_mm, plant.count_mm, 1e-6);
+    EXPECT_LE(checked.largest_N, 0.3 + 1e-12);
+    EXPECT_EQ(checked.device.forces_N.back(), Vec3(Vec3::Zero()));
   }
 }
 
-TEST(CheckDevice, AWrongSignAWrongAxisAndAWrongSizeAreRefused) {
+TEST(CheckDevice, LowersAMassAndRaisesADelay) {
+  struct Case {
+    PlantProfile plant;
+    const char* note;
+  };
+  for (const Case& each :
+       {Case{grip(0.045), "it moves like "}, Case{grip(0.09, 3), " ms pass from a position"}}) {
+    PlantProfile profile = grip(0.09);
+    CheckedGrip checked(each.plant, profile);
+    const auto check = checked.check();
+    ASSERT_TRUE(check);
+    EXPECT_EQ(check->fault, "");
+    EXPECT_NE(check->note.find(each.note), std::string::npos) << check->note;
+    applyCheck(*check, profile);
+    EXPECT_NEAR(profile.mass_kg, each.plant.mass_kg, 0.15 * each.plant.mass_kg);
+    EXPECT_NEAR(profile.delay_ticks, each.plant.delay_ticks, 1);
+    EXPECT_GE(profile.delay_ticks, 1);
+  }
+}
+
+TEST(CheckDevice, RefusesWrongMotionsAndProfiles) {
   Eigen::Matrix3d swapped;
   swapped << 0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0;
   Eigen::Matrix3d mirrored = Eigen::Matrix3d::Identity();
   mirrored(2, 2) = -1.0;
-  for (const Eigen::Matrix3d& motors : {swapped, mirrored, Eigen::Matrix3d(Eigen::Matrix3d::Zero()),
-                                        Eigen::Matrix3d(20.0 * Eigen::Matrix3d::Identity())}) {
-    CheckedGrip grip(motors);
-    const auto check = grip.check();
-    ASSERT_TRUE(check);
-    EXPECT_NE(check->fault.find("a push of 0.3 N along "), std::string::npos) << motors;
+  const Eigen::Matrix3d none = Eigen::Matrix3d::Zero();
+  for (const Eigen::Matrix3d& motors : {swapped, mirrored, none}) {
+    CheckedGrip checked(grip(), grip());
+    checked.motors = motors;
+    EXPECT_NE(checked.check()->fault.find("a push of 0.3 N along "), std::string::npos) << motors;
   }
-  CheckedGrip grip(mirrored);
-  EXPECT_NE(grip.check()->fault.find("along z (towards you)"), std::string::npos);
+  CheckedGrip stuck(grip(), grip());
+  stuck.stuck = 1;
+  EXPECT_NE(stuck.check()->fault.find("along y (up)"), std::string::npos);
+  CheckedGrip coarse(grip(0.045, 1, 0.11), grip());
+  EXPECT_NE(coarse.check()->fault.find("count_mm = 0.055"), std::string::npos);
+  CheckedGrip held(grip(), grip(), {0.3, 1.0, 20.0, 0.0, 0.0});
+  const std::string held_fault = held.check()->fault;
+  EXPECT_NE(held_fault.find("let go of the grip"), std::string::npos) << held_fault;
+  // Seven ticks: one more than a virtual device has.
+  CheckedGrip late(grip(0.045, 6), grip());
+  Vec3 last_N = Vec3::Zero();
+  late.device.answer = [&late, &last_N, answer = late.device.answer](const Vec3& force_N) {
+    return answer(std::exchange(last_N, force_N));
+  };
+  const std::string late_fault = late.check()->fault;
+  EXPECT_NE(late_fault.find("at most 5 ms are stable"), std::string::npos) << late_fault;
 }
 
-TEST(CheckDevice, EndsAtAStopAtALossAndAtARestlessHand) {
-  CheckedGrip stopped(Eigen::Matrix3d::Identity());
+TEST(CheckDevice, EndsAtAStopAtALossAndAtARestlessGrip) {
+  CheckedGrip stopped(grip(), grip());
   stopped.stop = true;
   EXPECT_FALSE(stopped.check());
-  CheckedGrip restless(Eigen::Matrix3d::Identity());
+  CheckedGrip restless(grip(), grip());
   restless.device.answer = [&restless](const Vec3&) {
-    const double time_s = toSeconds(restless.clock.now());
+    const double time_s = toSeconds(restless.clock.now().time_since_epoch());
     return DeviceState{.position_mm = 3.0 * std::sin(10.0 * time_s) * Vec3::UnitX(),
                        .buttons = 0,
                        .time = restless.clock.now()};
   };
   EXPECT_THROW((void)restless.check(), std::runtime_error);
-  CheckedGrip lost(Eigen::Matrix3d::Identity());
+  CheckedGrip lost(grip(), grip());
   lost.device.answer = [](const Vec3&) {
     DeviceState state;
     state.status = DeviceStatus::kLost;
@@ -87,16 +140,25 @@ TEST(CheckDevice, EndsAtAStopAtALossAndAtARestlessHand) {
   EXPECT_THROW((void)lost.check(), std::runtime_error);
 }
 
-TEST(CheckDevice, TheResultIsKeptForEachSerialNumber) {
+TEST(CheckDevice, TheResultIsKeptForEachSerialNumberAndProfile) {
   const TempFolder folder;
   const std::string file = (folder / "state/checked-devices").string();
-  EXPECT_EQ(readCheckFault(file, "falcon A1"), "");
-  storeCheck(file, "falcon A1", {.fault = "a push moved nothing"});
-  storeCheck(file, "falcon B2", {});
-  EXPECT_EQ(readCheckFault(file, "falcon A1"), "a push moved nothing");
-  EXPECT_EQ(readCheckFault(file, "falcon B2"), "");
-  storeCheck(file, "falcon A1", {});
-  EXPECT_EQ(readCheckFault(file, "falcon A1"), "");
+  const PlantProfile profile = grip();
+  EXPECT_FALSE(readCheck(file, "falcon A1", profile));
+  DeviceCheck failed;
+  failed.fault = "a push moved nothing";
+  storeCheck(file, "falcon A1", profile, failed);
+  DeviceCheck passed;
+  passed.mass_kg = 0.04;
+  passed.delay_ticks = 2;
+  storeCheck(file, "falcon B2", profile, passed);
+  EXPECT_EQ(readCheck(file, "falcon A1", profile)->fault, "a push moved nothing");
+  EXPECT_EQ(readCheck(file, "falcon B2", profile)->fault, "");
+  EXPECT_EQ(readCheck(file, "falcon B2", profile)->mass_kg, 0.04);
+  EXPECT_EQ(readCheck(file, "falcon B2", profile)->delay_ticks, 2);
+  EXPECT_FALSE(readCheck(file, "falcon B2", grip(0.09))) << "another profile";
+  storeCheck(file, "falcon A1", profile, passed);
+  EXPECT_EQ(readCheck(file, "falcon A1", profile)->fault, "");
 }
 
 }  // namespace
