@@ -48,6 +48,7 @@ RendererSettings rendererSettings(const Settings& settings, const SelectedDevice
   RendererSettings renderer;
   renderer.unconfirmed = selected.auto_detected;
   renderer.profile = selected.device->profile();
+  applyStoredCheck(*selected.device, renderer.profile);
   renderer.method = settings.method;
   renderer.stiffness_limit_N_mm = settings.stiffness_limit_N_mm;
   renderer.surface =
@@ -62,7 +63,6 @@ struct LocalDevice {
         settings(rendererSettings(settings, selected)),
         renderer(std::make_unique<HapticRenderer>(this->settings, pool, stream, ui.controls(),
                                                   &reports)) {
-    requireNotRefused(*selected.device);
     ui.setDevice(selected.device->profile(), followsPointer(*selected.device));
   }
 

@@ -216,8 +216,8 @@ void addFalconOptions(CLI::App& app, Settings& settings) {
   app.add_flag("--list-devices", settings.list_devices,
                "List the kinds of devices and the connected devices, and end");
   addChoice(app, "--check-device", settings.check_device, devices(),
-            "Check that the motion of a device follows its commands, in sign, axis and size, and "
-            "end. Hold the grip loosely: it is pushed with 0.3 N",
+            "Check that the motion of a device follows its commands and fits its profile (mass, "
+            "delay, count), and end. Let go of the grip: it is pushed with 0.3 N",
             productHint);
   if (!hasDevice("falcon")) return;
   addFalconOption(app, settings, "firmware", "FILE",

@@ -51,12 +51,13 @@ int runDeviceCheck(const Settings& settings) {
   stopAtSignals();
   const auto check = checkDevice(*device, clock, stop_command, logInfo);
   if (!check) return kDone;
-  const auto& moved_mm = check->response_mm;
-  spdlog::info("check: 0.3 N along x, y, z moved the grip by {:.1f}, {:.1f}, {:.1f} mm",
-               moved_mm(0, 0), moved_mm(1, 1), moved_mm(2, 2));
-  if (!device->id().empty()) storeCheck(checkFile(), device->id(), *check);
+  if (!device->id().empty()) storeCheck(checkFile(), device->id(), device->profile(), *check);
   if (check->fault.empty()) {
-    spdlog::info("check: {} follows in sign, axis and size", settings.check_device);
+    spdlog::info(
+        "check: {} follows in sign and axis; it moves like {:.0f} g, {} ms pass from a "
+        "position to its force, and its position moves in steps of {:.3f} mm",
+        settings.check_device, 1e3 * check->mass_kg, check->delay_ticks, check->count_mm);
+    if (!check->note.empty()) spdlog::warn("check: {}", check->note);
     return kDone;
   }
   spdlog::error("--check-device {}: refused: {}. The client will not use the device",
@@ -83,14 +84,16 @@ int runFalconCalibration(const Settings& settings) {
   return kDone;
 }
 
-void requireNotRefused(const HapticDevice& device) {
+void applyStoredCheck(const HapticDevice& device, DeviceProfile& profile) {
   if (device.id().empty()) return;
-  const std::string fault = readCheckFault(checkFile(), device.id());
-  if (!fault.empty())
+  const auto check = readCheck(checkFile(), device.id(), profile);
+  if (!check) return;
+  if (!check->fault.empty())
     throw DeviceAbsent(
-        fmt::format("the device {} did not follow its commands in the last check: "
-                    "{}; run --check-device again",
-                    device.id(), fault));
+        fmt::format("the device {} failed its last check: {}; run --check-device "
+                    "again",
+                    device.id(), check->fault));
+  applyCheck(*check, profile);
 }
 
 }  // namespace hapticast::client

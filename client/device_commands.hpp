@@ -17,7 +17,8 @@ int runDeviceCheck(const Settings& settings);
 /// Calibrates the Falcon's motors. Returns the exit code. Throws like openDevice() and calibrate().
 int runFalconCalibration(const Settings& settings);
 
-/// Throws DeviceAbsent (one line) if the last stored check of `device` found a fault.
-void requireNotRefused(const HapticDevice& device);
+/// Applies the last stored check of `device` to its `profile` (applyCheck()). Does nothing if there
+/// is none. Throws DeviceAbsent (one line) if that check found a fault.
+void applyStoredCheck(const HapticDevice& device, DeviceProfile& profile);
 
 }  // namespace hapticast::client

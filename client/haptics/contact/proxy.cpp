@@ -23,10 +23,7 @@ constexpr double kForgotten_mm = 1e-6;
 bool Proxy::continueOn(const MovingRelief& relief, double c, double s,
                        const Vec3& shift_mm) noexcept {
   if (kind_ != Kind::kTop && kind_ != Kind::kWall) return false;
-  const auto turn = [=](const Vec3& v) noexcept {
-    return Vec3(c * v.x() - s * v.y(), s * v.x() + c * v.y(), v.z());
-  };
-  const Vec3 at_mm = turn(at_mm_) + shift_mm;
+  const Vec3 at_mm = rotate(at_mm_, c, s) + shift_mm;
   const Vec2 q_mm = at_mm.head<2>();
   const double edge_mm = relief.now(relief.edges(q_mm)).distance_mm;
   const double apart_mm = kind_ == Kind::kWall
@@ -34,8 +31,8 @@ bool Proxy::continueOn(const MovingRelief& relief, double c, double s,
                               : std::abs(relief.now(relief.heights(q_mm)).height_mm - at_mm.z());
   if (!(apart_mm <= kJump_mm) || (kind_ == Kind::kTop && edge_mm <= 0.0)) return false;
   at_mm_ = at_mm;
-  offset_mm_ = turn(offset_mm_);
-  displacement_mm_ = turn(displacement_mm_);
+  offset_mm_ = rotate(offset_mm_, c, s);
+  displacement_mm_ = rotate(displacement_mm_, c, s);
   probe_.forget();
   return true;
 }

@@ -148,6 +148,11 @@ constexpr double kLookAhead_px = 0.5;  // length of a small step; it skips no de
 // Distance of a proxy at a wall from the mask's edge, on the outside.
 constexpr double kOutside_mm = 1e-3;
 
+/// Returns `v`, rotated about z by the angle with the cosine `c` and the sine `s`.
+inline Vec3 rotate(const Vec3& v, double c, double s) noexcept {
+  return {c * v.x() - s * v.y(), s * v.x() + c * v.y(), v.z()};
+}
+
 /// Returns a Newton step from the sampled point towards the point kOutside_mm outside the mask's
 /// edge.
 inline Vec2 stepToEdge(const EdgeSample& edge) noexcept {

@@ -23,10 +23,6 @@ double coefficient(double given) noexcept {
   return given > 0.0 ? std::min(given, kMostFriction) : 0.0;  // NaN counts as 0
 }
 
-Vec3 rotate(const Vec3& v, double c, double s) noexcept {
-  return {c * v.x() - s * v.y(), s * v.x() + c * v.y(), v.z()};
-}
-
 /// Returns the distance of `step` from the segment between `a` and `b`.
 double computeDistanceToLine(const Vec3& step, const Vec3& a, const Vec3& b) noexcept {
   const Vec3 span = b - a;
