@@ -2,6 +2,7 @@
 #include "tests/integration/inverse3_service.hpp"
 
 #include <arpa/inet.h>
+#include <netinet/tcp.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -79,9 +80,15 @@ void Inverse3Service::talk(int socket) {
     beast::websocket::stream<asio::ip::tcp::socket> websocket(io);
     websocket.next_layer().assign(asio::ip::tcp::v4(), socket);
     websocket.next_layer().set_option(asio::ip::tcp::no_delay(true));
+    // The inventory arrives together with the answer to the handshake.
+    const auto cork = [socket](int on) {
+      (void)setsockopt(socket, IPPROTO_TCP, TCP_CORK, &on, sizeof on);
+    };
+    cork(1);
     websocket.accept();
     websocket.text(true);
     websocket.write(asio::buffer(stateText()));  // the inventory
+    cork(0);
     for (;;) {
       beast::flat_buffer buffer;
       websocket.read(buffer);

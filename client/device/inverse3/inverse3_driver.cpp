@@ -20,8 +20,8 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr Duration kFirstMessage = milliseconds(5000);  // chosen: also beside a busy processor
-constexpr Duration kSilence = milliseconds(100);        // then the device counts as lost
+constexpr Duration kFirstMessage = milliseconds(1000);
+constexpr Duration kSilence = milliseconds(100);  // then the device counts as lost
 constexpr Duration kReconnect = milliseconds(500);
 // Chosen: half a tick. Measured on loopback: a median of 0.3 ms.
 constexpr Duration kReplyPatience = std::chrono::microseconds(500);

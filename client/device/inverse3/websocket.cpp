@@ -28,6 +28,25 @@ constexpr timeval kReadTimeout{0, 500'000};
 struct WebSocket::Stream {
   asio::io_context io;
   beast::websocket::stream<Tcp::socket> websocket{io};
+  // The read of the next message, which continues across calls of receive().
+  beast::flat_buffer buffer;
+  bool reads = false;
+  bool done = false;
+  boost::system::error_code error;
+
+  void startRead() {
+    if (reads) return;
+    reads = true;
+    done = false;
+    websocket.async_read(buffer, [this](boost::system::error_code result, std::size_t /*size*/) {
+      error = result;
+      done = true;
+    });
+  }
+  void poll() {
+    io.restart();
+    (void)io.poll();
+  }
 };
 
 WebSocket::WebSocket(const std::string& host, const std::string& port)
@@ -55,19 +74,27 @@ void WebSocket::send(const std::string& text) {
   if (error) throw std::runtime_error(error.message());
 }
 
+// The stream may hold a message that arrived together with the one before, or with the answer to
+// the handshake. So the read comes before the wait for the socket.
 std::optional<std::string> WebSocket::receive(LocalTime deadline) {
-  auto& websocket = stream_->websocket;
+  Stream& stream = *stream_;
   const SteadyClock clock;
-  const auto left = std::max(deadline - clock.now(), Duration::zero());
-  const timespec timeout{static_cast<time_t>(left.count() / 1'000'000'000),
-                         static_cast<long>(left.count() % 1'000'000'000)};
-  pollfd ready{.fd = websocket.next_layer().native_handle(), .events = POLLIN, .revents = 0};
-  if (ppoll(&ready, 1, &timeout, nullptr) <= 0) return std::nullopt;
-  beast::flat_buffer buffer;
-  boost::system::error_code error;
-  websocket.read(buffer, error);
-  if (error) throw std::runtime_error(error.message());
-  return beast::buffers_to_string(buffer.data());
+  stream.startRead();
+  stream.poll();
+  while (!stream.done) {
+    const auto left = std::max(deadline - clock.now(), Duration::zero());
+    const timespec timeout{static_cast<time_t>(left.count() / 1'000'000'000),
+                           static_cast<long>(left.count() % 1'000'000'000)};
+    pollfd ready{
+        .fd = stream.websocket.next_layer().native_handle(), .events = POLLIN, .revents = 0};
+    if (ppoll(&ready, 1, &timeout, nullptr) <= 0) return std::nullopt;
+    stream.poll();
+  }
+  stream.reads = false;
+  if (stream.error) throw std::runtime_error(stream.error.message());
+  std::string text = beast::buffers_to_string(stream.buffer.data());
+  stream.buffer.consume(stream.buffer.size());
+  return text;
 }
 
 }  // namespace hapticast::client

@@ -21,7 +21,7 @@ class WebSocket {
 
   /// Sends one text message. Throws std::runtime_error if the connection is lost.
   void send(const std::string& text);
-  /// Returns the next message. Returns nullopt if none begins to arrive until `deadline`. Throws
+  /// Returns the next message. Returns nullopt if none has arrived until `deadline`. Throws
   /// std::runtime_error if the connection is lost, or if a message is longer than 1 MiB.
   std::optional<std::string> receive(LocalTime deadline);
 
