@@ -8,6 +8,8 @@ namespace hapticast::client {
 namespace {
 constexpr Duration kSample{100'000'000};
 constexpr Duration kHold{10'000'000'000};  // chosen: long enough to be read
+// Chosen: a busy machine is late in bursts, which are one state.
+constexpr Duration kHoldLate{60'000'000'000};
 // Chosen: half a period late, as the loop counts late ticks. A gap beyond the second value restarts
 // the estimate of the motion.
 constexpr Duration kLate{1'500'000};
@@ -38,11 +40,11 @@ bool SafetyStates::isLate(LocalTime now) noexcept {
   return late_ > kMostLate || (counts && since > kVeryLate);
 }
 
-void SafetyStates::hold(SafetyState state, bool holds, LocalTime now) noexcept {
+void SafetyStates::hold(SafetyState state, bool holds, LocalTime now, Duration hold) noexcept {
   LocalTime& until = until_[static_cast<std::size_t>(state)];
   if (holds) {
     states_ |= bit(state);
-    until = now + kHold;
+    until = now + hold;
   } else if (now >= until) {
     states_ &= ~bit(state);
   }
@@ -56,8 +58,8 @@ std::uint32_t SafetyStates::update(LocalTime now, double work_mJ, Halt halt,
   }
   if (work_.onWork(work_mJ, now) > kMovesHand_mJ) states_ |= bit(SafetyState::kMovesHand);
   if (halt == Halt::kTrustLost) states_ |= bit(SafetyState::kTrustLost);
-  hold(SafetyState::kLateMachine, isLate(now), now);
-  hold(SafetyState::kForceOff, halt != Halt::kNone && halt != Halt::kStopped, now);
+  hold(SafetyState::kLateMachine, isLate(now), now, kHoldLate);
+  hold(SafetyState::kForceOff, halt != Halt::kNone && halt != Halt::kStopped, now, kHold);
   return states_;
 }
 

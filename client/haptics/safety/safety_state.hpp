@@ -20,7 +20,7 @@ enum class SafetyState : std::uint8_t {
   /// the force.
   kMovesHand,
   kTrustLost,    ///< trust in the stream was lost. Lasts until the user re-arms the force.
-  kLateMachine,  ///< the loop misses its milliseconds. Ends 10 s after the last one.
+  kLateMachine,  ///< the loop misses its milliseconds. Ends a minute after the last ones.
   kForceOff,     ///< a halt. Ends 10 s after the last halt.
 };
 inline constexpr std::size_t kSafetyStates = 4;
@@ -75,7 +75,7 @@ class SafetyStates {
 
  private:
   [[nodiscard]] bool isLate(LocalTime now) noexcept;
-  void hold(SafetyState state, bool holds, LocalTime now) noexcept;
+  void hold(SafetyState state, bool holds, LocalTime now, Duration hold) noexcept;
 
   WorkMeter work_;
   std::uint32_t states_ = 0;

@@ -58,7 +58,7 @@ TEST(SafetyStates, TheEndOfTheClientIsNoState) {
   EXPECT_EQ(states.update(localTime(1.0), 0.0, Halt::kStopped, false), 0U);
 }
 
-TEST(SafetyStates, AMachineIsLateAsLongAsItIsAndTenSecondsMore) {
+TEST(SafetyStates, AMachineIsLateAsLongAsItIsAndAMinuteMore) {
   SafetyStates states;
   double now_s = 1.0;
   std::uint32_t bits = 0;
@@ -70,7 +70,7 @@ TEST(SafetyStates, AMachineIsLateAsLongAsItIsAndTenSecondsMore) {
   EXPECT_EQ(bits, 0U);
   for (int i = 0; i < 1000; ++i) tick(i % 50 == 0 ? 2e-3 : 1e-3);  // 20 a second
   EXPECT_EQ(bits, bit(SafetyState::kLateMachine));
-  for (int i = 0; i < 9000; ++i) tick(1e-3);
+  for (int i = 0; i < 59'000; ++i) tick(1e-3);
   EXPECT_EQ(bits, bit(SafetyState::kLateMachine));
   for (int i = 0; i < 4000; ++i) tick(1e-3);
   EXPECT_EQ(bits, 0U);
