@@ -40,11 +40,11 @@ bool SafetyStates::isLate(LocalTime now) noexcept {
   return late_ > kMostLate || (counts && since > kVeryLate);
 }
 
-void SafetyStates::hold(SafetyState state, bool holds, LocalTime now, Duration hold) noexcept {
+void SafetyStates::hold(SafetyState state, bool holds, LocalTime now, Duration lasts) noexcept {
   LocalTime& until = until_[static_cast<std::size_t>(state)];
   if (holds) {
     states_ |= bit(state);
-    until = now + hold;
+    until = now + lasts;
   } else if (now >= until) {
     states_ &= ~bit(state);
   }

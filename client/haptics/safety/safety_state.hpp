@@ -75,7 +75,7 @@ class SafetyStates {
 
  private:
   [[nodiscard]] bool isLate(LocalTime now) noexcept;
-  void hold(SafetyState state, bool holds, LocalTime now, Duration hold) noexcept;
+  void hold(SafetyState state, bool holds, LocalTime now, Duration lasts) noexcept;
 
   WorkMeter work_;
   std::uint32_t states_ = 0;
