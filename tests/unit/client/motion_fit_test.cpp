@@ -12,16 +12,16 @@
 namespace hapticast::client {
 namespace {
 
-struct Motion {
+struct FreeMotion {
   std::vector<double> force_N;
   std::vector<double> position_mm;
 };
 
 /// A free device that gets 0.3 N to and fro and to, 30, 60 and 30 ms.
-Motion pushFree(const PlantProfile& plant, double weight_N = 0.0) {
+FreeMotion pushFree(const PlantProfile& plant, double weight_N = 0.0) {
   AxisPlant axis(plant, Hand::none());
   axis.reset(0.0, 0.0);
-  Motion motion;
+  FreeMotion motion;
   for (int tick = 0; tick < 180; ++tick) {
     const double force_N = tick < 30 ? 0.3 : tick < 90 ? -0.3 : tick < 120 ? 0.3 : 0.0;
     motion.position_mm.push_back(std::round(1e3 * axis.position_m() / plant.count_mm) *
@@ -47,7 +47,7 @@ TEST(MotionFit, FindsMassAndDelayOfAFreeDevice) {
     plant.damping_Ns_m = draw(0.05, 0.5);
     plant.count_mm = draw(0.01, 0.06);
     const double weight_N = draw(-0.1, 0.1);
-    const Motion motion = pushFree(plant, weight_N);
+    const FreeMotion motion = pushFree(plant, weight_N);
     const MotionFit fit = fitMotion(motion.force_N, motion.position_mm);
     EXPECT_NEAR(fit.mass_kg, plant.mass_kg, 0.15 * plant.mass_kg)
         << i << ": friction " << plant.friction_N << ", weight " << weight_N;
@@ -57,13 +57,13 @@ TEST(MotionFit, FindsMassAndDelayOfAFreeDevice) {
 
 TEST(MotionFit, AMotionAgainstTheForceHasNoMass) {
   PlantProfile plant;
-  Motion motion = pushFree(plant);
+  FreeMotion motion = pushFree(plant);
   for (double& each_mm : motion.position_mm) each_mm = -each_mm;
   EXPECT_LT(fitMotion(motion.force_N, motion.position_mm).mass_kg, 0.0);
 }
 
 TEST(MotionFit, AnAxisThatDoesNotMoveHasNoMass) {
-  Motion motion = pushFree({});
+  FreeMotion motion = pushFree({});
   std::fill(motion.position_mm.begin(), motion.position_mm.end(), 3.0);
   const MotionFit fit = fitMotion(motion.force_N, motion.position_mm);
   EXPECT_FALSE(fit.mass_kg > 0.0 && fit.mass_kg < 100.0);

@@ -141,7 +141,7 @@ TEST(HapticStatusLog, ReportsAHaltEvenIfOtherLinesUsedUpTheLimit) {
   for (int i = 0; i < 100; ++i) {
     TickReport report = at(1.0 + i * 0.1, Halt::kNone);
     report.lookup = i % 2 == 0 ? Lookup::kStale : Lookup::kInterpolated;
-    EXPECT_EQ(joinLines(log, report, kNever) != "", i < RateLimiter::kLogBurst);
+    EXPECT_EQ(!joinLines(log, report, kNever).empty(), i < RateLimiter::kLogBurst);
   }
   EXPECT_NE(joinLines(log, at(20.0, Halt::kTrustLost), kNever), "");
 }
@@ -178,7 +178,8 @@ TEST(HapticStatusLog, ReportsOnceAMinuteThatAWallIsSofter) {
   HapticStatusLog log;
   int lines = 0;
   for (int i = 0; i < 150; ++i) {
-    lines += joinLines(log, at(i, Halt::kNone, bit(SafetyAction::kStiffness)), kNever) != "";
+    lines +=
+        joinLines(log, at(i, Halt::kNone, bit(SafetyAction::kStiffness)), kNever).empty() ? 0 : 1;
   }
   EXPECT_EQ(lines, 3);
 }
