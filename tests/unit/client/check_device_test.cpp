@@ -112,7 +112,7 @@ TEST(CheckDevice, RefusesWrongMotionsAndProfiles) {
   // Seven ticks: one more than a virtual device has.
   CheckedGrip late(grip(0.045, 6), grip());
   Vec3 last_N = Vec3::Zero();
-  late.device.answer = [&late, &last_N, answer = late.device.answer](const Vec3& force_N) {
+  late.device.answer = [&last_N, answer = late.device.answer](const Vec3& force_N) {
     return answer(std::exchange(last_N, force_N));
   };
   const std::string late_fault = late.check()->fault;
