@@ -115,10 +115,6 @@ std::vector<KeyValue> readChecks(const std::string& file) {
   return lines.ok() ? lines.value() : std::vector<KeyValue>();
 }
 
-}  // namespace
-
-namespace {
-
 /// Returns the motion of the record that is the largest along the axis.
 Vec3 findLargest(const PushRecord& record, int axis) {
   Vec3 largest_mm = Vec3::Zero();
@@ -200,9 +196,7 @@ DeviceCheck judgeDevice(const std::array<PushRecord, 6>& pushes, const DevicePro
   for (int axis = 0; axis < 3 && check.fault.empty(); ++axis) {
     const PushRecord& to = pushes[static_cast<std::size_t>(2 * axis)];
     const PushRecord& fro = pushes[static_cast<std::size_t>(2 * axis + 1)];
-    const Vec3 moved_mm = 0.5 * (findLargest(to, axis) - findLargest(fro, axis));
-    check.response_mm.col(axis) = moved_mm;
-    check.fault = findWrongMotion(moved_mm, axis);
+    check.fault = findWrongMotion(0.5 * (findLargest(to, axis) - findLargest(fro, axis)), axis);
     for (const PushRecord* const push : {&to, &fro}) {
       const MotionFit fit = fitPush(*push, axis);
       check.mass_kg = std::min(check.mass_kg, fit.mass_kg);
@@ -229,7 +223,7 @@ std::optional<DeviceCheck> checkDevice(HapticDevice& device, const Clock& clock,
                                        const std::atomic<bool>& stop,
                                        const std::function<void(const std::string&)>& log_line) {
   CheckRun run(device, clock, stop, log_line);
-  log_line("check: let go of the grip; the client pushes it six times, with 0.3 N for 0.1 s");
+  log_line("check: let go of the grip; the client pushes it six times, with 0.3 N for 0.12 s");
   std::array<PushRecord, 6> pushes;
   try {
     run.waitForRest();

@@ -27,9 +27,6 @@ struct PushRecord {
 
 /// Result of a check.
 struct DeviceCheck {
-  /// Column i belongs to axis i: half of the difference between the largest motions (mm) of the
-  /// push in the positive direction and of the push in the negative direction.
-  Eigen::Matrix3d response_mm = Eigen::Matrix3d::Zero();
   double mass_kg = 0.0;   ///< smallest moving mass of the three axes
   int delay_ticks = 0;    ///< median of the delays of all pushes
   double count_mm = 0.0;  ///< smallest step of the readings

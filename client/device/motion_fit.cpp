@@ -74,10 +74,7 @@ MotionFit fitMotion(std::span<const double> force_N, std::span<const double> pos
         std::sqrt((terms * solution - way_mm).squaredNorm() / static_cast<double>(count));
     if (!(residual_mm < best.residual_mm)) continue;
     const double mass_kg = solution[4] != 0.0 ? 1.0 / solution[4] : 0.0;
-    best = {.mass_kg = mass_kg,
-            .delay_ticks = delay,
-            .friction_N = solution[3] * mass_kg,
-            .residual_mm = residual_mm};
+    best = {.mass_kg = mass_kg, .delay_ticks = delay, .residual_mm = residual_mm};
   }
   return best;
 }

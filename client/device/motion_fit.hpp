@@ -21,7 +21,6 @@ struct MotionFit {
   /// Moving mass; not above 0 if the motion does not follow the force, or opposes it.
   double mass_kg = 0.0;
   int delay_ticks = 0;       ///< ticks from the reading of a position to the begin of its force
-  double friction_N = 0.0;   ///< Coulomb friction
   double residual_mm = 0.0;  ///< root mean square of the difference between motion and fit
 };
 

@@ -8,7 +8,6 @@
 namespace hapticast::client {
 
 namespace {
-constexpr Duration kLate{1'500'000};  // chosen: half a period late
 // Upper bound of the ramp to zero; the ranges of a profile need far less.
 constexpr int kStopTicks = 2000;
 }  // namespace
@@ -41,7 +40,7 @@ void runLoop(HapticDevice& device, HapticRenderer& renderer, const Clock& clock,
   while (ticks_to_stop > 0 && !(stopping && force_N == Vec3::Zero())) {
     device.waitForTick(deadline);
     const LocalTime begin = clock.now();
-    if (begin - last > kLate) ++stats.late_ticks;
+    if (begin - last > kLateTick) ++stats.late_ticks;
     last = begin;
     const DeviceState state = device.exchange(force_N, renderer.report());
     const LocalTime exchanged = clock.now();

@@ -12,7 +12,6 @@ namespace hapticast::client {
 
 namespace {
 
-constexpr Duration kLate{1'500'000};
 constexpr Duration kActed = std::chrono::seconds(1);
 constexpr double kLeastForce_N = 0.02;  // chosen: no hand feels less
 
@@ -80,7 +79,7 @@ std::string approachLine(const TickReport& report) {
 void TickStatus::add(const TickReport& report) {
   const Duration since = report.time - last_.time;
   if (ticks_++ > 0) {
-    if (since > kLate) ++late_;
+    if (since > kLateTick) ++late_;
     second_longest_ = std::max(second_longest_, report.tick_duration);
     second_sum_ += report.tick_duration;
     ++second_ticks_;

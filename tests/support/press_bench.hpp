@@ -5,7 +5,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -105,8 +104,6 @@ class PressBench {
     }
     return most_mJ;
   }
-  [[nodiscard]] const Vec3& position_mm() const { return at_mm_; }
-  [[nodiscard]] const Vec3& velocity_mm_s() const { return speed_mm_s_; }
 
   std::unique_ptr<HapticRenderer> renderer;
   StreamTiming stream;
@@ -141,7 +138,7 @@ class PressBench {
     double done_mJ = work_mJ.empty() ? 0.0 : work_mJ.back();
     for (int i = 0; i < kSteps; ++i) {
       const Vec3& goal_mm = time_s < kRest_s ? rest_mm_ : target_mm;
-      Vec3 push_N =
+      const Vec3 push_N =
           force_N + setup_.hand_N_mm * (goal_mm - at_mm_) - 1e-3 * setup_.hand_Ns_m * speed_mm_s_;
       for (int axis = 0; axis < 3; ++axis) {
         const double free_mm_s = speed_mm_s_[axis] + 1e3 * push_N[axis] / mass_kg * kStep_s;

@@ -126,6 +126,19 @@ void ProxySurface::restart() noexcept {
   ++tick_;  // the slots of the last tick no longer count
 }
 
+void ProxySurface::ProxySlot::restart() noexcept {
+  proxy.restart();
+  touch = {};
+  arrived = true;
+}
+
+void ProxySurface::ProxySlot::setPose(const InterpolatedObject& object) noexcept {
+  position_mm = object.position_mm;
+  velocity_mm_s = object.velocity_mm_s;
+  angle_rad = object.angle_rad;
+  angular_velocity_rad_s = object.angular_velocity_rad_s;
+}
+
 ProxySurface::ProxySlot* ProxySurface::isKnown(std::uint64_t key) noexcept {
   for (ProxySlot& tied : tied_) {
     if (tied.key == key && tied.tick + 1 == tick_) return &tied;
@@ -160,10 +173,7 @@ ProxySurface::ProxySlot* ProxySurface::findContinued(const InterpolatedObject& o
                                std::cos(object.angle_rad), -std::sin(object.angle_rad));
   if (!vanished->proxy.continueOn(relief, std::cos(turn_rad), std::sin(turn_rad), shift_mm))
     return nullptr;
-  vanished->position_mm = object.position_mm;
-  vanished->velocity_mm_s = object.velocity_mm_s;
-  vanished->angle_rad = object.angle_rad;
-  vanished->angular_velocity_rad_s = object.angular_velocity_rad_s;
+  vanished->setPose(object);
   return vanished;
 }
 
@@ -201,9 +211,7 @@ void ProxySurface::updateObject(ProxySlot& tied, const InterpolatedObject& objec
   const bool was_there = tied.tick + 1 == tick_;
   if (!was_there) {
     tied.relief = {};  // the slot may hold the relief of another object
-    tied.proxy.restart();
-    tied.touch = {};
-    tied.arrived = true;
+    tied.restart();
   }
   if (tied.relief.update(object, workspace)) tied.proxy.forgetSamples();
   const Vec3 arm_mm = hip_mm - object.position_mm;
@@ -213,14 +221,9 @@ void ProxySurface::updateObject(ProxySlot& tied, const InterpolatedObject& objec
   const bool jumped = was_there && poseJumped(tied, object, arm_mm.head<2>().norm(), elapsed_s);
   tied.key = makeKey(*object.before);
   tied.tick = tick_;
-  tied.position_mm = object.position_mm;
-  tied.velocity_mm_s = object.velocity_mm_s;
-  tied.angle_rad = object.angle_rad;
-  tied.angular_velocity_rad_s = object.angular_velocity_rad_s;
+  tied.setPose(object);
   if (!own_mm.allFinite()) {
-    tied.proxy.restart();
-    tied.touch = {};
-    tied.arrived = true;
+    tied.restart();
   } else if (tied.proxy.clear(tied.relief, own_mm)) {
     tied.arrived = false;
   } else {

@@ -76,6 +76,11 @@ class ProxySurface {
     Vec3 velocity_mm_s = Vec3::Zero();
     double angle_rad = 0.0;
     double angular_velocity_rad_s = 0.0;
+
+    /// Deletes the contact. The next update of the proxy counts as an arrival of the object.
+    void restart() noexcept;
+    /// Stores the pose and the velocities of `object`.
+    void setPose(const InterpolatedObject& object) noexcept;
   };
   /// An object near the HIP. Its proxy needs an update in this tick.
   struct Candidate {

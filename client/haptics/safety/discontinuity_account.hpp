@@ -15,8 +15,8 @@ namespace hapticast::client {
 /// The account of one safety chain.
 class DiscontinuityAccount {
  public:
-  /// Largest content, and the content at the start. Chosen: below the 3 mJ of noise that the
-  /// passivity observer tolerates, a hand of 150 g moves by at most 175 mm/s.
+  /// Largest content, and the content at the start. Chosen: it gives an Omni in a hand of 150 g at
+  /// most 175 mm/s. The passivity observer tolerates the same energy.
   static constexpr double kMost_mJ = 3.0;
   /// Refill, mW. Chosen: a clip that a user seeks in every 5 s keeps its force.
   static constexpr double kRefill_mW = 1.5;

@@ -10,9 +10,7 @@ constexpr Duration kSample{100'000'000};
 constexpr Duration kHold{10'000'000'000};  // chosen: long enough to be read
 // Chosen: a busy machine is late in bursts, which are one state.
 constexpr Duration kHoldLate{60'000'000'000};
-// Chosen: half a period late, as the loop counts late ticks. A gap beyond the second value restarts
-// the estimate of the motion.
-constexpr Duration kLate{1'500'000};
+// A longer gap restarts the estimate of the motion (HipEstimator).
 constexpr Duration kVeryLate{20'000'000};
 // Chosen: a few late ticks do not change the touch. Each one's share decays within 1 s.
 constexpr double kMostLate = 5.0;
@@ -33,7 +31,7 @@ double WorkMeter::onWork(double work_mJ, LocalTime now) noexcept {
 
 bool SafetyStates::isLate(LocalTime now) noexcept {
   const Duration since = now - last_;
-  const bool counts = running_ && since > kLate;
+  const bool counts = running_ && since > kLateTick;
   running_ = true;
   last_ = now;
   late_ = late_ * kKeep + (counts ? 1.0 : 0.0);

@@ -14,6 +14,9 @@
 
 namespace hapticast::client {
 
+/// A tick is late if it begins more than this after the tick before. Chosen: half a period late.
+inline constexpr Duration kLateTick{1'500'000};
+
 enum class SafetyState : std::uint8_t {
   /// The force did more than kMovesHand_mJ of work on the hand in 10 s. Lasts until the user
   /// re-arms
