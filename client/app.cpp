@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "client/device/open_device.hpp"
-#include "client/device_commands.hpp"
+#include "client/first_check.hpp"
 #include "client/haptics/loop.hpp"
 #include "client/report/reporter.hpp"
 #include "client/session.hpp"
@@ -48,7 +48,7 @@ RendererSettings rendererSettings(const Settings& settings, const SelectedDevice
   RendererSettings renderer;
   renderer.unconfirmed = selected.auto_detected;
   renderer.profile = selected.device->profile();
-  applyStoredCheck(*selected.device, renderer.profile);
+  (void)applyStoredCheck(*selected.device, renderer.profile);
   renderer.method = settings.method;
   renderer.stiffness_limit_N_mm = settings.stiffness_limit_N_mm;
   renderer.surface =
@@ -59,15 +59,20 @@ RendererSettings rendererSettings(const Settings& settings, const SelectedDevice
 /// The device, the renderer, and what the loop reads and writes.
 struct LocalDevice {
   LocalDevice(const Settings& settings, const Clock& clock, UserInterface& ui)
-      : selected(selectDevice(settings, clock, ui.pointer())),
-        settings(rendererSettings(settings, selected)),
-        renderer(std::make_unique<HapticRenderer>(this->settings, pool, stream, ui.controls(),
-                                                  &reports)) {
+      : selected(selectDevice(settings, clock, ui.pointer())) {
     ui.setDevice(selected.device->profile(), followsPointer(*selected.device));
+    DeviceProfile profile = selected.device->profile();
+    is_checked = applyStoredCheck(*selected.device, profile);
+    if (!is_checked) requireConfirmation(*selected.device, ui);
+  }
+  /// Creates the renderer, for the device's profile with the changes of its check.
+  void createRenderer(const Settings& settings, UserInterface& ui) {
+    renderer = std::make_unique<HapticRenderer>(rendererSettings(settings, selected), pool, stream,
+                                                ui.controls(), &reports);
   }
 
   SelectedDevice selected;
-  RendererSettings settings;
+  bool is_checked = false;
   FramePool pool;
   LatestValue<StreamTiming> stream;
   // Of every tick: plots, sound, logs and the counts of the panel would miss a peak of 1 ms in a
@@ -94,6 +99,7 @@ class App::Impl {
   void stop() noexcept { stop_ = true; }
 
  private:
+  bool checkFirst();
   void runEvents();
   void readReports();
   void sendContact();
@@ -129,12 +135,18 @@ App::Impl::Impl(Settings settings, const Clock& clock, Views views)
 }
 
 bool App::Impl::run() {
+  session_.start();
+  if (!checkFirst()) {
+    session_.stop();
+    return true;
+  }
   spdlog::info("connecting to {} with a {}. Ctrl-C ends the client.", session_.serverName(),
                device().description());
   if (settings_.forces != Forces::kBoth)
     spdlog::info("the client renders only the {} force (--forces)",
                  settings_.forces == Forces::kStatic ? "static" : "dynamic");
-  session_.start();
+  local_.createRenderer(settings_, ui_);
+  session_.connect();
   LoopThread loop(device(), *local_.renderer, clock_);
   runEvents();
   loop.stop();
@@ -142,6 +154,15 @@ bool App::Impl::run() {
   readReports();
   session_.stop();
   return finish(loop);
+}
+
+/// Checks a device that was never checked. Returns false if the client has to end.
+bool App::Impl::checkFirst() {
+  return local_.is_checked || runFirstCheck(device(), clock_, stop_, ui_, [this] {
+           device().poll();
+           if (!ui_.update(session_.stats())) stop();
+           std::this_thread::sleep_for(kTurn);
+         });
 }
 
 void App::Impl::runEvents() {

@@ -173,12 +173,13 @@ void addDeviceOptions(CLI::App& app, Settings& settings) {
                  "of KEY = VALUE lines (keys: client/device/README.md, Profiles)")
       ->type_name("NAME|FILE")
       ->default_str(settings.profile);
-  app.add_option("--hand", settings.hand,
-                 "The motion of the virtual hand: press (default; push with 1 N, hold, release, "
-                 "repeat), slide (over the object, 1 mm deep), follow (move with the object), or a "
-                 "CSV file of t_s,x_mm,y_mm,z_mm targets in nominal mm")
+  app.add_option(
+         "--hand", settings.hand,
+         "The motion of the virtual hand: press (default; push with 1 N, hold, release, "
+         "repeat), slide (over the object, 1 mm deep), follow (move with the object), free "
+         "(nobody holds the grip), or a CSV file of t_s,x_mm,y_mm,z_mm targets in nominal mm")
       ->each([&settings](const std::string& /*name*/) { settings.hand_given = true; })
-      ->type_name("press|slide|follow|FILE.csv")
+      ->type_name("press|slide|follow|free|FILE.csv")
       ->default_str(settings.hand);
   addNumber(app, "--stiffness-limit", settings.stiffness_limit_N_mm, 0.01, 1000.0, "N/MM",
             "The largest stiffness that an author may request; default: three times the profile's "

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "client/device_commands.hpp"
 
-#include <fmt/core.h>
 #include <spdlog/spdlog.h>
 
 #include <atomic>
@@ -9,12 +8,10 @@
 #include <cstdio>
 
 #include "client/device/calibrate.hpp"
-#include "client/device/check_device.hpp"
 #include "client/device/falcon/falcon_settings.hpp"
 #include "client/device/open_device.hpp"
-#include "client/report/fault_log.hpp"
+#include "client/first_check.hpp"
 #include "common/cli/run_program.hpp"
-#include "common/private_file.hpp"
 
 namespace hapticast::client {
 
@@ -36,8 +33,6 @@ DeviceRequest toRequest(const Settings& settings, const Clock& clock) {
           .log = logInfo};
 }
 
-std::string checkFile() { return (stateFolder() / "checked-devices").string(); }
-
 }  // namespace
 
 void printDevices(const Settings& settings) {
@@ -47,21 +42,16 @@ void printDevices(const Settings& settings) {
 
 int runDeviceCheck(const Settings& settings) {
   const SteadyClock clock;
-  const auto device = openDevice(settings.check_device, toRequest(settings, clock));
+  DeviceRequest request = toRequest(settings, clock);
+  request.hand = kFreeGrip;
+  const auto device = openDevice(settings.check_device, request);
   stopAtSignals();
+  spdlog::info("check: let go of the grip; the client pushes it six times, with 0.3 N for 0.12 s");
   const auto check = checkDevice(*device, clock, stop_command, logInfo);
   if (!check) return kDone;
-  if (!device->id().empty()) storeCheck(checkFile(), device->id(), device->profile(), *check);
-  if (check->fault.empty()) {
-    spdlog::info(
-        "check: {} follows in sign and axis; it moves like {:.0f} g, {} ms pass from a "
-        "position to its force, and its position moves in steps of {:.3f} mm",
-        settings.check_device, 1e3 * check->mass_kg, check->delay_ticks, check->count_mm);
-    if (!check->note.empty()) spdlog::warn("check: {}", check->note);
-    return kDone;
-  }
-  spdlog::error("--check-device {}: refused: {}. The client will not use the device",
-                settings.check_device, check->fault);
+  storeResult(*device, *check);
+  if (check->fault.empty()) return kDone;
+  spdlog::error("--check-device {}: refused: {}", settings.check_device, check->fault);
   return kFailed;
 }
 
@@ -82,18 +72,6 @@ int runFalconCalibration(const Settings& settings) {
     spdlog::info("falcon-gain = {:.0f} is stored in {}", *gain, settings.config_file);
   }
   return kDone;
-}
-
-void applyStoredCheck(const HapticDevice& device, DeviceProfile& profile) {
-  if (device.id().empty()) return;
-  const auto check = readCheck(checkFile(), device.id(), profile);
-  if (!check) return;
-  if (!check->fault.empty())
-    throw DeviceAbsent(
-        fmt::format("the device {} failed its last check: {}; run --check-device "
-                    "again",
-                    device.id(), check->fault));
-  applyCheck(*check, profile);
 }
 
 }  // namespace hapticast::client

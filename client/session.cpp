@@ -68,6 +68,7 @@ class Session::Impl {
   void onPrepared(const PreparedFrame& frame);
   void publishStats(bool connected);
   void start();
+  void connect();
   void stop();
 
   const Method method;
@@ -154,9 +155,12 @@ void Session::Impl::start() {
   signals.async_wait([this](const boost::system::error_code& error, int) {
     if (!error) events.ended();  // no wait for a second one: the force has to come down first
   });
-  decode_thread.start();
-  connection.start();
   network = std::jthread([this] { io.run(); });
+}
+
+void Session::Impl::connect() {
+  decode_thread.start();
+  asio::post(io, [this] { connection.start(); });
 }
 
 void Session::Impl::stop() {
@@ -174,6 +178,8 @@ Session::Session(const Settings& settings, const Clock& clock, FramePool& pool,
 Session::~Session() = default;
 
 void Session::start() { impl_->start(); }
+
+void Session::connect() { impl_->connect(); }
 
 void Session::stop() { impl_->stop(); }
 

@@ -34,8 +34,10 @@ class Session {
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  /// Starts the threads and the search for the server.
+  /// Starts the network thread. From now on signals cause Events::ended.
   void start();
+  /// Starts the search for the server. Requires start().
+  void connect();
   /// Ends the connection and joins the threads.
   void stop();
   /// Returns the newest statistics of the connection. Thread: one.

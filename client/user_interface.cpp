@@ -130,6 +130,11 @@ void UserInterface::onReport(const TickReport& report) {
   controls_.store(state_.user);
 }
 
+void UserInterface::setRequest(const std::string& text) {
+  state_.request = text;
+  state_.confirmed = false;
+}
+
 bool UserInterface::update(const ConnectionStats& stats) {
   state_.stream = stats;
   bool go_on = true;

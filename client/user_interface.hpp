@@ -28,6 +28,8 @@ class UserInterface {
   /// Returns the target of the pointer. A view writes it, and only the device may read it. Returns
   /// null if no view has a pointer.
   [[nodiscard]] LatestValue<PointerTarget>* pointer() { return has_pointer_ ? &pointer_ : nullptr; }
+  /// Returns true if a window is open, so that a user can confirm a request.
+  [[nodiscard]] bool hasWindow() const { return has_pointer_; }
   /// Returns the controls of the user, which the renderer reads.
   [[nodiscard]] LatestValue<UserControls>& controls() { return controls_; }
   /// Assigns the functions of the device's buttons according to `profile`. `follows_pointer` is
@@ -39,6 +41,11 @@ class UserInterface {
   /// Returns true if a view needs the stream's pictures.
   [[nodiscard]] bool wantsVideo() const;
   [[nodiscard]] const RearmPolicy& rearm() const { return rearm_; }
+
+  /// Shows `text` in the views, as a request or as a state before the first force; empty: nothing.
+  void setRequest(const std::string& text);
+  /// Returns true if the user has confirmed the request in a view.
+  [[nodiscard]] bool confirmed() const { return state_.confirmed; }
 
   /// Pass a picture and the reliefs of a frame to all views. Thread: network.
   void onPicture(const VideoFrame& picture, const Workspace& workspace);

@@ -46,20 +46,20 @@ DeviceCheck judgeDevice(const std::array<PushRecord, 6>& pushes, const DevicePro
 /// passed, where the check measured less than two thirds of the mass, or a longer delay.
 void applyCheck(const DeviceCheck& check, DeviceProfile& profile);
 
-/// Runs the check. `log_line` receives instructions. Returns nullopt if `stop` becomes true. Throws
-/// std::runtime_error (one line) if the device is lost, or if the grip does not come to rest within
-/// a minute.
+/// Runs the check. `log_line` receives the lines of the device. Returns nullopt if `stop` becomes
+/// true. Throws std::runtime_error (one line) if the device is lost, if the grip does not come
+/// to rest within a minute, or if the machine is too busy.
 std::optional<DeviceCheck> checkDevice(HapticDevice& device, const Clock& clock,
                                        const std::atomic<bool>& stop,
                                        const std::function<void(const std::string&)>& log_line);
 
 /// Stores the result for the device `id` and `profile` in the file `file`, in place of an earlier
-/// result. Throws std::runtime_error (one line).
+/// result. With a fault, only removes the earlier result. Throws std::runtime_error (one line).
 void storeCheck(const std::string& file, const std::string& id, const DeviceProfile& profile,
                 const DeviceCheck& check);
-/// Returns the result that storeCheck() stored for the device `id` and `profile`: its mass, delay
-/// and fault. Returns nullopt if the device was not checked, or with another mass, delay or count
-/// in its profile.
+/// Returns the mass and the delay that storeCheck() stored for the device `id` and `profile`.
+/// Returns nullopt if the device was not checked, did not pass its last check, or was checked with
+/// another mass or count in its profile.
 std::optional<DeviceCheck> readCheck(const std::string& file, const std::string& id,
                                      const DeviceProfile& profile);
 

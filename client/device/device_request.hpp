@@ -16,12 +16,15 @@
 
 namespace hapticast::client {
 
+/// Value of DeviceRequest::hand: nobody holds the grip.
+inline constexpr const char* kFreeGrip = "free";
+
 /// Arguments for opening a device. All references must outlive the device.
 struct DeviceRequest {
   std::string kind = {};  ///< name of the kind; the functions of open_device.hpp set it
   /// --profile: a built-in name or a file; empty: the default of the kind.
   std::string profile = {};
-  std::string hand = "press";  ///< --hand: name of a script, or a CSV file
+  std::string hand = "press";  ///< --hand: name of a script, a CSV file, or kFreeGrip
   const Clock& clock;
   /// Target of the window's pointer, or null if there is no window. Only the device may read it.
   LatestValue<PointerTarget>* pointer = nullptr;

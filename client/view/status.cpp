@@ -118,6 +118,7 @@ std::string touchLine(const TickReport& report, const UserControls& user) {
 
 std::string statusLine(const TickReport& report, const UiState& ui_state) {
   if (report.halt != Halt::kNone) return haltLine(report);
+  if (!ui_state.request.empty()) return "no force: the client has not checked the device yet";
   const ConnectionStats& stream = ui_state.stream;
   if (!stream.connected) return "no force: no server answers; the client waits and connects again";
   if (!report.enabled) return "no force: the device's button is not held; hold it";
@@ -145,6 +146,7 @@ std::string stateLines(const TickReport& report) {
 }
 
 std::string hintLine(const TickStatus& ticks, const UiState& ui_state) {
+  if (!ui_state.request.empty()) return ui_state.request;
   const TickReport& report = ticks.last();
   if (ticks.hasTouched() || report.halt != Halt::kNone) return {};
   if (!ui_state.stream.connected) return "The client connects as soon as the server answers.";

@@ -60,7 +60,8 @@ class TickStatus {
 /// states. The text is empty without such a state.
 [[nodiscard]] std::string stateLines(const TickReport& report);
 
-/// Returns a hint for the time before the first touch: the event for which the client waits, or how
+/// Returns the request to the user, if there is one (UiState::request). Otherwise returns
+/// a hint for the time before the first touch: the event for which the client waits, or how
 /// to touch. Returns an empty text after the first touch, and if the status line states the remedy.
 [[nodiscard]] std::string hintLine(const TickStatus& ticks, const UiState& ui_state);
 

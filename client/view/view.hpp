@@ -37,7 +37,10 @@ struct UiState {
   bool pointer_is_device = false;  ///< true: the pointer moves the HIP (mouse)
   ConnectionStats stream;          ///< state of the connection; views only read it
   bool record = false;             ///< a view sets it; while true, the client logs into a new file
-  std::string recording;  ///< name of that log file, or an error; empty before the first one
+  /// What the user has to confirm with Enter, or what the client does meanwhile; empty: nothing.
+  std::string request;
+  bool confirmed = false;  ///< a view sets it if the user presses Enter
+  std::string recording;   ///< name of that log file, or an error; empty before the first one
 };
 
 /// Interface of a view of a run.

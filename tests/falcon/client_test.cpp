@@ -349,6 +349,18 @@ TEST_F(FalconClient, CalibratesItsGainWithAWeight) {
   expectZeroAtLast();
 }
 
+TEST_F(FalconClient, AFreeGripPassesTheCheck) {
+  bootAndPlugIn();
+  client_ = std::make_unique<Process>(
+      std::vector<std::string>{HAPTICAST_CLIENT_PROGRAM, "--check-device", "falcon"});
+  ASSERT_TRUE(client_->says("Falcon: ready", kPatience)) << client_->output();
+  aim(0.0);
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  port_->with([](FalconModel& model, BusFaults&) { model.let_go = true; });
+  EXPECT_EQ(client_->wait(kPatience), 0) << client_->output();
+  expectZeroAtLast();
+}
+
 TEST_F(FalconClient, WithoutADeviceItEndsWithOneLine) {
   startServer();
   startClient({"--device", "falcon"});

@@ -15,6 +15,7 @@
 #include "client/device/open_device.hpp"
 #include "client/haptics/tick_report.hpp"
 #include "tests/falcon/usb_port.hpp"
+#include "tests/support/checked_devices.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/temp_folder.hpp"
 
@@ -77,6 +78,7 @@ class FalconTest : public ::testing::Test {
 
   SteadyClock clock_;
   TempFolder folder_;
+  StateFolder state_{folder_ / "state"};
   std::unique_ptr<UsbPort> port_;
   std::string file_;
   std::string logged_;

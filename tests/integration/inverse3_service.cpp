@@ -126,17 +126,22 @@ std::string Inverse3Service::answer(const std::string& text) {
   return stateText();
 }
 
-/// A hand of 0.2 N/mm presses and lifts.
+/// A hand of 0.2 N/mm presses and lifts, or lets go of a grip of 50 g.
 void Inverse3Service::move() {
   const std::int64_t now_ns = nowNs();
   const double wanted_mm = (now_ns - begin_ns_) / 1'000'000 % 1500 < 1000 ? -8.0 : 20.0;
   double left_s = std::min(1e-9 * static_cast<double>(now_ns - last_ns_), 0.05);
   last_ns_ = now_ns;
-  const double force_N = forces_.empty() ? 0.0 : forces_.back().force_N.z();
+  const Vec3 force_N = forces_.empty() ? Vec3::Zero() : forces_.back().force_N;
   for (; left_s > 0.0; left_s -= 1e-4) {
-    const double hand_N = 0.2 * (wanted_mm - position_mm_.z()) - 0.008 * speed_mm_s_;
-    speed_mm_s_ = std::clamp(speed_mm_s_ + 1e-4 * 1e3 * (hand_N + force_N) / 0.25, -150.0, 150.0);
-    position_mm_.z() += 1e-4 * speed_mm_s_;
+    if (free_) {
+      speed_mm_s_ += 1e-4 * 1e3 * (force_N - 0.0005 * speed_mm_s_) / 0.05;
+    } else {
+      const double hand_N = 0.2 * (wanted_mm - position_mm_.z()) - 0.008 * speed_mm_s_.z();
+      const double faster_mm_s = 1e-4 * 1e3 * (hand_N + force_N.z()) / 0.25;
+      speed_mm_s_.z() = std::clamp(speed_mm_s_.z() + faster_mm_s, -150.0, 150.0);
+    }
+    position_mm_ += 1e-4 * speed_mm_s_;
   }
 }
 

@@ -37,6 +37,8 @@ class Inverse3Service {
   /// From now on: "nan", "no_position", "text", "silent", "long", "close", "gone", "uncalibrated",
   /// "" for none.
   void misbehave(const std::string& fault);
+  /// From now on nobody holds the grip.
+  void releaseGrip() { free_ = true; }
 
  private:
   void serve();
@@ -52,11 +54,12 @@ class Inverse3Service {
   std::vector<Force> forces_;
   std::string fault_;
   Vec3 position_mm_{0.0, 0.0, 25.0};  // device frame
-  double speed_mm_s_ = 0.0;
+  Vec3 speed_mm_s_ = Vec3::Zero();
   std::int64_t begin_ns_ = 0;
   std::int64_t last_ns_ = 0;
   std::atomic<int> messages_{0};
   std::atomic<int> foreign_{0};
+  std::atomic<bool> free_{false};
   std::atomic<bool> stop_{false};
   std::atomic<int> socket_{-1};
   std::thread thread_;

@@ -257,6 +257,18 @@ TEST_F(ProgramsDriversTest, DevicesAreSelectedAndThoseThatDoNotOpenEndWithTheirR
   }
 }
 
+TEST_F(ProgramsDriversTest, FreeGripsPassTheCheck) {
+  ::setenv("STANDIN_HAND", "free", 1);
+  for (const auto& [device, library] : {std::pair{"dhd", "fake_dhd"}, {"touch", "fake_hd"}}) {
+    const Trace trace(path(std::string(device) + ".trace"));
+    const std::string output = runBeside(library, "", trace, {"--check-device", device}, 0);
+    EXPECT_NE(output.find("check: the device follows in sign and axis"), std::string::npos);
+    EXPECT_LE(trace->most_N, 0.3 + 1e-9);
+    EXPECT_EQ(trace->force_N, 0.0);
+  }
+  ::unsetenv("STANDIN_HAND");
+}
+
 TEST_F(ProgramsDriversTest, ATouchWaitsForItsInkwell) {
   const auto server = startStillServer();
   const Trace trace(path("trace"));

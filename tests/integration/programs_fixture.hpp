@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "common/geometry.hpp"
+#include "tests/support/checked_devices.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/temp_folder.hpp"
 
@@ -84,6 +85,7 @@ inline std::vector<LogRow> readLog(const std::string& file) {
 
 class ProgramsTest : public ::testing::Test {
  protected:
+  [[nodiscard]] const StateFolder& stateFolder() const { return state_; }
   [[nodiscard]] std::string path(const std::string& name) const {
     return (folder_ / name).string();
   }
@@ -141,6 +143,7 @@ class ProgramsTest : public ::testing::Test {
 
  private:
   const TempFolder folder_;
+  const StateFolder state_{folder_ / "state"};
 };
 
 }  // namespace hapticast::testing

@@ -111,6 +111,17 @@ TEST_F(ProgramsInverse3Test, AServiceThatMisbehavesInContactEndsAtZero) {
   interrupt(*server);
 }
 
+TEST_F(ProgramsInverse3Test, AFreeGripPassesTheCheck) {
+  Inverse3Service service;
+  service.releaseGrip();
+  const auto client = startClient(
+      {"--check-device", "inverse3", "--device-option", "service=" + service.address()});
+  EXPECT_EQ(client->wait(kSoon), 0) << client->output();
+  EXPECT_LE(countOccurrences("warning", client->output()), 1U) << client->output();
+  for (const auto& force : service.forces()) ASSERT_LE(force.force_N.norm(), 0.3 + 1e-9);
+  EXPECT_EQ(service.lastForce_N(), 0.0);
+}
+
 TEST_F(ProgramsInverse3Test, WithoutItsServiceTheClientEndsWithOneLine) {
   const auto client = startClient({"--view", "off", "--device", "inverse3", "--device-option",
                                    "service=127.0.0.1:1", "--seconds", "1"});

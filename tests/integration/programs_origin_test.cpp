@@ -9,9 +9,6 @@ namespace {
 
 class ProgramsOriginTest : public ProgramsTest {
  protected:
-  ProgramsOriginTest() { ::setenv("XDG_STATE_HOME", path("state").c_str(), 1); }
-  ~ProgramsOriginTest() override { ::unsetenv("XDG_STATE_HOME"); }
-
   [[nodiscard]] std::unique_ptr<Process> startOrigin(const std::string& key_file,
                                                      const std::string& address = "127.0.0.1:0") {
     return startServer({"--source", "synthetic:still", "--loop", "--signing-key", path(key_file)},

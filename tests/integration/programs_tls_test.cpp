@@ -11,9 +11,6 @@ namespace {
 
 class ProgramsTlsTest : public ProgramsTest {
  protected:
-  ProgramsTlsTest() { ::setenv("XDG_STATE_HOME", path("state").c_str(), 1); }
-  ~ProgramsTlsTest() override { ::unsetenv("XDG_STATE_HOME"); }
-
   [[nodiscard]] std::unique_ptr<Process> startTlsServer(
       std::vector<std::string> flags, const std::string& address = "127.0.0.1:0") {
     flags.insert(flags.begin(), {"--source", "synthetic:still", "--loop"});

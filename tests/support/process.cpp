@@ -28,10 +28,11 @@ std::string temporaryFile() {
 }
 
 /// In the child: nothing but system calls until the program runs.
-[[noreturn]] void become(char* const* arguments, const char* output_file) {
+[[noreturn]] void become(char* const* arguments, const char* input_file, const char* output_file) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // a test that is killed leaves nothing running
   ::signal(SIGHUP, SIG_DFL);           // which nohup leaves ignored
-  const int input = ::open("/dev/null", O_RDONLY);
+  int input = ::open(input_file, O_RDONLY | O_NOCTTY);
+  if (::isatty(input) != 0 && ::setsid() > 0) input = ::open(input_file, O_RDWR);
   // Appending, so that both streams write behind each other.
   const int output = ::open(output_file, O_WRONLY | O_APPEND);
   ::dup2(input, STDIN_FILENO);
@@ -42,7 +43,8 @@ std::string temporaryFile() {
 }
 }  // namespace
 
-Process::Process(std::vector<std::string> command) : output_file_(temporaryFile()) {
+Process::Process(std::vector<std::string> command, const std::string& input)
+    : output_file_(temporaryFile()) {
   std::vector<char*> arguments;
   arguments.reserve(command.size() + 1);
   for (std::string& each : command) arguments.push_back(each.data());
@@ -52,7 +54,7 @@ Process::Process(std::vector<std::string> command) : output_file_(temporaryFile(
     ::unlink(output_file_.c_str());
     throw std::runtime_error(command.front() + ": " + std::strerror(errno));
   }
-  if (pid_ == 0) become(arguments.data(), output_file_.c_str());
+  if (pid_ == 0) become(arguments.data(), input.c_str(), output_file_.c_str());
 }
 
 Process::~Process() {

@@ -9,6 +9,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace hapticast::testing {
@@ -17,7 +18,9 @@ class Process {
  public:
   /// Starts `command` (program and arguments); what it says on stdout and stderr is kept together.
   /// A program that cannot be run ends with 127. Throws std::runtime_error if there is no process.
-  explicit Process(std::vector<std::string> command);
+  explicit Process(std::vector<std::string> command) : Process(std::move(command), "/dev/null") {}
+  /// Starts it with `input` as standard input. A terminal becomes its controlling terminal.
+  Process(std::vector<std::string> command, const std::string& input);
   /// Kills it if it still runs.
   ~Process();
   Process(const Process&) = delete;

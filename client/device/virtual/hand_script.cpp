@@ -150,9 +150,9 @@ constexpr double kFarthest_mm = 1000.0;
 
 std::runtime_error makeUnreadableError(const std::string& file) {
   return std::runtime_error(file +
-                            ": cannot be read (allowed are press, slide, follow or a file of "
+                            ": cannot be read (allowed are press, slide, follow, free or a file of "
                             "t_s,x_mm,y_mm,z_mm rows)" +
-                            spellingHint(file, {"press", "slide", "follow"}));
+                            spellingHint(file, {"press", "slide", "follow", "free"}));
 }
 
 /// Parses four numbers separated by commas. Returns false if the row is invalid.

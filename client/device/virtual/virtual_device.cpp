@@ -132,6 +132,8 @@ HandScript handScript(const std::string& name, const HandStiffness& stiffness) {
 
 std::unique_ptr<HapticDevice> openVirtual(const DeviceRequest& request) {
   const PlantProfile profile = loadProfile(request.profile);
+  if (request.hand == kFreeGrip)
+    return std::make_unique<VirtualDevice>(profile, Hand::none(), request.clock);
   const HandStiffness stiffness{.hand_N_mm = Hand::light().stiffness_N_m * 1e-3,
                                 .surface_N_mm = profile.stiffness_N_mm};
   HandScript script = handScript(request.hand, stiffness);

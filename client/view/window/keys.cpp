@@ -13,7 +13,7 @@ namespace hapticast::client {
 
 namespace {
 
-constexpr std::array<std::pair<const char*, const char*>, 17> kKeys{
+constexpr std::array<std::pair<const char*, const char*>, 18> kKeys{
     {{"pointer", "moves the tip over the picture"},
      {"wheel down", "moves the tip into the picture: presses"},
      {"wheel up", "moves the tip out of the picture: lifts"},
@@ -23,6 +23,7 @@ constexpr std::array<std::pair<const char*, const char*>, 17> kKeys{
      {"S, D", "static, dynamic force on and off"},
      {"M", "the thesis's method, and back"},
      {"R", "re-arms the force"},
+     {"Enter", "confirms a request, such as the check of a device"},
      {"O", "outlines the objects"},
      {"V", "shades the relief; again: from the side; again: off"},
      {"L", "records a log: hapticast-1.csv ..."},
@@ -72,6 +73,10 @@ bool pressKey(int sdl_key, UiState& ui_state, PanelState& state) {
       return true;
     case SDLK_r:
       ++user.rearm;
+      return true;
+    case SDLK_RETURN:
+    case SDLK_KP_ENTER:
+      ui_state.confirmed = true;
       return true;
     case SDLK_l:
       flip(ui_state.record);

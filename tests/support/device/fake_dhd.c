@@ -83,9 +83,9 @@ int dhdGetPosition(double* x_m, double* y_m, double* z_m, char number) {
   if (has("segv")) raise(SIGSEGV);
   if (has("timeguard")) return TIMEGUARD;
   move_light_device(&light, now_ns());
-  if (!has("frozen")) last_m[0] = 1e-3 * light.z_mm;
-  last_m[1] = 3e-3;
-  last_m[2] = 2e-3;
+  if (!has("frozen")) last_m[0] = 1e-3 * light.position_mm[2];
+  last_m[1] = 1e-3 * light.position_mm[0];
+  last_m[2] = 1e-3 * light.position_mm[1];
   *x_m = has("nan") ? (double)NAN : last_m[0];
   *y_m = last_m[1];
   *z_m = last_m[2] + (has("jump") && light.trace->exchanges % 2 == 0 ? 0.04 : 0.0);

@@ -101,7 +101,7 @@ void hdBeginFrame(unsigned device) {
   if (has("hang")) sleep_ms(LONG_TIME_MS);
   if (has("segv") && light.trace->opened == 1) raise(SIGSEGV);
   move_light_device(&light, now_ns());
-  if (!has("frozen")) frozen_mm = light.z_mm;
+  if (!has("frozen")) frozen_mm = light.position_mm[2];
   in_frame = device == HANDLE;
 }
 
@@ -131,8 +131,8 @@ void hdGetDoublev(unsigned value, double* to) {
     error_code = INVALID_VALUE;
     return;
   }
-  to[0] = 3.0 + (has("jump") && light.trace->exchanges % 2 == 0 ? 40.0 : 0.0);
-  to[1] = has("nan") ? (double)NAN : 2.0;
+  to[0] = light.position_mm[0] + (has("jump") && light.trace->exchanges % 2 == 0 ? 40.0 : 0.0);
+  to[1] = has("nan") ? (double)NAN : light.position_mm[1];
   to[2] = frozen_mm;
 }
 

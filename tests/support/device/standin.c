@@ -105,11 +105,13 @@ static void misbehave(hapticast_device* device, int64_t now) {
 
 static int exchange(hapticast_device* device, const double force_N[3], hapticast_state* state) {
   const int64_t now = now_ns();
+  const double sign = strcmp(device->fault, "turned") == 0 ? -1.0 : 1.0;
+  const double motors_N[3] = {force_N[0], sign * force_N[1], force_N[2]};
   const uint32_t size = state->size < sizeof *state ? state->size : (uint32_t)sizeof *state;
   move_light_device(&device->light, now);
-  record_force(&device->light, force_N);
-  if (!has(device, "frozen")) device->state.position_mm[2] = device->light.z_mm;
-  device->state.position_mm[0] = device->state.position_mm[1] = 0.0;
+  record_force(&device->light, motors_N);
+  if (!has(device, "frozen"))
+    memcpy(device->state.position_mm, device->light.position_mm, sizeof device->state.position_mm);
   device->state.status = HAPTICAST_OK;
   device->state.taken_ns = now;
   device->state.replies += 1;
