@@ -37,9 +37,9 @@ constexpr int kMostRepeats = 10;  // chosen: pushes that a busy machine spoils
 constexpr auto kStillPatience = std::chrono::seconds(60);
 // 0.3 N move a free grip of 0.5 kg by 0.5 mm.
 constexpr double kLeastResponse_mm = 0.2;
-constexpr double kMostCount = 1.5;        // of the profile's count
-constexpr double kLeastMass = 2.0 / 3.0;  // of the profile's mass; the fit is exact to 15 %
-constexpr double kHeldMass = 3.0;         // of the profile's mass: a hand of 100 g and more
+constexpr double kMostCount = 1.5;  // of the profile's count
+constexpr double kLeastMass = 0.8;  // of the profile's mass; the fit is exact to 15 %
+constexpr double kHeldMass = 3.0;   // of the profile's mass: a hand of 100 g and more
 constexpr std::array<const char*, 3> kAxisNames{"x (right)", "y (up)", "z (towards you)"};
 
 /// The check was stopped.

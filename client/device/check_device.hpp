@@ -43,7 +43,7 @@ struct DeviceCheck {
 DeviceCheck judgeDevice(const std::array<PushRecord, 6>& pushes, const DeviceProfile& profile);
 
 /// Lowers the mass and raises the delay of `profile` to the values of a check that the device
-/// passed, where the check measured less than two thirds of the mass, or a longer delay.
+/// passed, where the check measured less than 80 % of the mass, or a longer delay.
 void applyCheck(const DeviceCheck& check, DeviceProfile& profile);
 
 /// Runs the check. `log_line` receives the lines of the device. Returns nullopt if `stop` becomes

@@ -2,6 +2,7 @@
 #include "client/haptics/estimation/hip_observer.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "common/time.hpp"
@@ -10,7 +11,6 @@ namespace hapticast::client {
 
 namespace {
 // All values measured with the presses of client/haptics/stability.md.
-constexpr double kMassFactor = 1.03;
 constexpr double kSlowest_rad_s = 15.0;
 constexpr double kFastest_rad_s = 550.0;
 constexpr double kSoft_rad_s = 50.0;            // pole at rest in a soft wall
@@ -27,6 +27,13 @@ constexpr double kShareMargin = 1.15;  // an overstated mass costs more than an 
 constexpr double kShareMemory_s = 0.3;
 constexpr double kShareDoubt_N = 0.012;  // prior: a weaker force leaves the share at 1
 constexpr double kLeastShare = 0.04;
+
+/// Returns the mass of the model as a share of the device's mass. A long prediction with an
+/// overstated mass lets a light device in a grip oscillate, on small shapes first.
+double computeMassFactor(int delay_ticks) noexcept {
+  constexpr std::array<double, kMostDelay_ticks + 1> kFactors = {1.03, 1.03, 0.9, 0.75, 0.75, 0.75};
+  return kFactors[static_cast<std::size_t>(std::clamp(delay_ticks, 0, kMostDelay_ticks))];
+}
 }  // namespace
 
 // The force passes two low-passes and two high-passes of one pole. The position passes four
@@ -63,8 +70,8 @@ void EffectiveMassEstimator::update(const Vec3& measured_mm, const Vec3& acting_
 
 HipObserver::HipObserver(const DeviceProfile& profile) noexcept
     : count_mm_(profile.count_mm),
-      mm_s2_per_N_(1e3 / (kMassFactor * profile.mass_kg)),
-      share_(kMassFactor * profile.mass_kg) {}
+      mm_s2_per_N_(1e3 / (computeMassFactor(profile.delay_ticks) * profile.mass_kg)),
+      share_(computeMassFactor(profile.delay_ticks) * profile.mass_kg) {}
 
 void HipObserver::restart(const HipState& tip, const Vec3& acting_N) noexcept {
   tip_ = tip;

@@ -156,6 +156,32 @@ std::vector<Shape> shapes(unsigned seed, int each) {
     put("stepped",
         {[=](const Vec2& at) { return 10.0 + 0.4 * std::floor(1.5 * at.dot(across) + phase); }},
         near);
+    // Small patterns: the normal changes within a millimetre.
+    const double high_mm = between(0.2, 0.6);
+    const double wide_mm = between(0.8, 2.0);
+    const auto isEven = [=](double along_mm) {
+      return std::fmod(std::floor(along_mm / wide_mm + 1000.0), 2.0) == 0.0;
+    };
+    put("rings", {[=](const Vec2& at) {
+          return 10.0 + high_mm * std::cos(2.0 * M_PI * at.norm() / wide_mm);
+        }},
+        near * 20.0);
+    put("checker",
+        {[=](const Vec2& at) { return 10.0 + (isEven(at.x()) != isEven(at.y()) ? high_mm : 0.0); }},
+        near * 20.0);
+    put("pins", {[=](const Vec2& at) {
+          return 10.0 + (isEven(2.0 * at.x()) && isEven(2.0 * at.y()) ? 2.0 * high_mm : 0.0);
+        }},
+        near * 20.0);
+    put("pits", {[=](const Vec2& at) {
+          return 10.0 - (isEven(2.0 * at.x()) && isEven(2.0 * at.y()) ? 2.0 * high_mm : 0.0);
+        }},
+        near * 20.0);
+    put("steep slope", {[=](const Vec2& at) { return 10.0 + 2.0 * slope * at.dot(across); }}, near);
+    put("fine waves", {[=](const Vec2& at) {
+          return 10.0 + 0.5 * high_mm * std::sin(2.0 * M_PI * at.dot(across) / wide_mm + phase);
+        }},
+        near);
     const Height level = [](const Vec2&) { return 10.0; };
     const auto box = [](const Vec2& at) { return at.x() < 6.0; };
     const auto aside = [&](const char* name, double x_mm, double under_mm, const Inside& inside) {
@@ -182,6 +208,8 @@ struct ShapeCell {
   const NamedHand* hand;
   int delay;
   double stiffness_N_mm, friction_N;
+  double real_kg = kOmniMass_kg;
+  int later = 0;  // the real delay less the told one
   double above_50Hz_N = 0.0, force_N = 0.0;
 };
 
@@ -196,7 +224,9 @@ void pressShape(ShapeCell& c) {
       sweepProfile(c.stiffness_N_mm, c.delay, c.friction_N);
   settings.stiffness_N_mm = c.stiffness_N_mm;
   const auto renderer = std::make_unique<HapticRenderer>(settings, pool, stream, user, nullptr);
-  VirtualDevice device(sweepProfile(c.stiffness_N_mm, c.delay, c.friction_N), c.hand->hand, clock);
+  PlantProfile real = sweepProfile(c.stiffness_N_mm, c.delay + c.later, c.friction_N);
+  real.mass_kg = c.real_kg;
+  VirtualDevice device(real, c.hand->hand, clock);
   StreamTiming control;
   control.connected = true;
   control.first_epoch = 1;
@@ -237,25 +267,67 @@ void pressShape(ShapeCell& c) {
   c.force_N = renderer->report().force_N.norm();
 }
 
-void onShapes(const StabilityReport& to) {
-  const std::vector<Shape> all = shapes(20261122, to.options.quick ? 1 : 4);
-  const std::vector<NamedHand>& hands = quietHands();
+/// What a profile says wrongly: the true mass for 45 g, and the true delay less the told one.
+struct Wrong {
+  double real_kg = kOmniMass_kg;
+  int later = 0;
+};
+
+/// Hands for shapes: those with a grip make a device as light as it is.
+const std::vector<NamedHand>& shapeHands() {
+  static const std::vector<NamedHand> all = {quietHands()[1],
+                                             quietHands()[2],
+                                             quietHands()[5],
+                                             {"300 g grip", {0.3, 5.0, 300.0, 1000.0, 3.0}}};
+  return all;
+}
+
+std::vector<ShapeCell> pressShapes(const std::vector<Shape>& all, const std::vector<int>& delays,
+                                   const std::vector<double>& stiffnesses_N_mm,
+                                   const std::vector<Wrong>& wrongs) {
   std::vector<ShapeCell> cells;
   for (const Shape& shape : all) {
-    for (const int d : {0, 1, 3}) {
+    for (const int d : delays) {
       const double most_N_mm = stiffnessLimit_N_mm(omni(1.0, d));
-      for (const double k : {0.5, 2.0, 5.0, most_N_mm}) {
+      std::vector<double> ks_N_mm = stiffnesses_N_mm;
+      ks_N_mm.push_back(most_N_mm);
+      for (const double k : ks_N_mm) {
         if (k > most_N_mm) continue;
-        for (const std::size_t hand : {1UL, 2UL, 4UL, 5UL}) {
-          if (hands[hand].hand.stiffness_N_m == 0.0) continue;
+        for (const NamedHand& hand : shapeHands()) {
           for (const double friction_N : {0.0, 0.05}) {
-            cells.push_back({&shape, &hands[hand], d, k, friction_N});
+            for (const Wrong& wrong : wrongs)
+              cells.push_back({&shape, &hand, d, k, friction_N, wrong.real_kg, wrong.later});
           }
         }
       }
     }
   }
   onAllCores(cells.size(), [&](std::size_t i) { pressShape(cells[i]); });
+  return cells;
+}
+
+/// Light and heavy devices, and those that answer a tick late, under a profile of 45 g.
+void onShapesWithWrongProfiles(const StabilityReport& to, const std::vector<Shape>& all) {
+  const auto cells = pressShapes(all, {1, 2, 3, 5}, {}, {{0.035, 0}, {0.07, 0}, {kOmniMass_kg, 1}});
+  double worst_N[2] = {0.0, 0.0};
+  for (const ShapeCell& c : cells) {
+    double& most_N = worst_N[c.friction_N > 0.0 ? 1 : 0];
+    most_N = std::max(most_N, c.above_50Hz_N);
+  }
+  const char* const name = "shapes, 35 g, 70 g or a tick late";
+  to.report.add({name, "above_50Hz_shape", "friction 0.05", worst_N[1], "N rms", 0.0, true});
+  to.report.add({name, "above_50Hz_shape", "no friction", worst_N[0], "N rms", 0.0, true});
+  to.report.require(
+      text("steady 1 N at K_max on %zu shapes, 35 g or 70 g declared as 45, or a tick late (%zu "
+           "runs): force above 50 Hz",
+           all.size(), cells.size()),
+      "<= 0.08 N", text("%.3f N; %.3f with friction", worst_N[0], worst_N[1]),
+      worst_N[0] <= 0.08 && worst_N[1] <= 0.08);
+}
+
+void onShapes(const StabilityReport& to) {
+  const std::vector<Shape> all = shapes(20261122, to.options.quick ? 1 : 4);
+  const auto cells = pressShapes(all, {0, 1, 3}, {0.5, 2.0, 5.0}, {{}});
   Table lines{{"shape", "runs", "friction 0.05: worst N", "none: worst N", "runs above 0.05 N",
                "least force at the end, N"}};
   double rubbed_N = 0.0;
@@ -283,9 +355,10 @@ void onShapes(const StabilityReport& to) {
   }
   to.report.require(text("steady 1 N through the room on %zu shapes (%zu runs): force above 50 Hz",
                          all.size(), cells.size()),
-                    "<= 0.03 N with friction, 0.05 without",
-                    text("%.3f, %.3f N", rubbed_N, smooth_N), rubbed_N <= 0.03 && smooth_N <= 0.05);
+                    "<= 0.05 N with friction, 0.08 without",
+                    text("%.3f, %.3f N", rubbed_N, smooth_N), rubbed_N <= 0.05 && smooth_N <= 0.08);
   to.report.addTable("shapes", lines);
+  onShapesWithWrongProfiles(to, all);
 }
 
 }  // namespace
