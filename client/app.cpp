@@ -67,12 +67,14 @@ struct LocalDevice {
   }
   /// Creates the renderer, for the device's profile with the changes of its check.
   void createRenderer(const Settings& settings, UserInterface& ui) {
-    renderer = std::make_unique<HapticRenderer>(rendererSettings(settings, selected), pool, stream,
-                                                ui.controls(), &reports);
+    renderer_settings = rendererSettings(settings, selected);
+    renderer =
+        std::make_unique<HapticRenderer>(renderer_settings, pool, stream, ui.controls(), &reports);
   }
 
   SelectedDevice selected;
   bool is_checked = false;
+  RendererSettings renderer_settings;  // the renderer reads it
   FramePool pool;
   LatestValue<StreamTiming> stream;
   // Of every tick: plots, sound, logs and the counts of the panel would miss a peak of 1 ms in a
