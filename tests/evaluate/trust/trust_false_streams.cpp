@@ -35,6 +35,45 @@ constexpr double kTouched_s = 2.0;  // the hand has come by then
 
 }  // namespace
 
+namespace {
+
+/// States that the user cannot miss.
+bool isStated(const client::FalseStreamRun& run) {
+  using client::SafetyState;
+  return (run.last.safety_states & (bit(SafetyState::kMovesHand) | bit(SafetyState::kTrustLost))) !=
+         0;
+}
+
+/// Energy of streams that no value of the product was chosen with, and the state that the user
+/// sees.
+void drawnFalseStreams(const StabilityReport& to, double seconds) {
+  const auto streams = testing::drawFalseStreams(20261128, to.options.quick ? 25 : 75);
+  std::vector<client::FalseStreamRun> runs(streams.size());
+  onAllCores(runs.size(),
+             [&](std::size_t i) { runs[i] = client::runFalseStream(streams[i], seconds); });
+  double most_mJ = 0.0;
+  std::string most_of = "-";
+  int silent = 0;
+  bool finite = true;
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    const double work_mJ = runs[i].trace.mostWork_mJ(10.0);
+    if (work_mJ > most_mJ) most_of = streams[i].name;
+    most_mJ = std::max(most_mJ, work_mJ);
+    silent += work_mJ > client::SafetyStates::kMovesHand_mJ && !isStated(runs[i]) ? 1 : 0;
+    finite = finite && runs[i].trace.finite && runs[i].trace.max_force_N <= 3.3 + 1e-9;
+    to.report.add({streams[i].name, "drawn_false_stream_work", "client", work_mJ, "mJ", 0.0, true});
+  }
+  to.report.require(
+      text("drawn false streams (%zu): net work on the user's port, largest over any 10 s",
+           runs.size()),
+      "<= 300 mJ (aim 150); finite, <= 3.3 N", text("%.0f mJ (%s)", most_mJ, most_of.c_str()),
+      finite && most_mJ <= 300.0);
+  to.report.require("drawn false streams: above 100 mJ without a state in the window", "none",
+                    text("%d", silent), silent == 0);
+}
+
+}  // namespace
+
 void stabilityFalseStreams(const StabilityReport& to) {
   const double seconds = to.options.quick ? 8.0 : 21.0;
   const double net_s = to.options.quick ? 3.0 : 10.0;
@@ -56,6 +95,7 @@ void stabilityFalseStreams(const StabilityReport& to) {
   differing.reserve(runs.size());
   double most_N = 0.0;
   bool finite = true;
+  int silent = 0;
   for (const NamedRun& run : runs) {
     const client::ForceTrace& trace = run.got.trace;
     const Verdict verdict = run.got.verdict();
@@ -65,6 +105,7 @@ void stabilityFalseStreams(const StabilityReport& to) {
       differing.push_back(run.false_stream->name);
     const double work_mJ = trace.mostWork_mJ(10.0);
     most_mJ = std::max(most_mJ, work_mJ);
+    silent += work_mJ > client::SafetyStates::kMovesHand_mJ && !isStated(run.got) ? 1 : 0;
     if (kRelative.contains(run.false_stream->name))
       relative_mJ = std::max(relative_mJ, trace.netWork_mJ(kTouched_s, net_s));
     const double sum_mJ = trace.work_mJ.back();
@@ -93,6 +134,8 @@ void stabilityFalseStreams(const StabilityReport& to) {
                     differing.empty());
   to.report.require("false streams: net work on the user's port, largest over any 10 s",
                     "<= 300 mJ (aim 150)", text("%.0f mJ", most_mJ), most_mJ <= 300.0);
+  to.report.require("false streams: above 100 mJ without a state in the window", "none",
+                    text("%d", silent), silent == 0);
   to.report.require(
       text("false streams: relative port under pumped stiffness and friction, net of %.0f s",
            net_s),
@@ -104,6 +147,7 @@ void stabilityFalseStreams(const StabilityReport& to) {
            meter_of.c_str()),
       misread == 0);
   to.report.addTable("false_streams", lines);
+  drawnFalseStreams(to, seconds);
 }
 
 }  // namespace hapticast::evaluate

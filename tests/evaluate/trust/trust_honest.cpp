@@ -111,6 +111,14 @@ void take(Worst& worst, const HonestRun& run) {
 
 std::string percent(double share) { return text("%.2f %%", 100.0 * share); }
 
+double mostSlewed(const std::vector<HonestRun>& runs, double lost) {
+  double most = 0.0;
+  for (const HonestRun& run : runs) {
+    if (run.lost == lost) most = std::max(most, share(run.trace, SafetyAction::kSlew));
+  }
+  return most;
+}
+
 }  // namespace
 
 void stabilityHonest(const StabilityReport& to) {
@@ -148,6 +156,13 @@ void stabilityHonest(const StabilityReport& to) {
                     all.doubted <= 1e-3);
   to.report.require("honest streams: ticks shortened by the tank, worst run", "<= 0.1 %",
                     percent(all.tank), all.tank <= 1e-3);
+  for (const double lost : {0.0, 0.2}) {
+    const double slewed = mostSlewed(runs, lost);
+    const double most = lost > 0.0 ? 2e-3 : 1e-3;
+    to.report.require(
+        text("honest streams, %.0f %% lost: ticks limited in slew, worst run", 100.0 * lost),
+        text("<= %s", percent(most).c_str()), percent(slewed), slewed <= most);
+  }
   to.report.addTable("honest", lines);
 }
 

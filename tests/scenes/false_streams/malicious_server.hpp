@@ -100,6 +100,8 @@ struct FalseStream {
 
 /// All false streams.
 const std::vector<FalseStream>& falseStreams();
+/// `count` false streams drawn at random; they expect no verdict.
+std::vector<FalseStream> drawFalseStreams(unsigned seed, int count);
 
 class MaliciousServer {
  public:
