@@ -121,6 +121,7 @@ FalseStream drawOne(Random& random, int number) {
 std::vector<FalseStream> drawFalseStreams(unsigned seed, int count) {
   Random random(seed);
   std::vector<FalseStream> streams;
+  streams.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) streams.push_back(drawOne(random, i));
   return streams;
 }
