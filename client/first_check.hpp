@@ -24,7 +24,7 @@ bool applyStoredCheck(const HapticDevice& device, DeviceProfile& profile);
 /// std::runtime_error (one line) if the file cannot be written.
 void storeResult(const HapticDevice& device, const DeviceCheck& check);
 
-/// Throws DeviceAbsent (one line) if nobody can confirm the check of `device`: neither `ui` has a
+/// Throws DeviceAbsent (one line) if no user can confirm the check of `device`: neither `ui` has a
 /// window, nor does a user's terminal start the program.
 void requireConfirmation(const HapticDevice& device, const UserInterface& ui);
 

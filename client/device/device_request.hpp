@@ -16,7 +16,7 @@
 
 namespace hapticast::client {
 
-/// Value of DeviceRequest::hand: nobody holds the grip.
+/// Value of DeviceRequest::hand: the hand releases the grip.
 inline constexpr const char* kFreeGrip = "free";
 
 /// Arguments for opening a device. All references must outlive the device.

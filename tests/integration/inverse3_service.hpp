@@ -37,7 +37,7 @@ class Inverse3Service {
   /// From now on: "nan", "no_position", "text", "silent", "long", "close", "gone", "uncalibrated",
   /// "" for none.
   void misbehave(const std::string& fault);
-  /// From now on nobody holds the grip.
+  /// The hand releases the grip.
   void releaseGrip() { free_ = true; }
 
  private:

@@ -33,10 +33,6 @@ const std::set<std::string> kRelative = {"stiff_pump_7hz",
 
 constexpr double kTouched_s = 2.0;  // the hand has come by then
 
-}  // namespace
-
-namespace {
-
 /// States that the user cannot miss.
 bool isStated(const client::FalseStreamRun& run) {
   using client::SafetyState;
