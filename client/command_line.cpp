@@ -14,6 +14,7 @@
 #include "client/control_request.hpp"
 #include "client/device/falcon/falcon_settings.hpp"
 #include "client/device/open_device.hpp"
+#include "client/server_trust.hpp"
 #include "client/settings.hpp"
 #include "common/build_options.hpp"
 #include "common/cli/options.hpp"
@@ -120,12 +121,7 @@ void addServer(CLI::App& app, Settings& settings) {
       settings.announced = serviceName("server", text.substr(kAnnounced.size()));
       return;
     }
-    constexpr std::string_view kPlain = "hapticast://";
-    constexpr std::string_view kTls = "hapticasts://";
-    settings.tls = text.starts_with(kTls);
-    std::string place = text;
-    if (settings.tls || text.starts_with(kPlain))
-      place = text.substr((settings.tls ? kTls : kPlain).size());
+    const std::string place = removeScheme(text, settings.tls);
     settings.server =
         parseEndpointOr(place, otherwise, "server", 1,
                         "HOST[:PORT], PORT, [V6ADDRESS]:PORT, hapticasts://HOST or mdns:NAME");

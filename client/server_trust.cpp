@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 
 #include "client/discovery/find_server.hpp"
@@ -55,6 +56,14 @@ class TlsTrust {
 };
 
 }  // namespace
+
+std::string removeScheme(const std::string& address, bool& tls) {
+  constexpr std::string_view kPlain = "hapticast://";
+  constexpr std::string_view kTls = "hapticasts://";
+  tls = address.starts_with(kTls);
+  if (tls) return address.substr(kTls.size());
+  return address.starts_with(kPlain) ? address.substr(kPlain.size()) : address;
+}
 
 std::string nameServer(const Settings& settings) {
   if (!settings.announced.empty()) return "mdns:" + settings.announced;

@@ -12,6 +12,10 @@
 
 namespace hapticast::client {
 
+/// Returns `address` without hapticast:// or hapticasts:// at its begin. Sets `tls` to whether it
+/// began with hapticasts://.
+[[nodiscard]] std::string removeScheme(const std::string& address, bool& tls);
+
 /// Returns the name of the server: [hapticasts://]HOST:PORT, or mdns:NAME.
 [[nodiscard]] std::string nameServer(const Settings& settings);
 

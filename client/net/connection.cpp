@@ -114,6 +114,7 @@ asio::awaitable<void> Connection::run() {
       if (events_.failed) events_.failed(ending.why);
       co_return;
     }
+    if (ending.code == ErrorCode::kShuttingDown && events_.goodbye) events_.goodbye();
     if (events_.disconnected) events_.disconnected(ending.why);
     retry_.expires_after(pause);
     boost::system::error_code ec;
@@ -326,6 +327,7 @@ std::optional<WireError> Connection::handle(Session& session, Message message) {
   } else if (const auto* const description = std::get_if<StreamDescription>(&message)) {
     session.description = *description;
     receiver_.describe(*description, now);
+    if (events_.described) events_.described(*description);
   } else {
     failure = WireError{ErrorCode::kUnexpected, "the server sent a message that only clients send"};
   }

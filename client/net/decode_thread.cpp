@@ -5,6 +5,8 @@
 #include <numeric>
 #include <utility>
 
+#include "client/haptics/playback/fill_slot.hpp"
+
 namespace hapticast::client {
 
 namespace {
@@ -61,36 +63,6 @@ void FrameQueue::push(CodedObject object) {
     kept_.erase(kept_.begin());
   }
 }
-
-namespace {
-
-// The motion is unknown: the shape remains at rest.
-void forgetMotion(PlayObject& object) {
-  object.motion.velocity_mm_s.setZero();
-  object.motion.acceleration_mm_s2.setZero();
-  object.motion.angular_velocity_rad_s = 0.0;
-  object.impact_count = 0;
-}
-
-/// Returns true if the grid has the cells of this rectangle.
-bool covers(const MotionGrid& grid, const PixelRect& rect) {
-  return grid.columns == gridCells(rect.width) && grid.rows == gridCells(rect.height);
-}
-
-/// Converts an object for the loop, except its field and its grid.
-PlayObject playObject(const CodedObject& object) {
-  PlayObject play;
-  play.id = object.id;
-  play.layer = object.layer;
-  play.changed_in_frame = object.changed_in_frame;
-  play.motion = object.motion;
-  play.material = object.material;
-  play.impact_count = std::min(object.impacts.size(), kMaxImpacts);
-  std::copy_n(object.impacts.begin(), play.impact_count, play.impacts.begin());
-  return play;
-}
-
-}  // namespace
 
 void LossWatch::onFrame(const FramePlace& place, std::uint64_t id, bool after_drop) {
   // A server repeats every relief within a second; with a margin.
@@ -198,43 +170,26 @@ bool DecodeThread::step() {
 void DecodeThread::fill(FramePool::Slot& slot, const AssembledFrame& assembled,
                         PreparedFrame& result) {
   const CodedFrame& frame = assembled.frame;
-  slot.frame.epoch = assembled.place.epoch;
-  slot.frame.id = frame.id;
-  slot.frame.media_time = frame.media_time;
-  slot.frame.object_count = std::min(frame.objects.size(), kMaxObjects);
-  const auto shown = static_cast<std::ptrdiff_t>(slot.frame.object_count);
-  for (std::size_t i = 0; i < slot.frame.object_count; ++i) {
-    fillObject(slot, i, frame.objects[i], frame.id, result);
+  const std::size_t count = std::min(frame.objects.size(), kMaxObjects);
+  for (std::size_t i = 0; i < count; ++i) {
+    setObject(slot, i, frame.objects[i], resolve(frame.objects[i], frame.id, result));
   }
-  result.playable = {frame.media_time, {slot.fields.begin(), slot.fields.begin() + shown}};
-  for (std::size_t i = slot.frame.object_count; i < kMaxObjects; ++i) {
-    slot.fields[i].reset();
-    slot.grids[i].reset();
-  }
+  completeFrame(slot, frame, assembled.place.epoch, count);
+  result.playable = {
+      frame.media_time,
+      {slot.fields.begin(), slot.fields.begin() + static_cast<std::ptrdiff_t>(count)}};
 }
 
-void DecodeThread::fillObject(FramePool::Slot& slot, std::size_t index, const CodedObject& object,
-                              std::uint64_t frame_id, PreparedFrame& result) {
+std::shared_ptr<const HeightField> DecodeThread::resolve(const CodedObject& object,
+                                                         std::uint64_t frame_id,
+                                                         PreparedFrame& result) {
   ReliefCache::Resolved relief = reliefs_.resolve(object, frame_id);
   if (relief.rejected) ++result.reliefs_rejected;
   const bool missing = !relief.field && !relief.rejected;
   if (missing && !losses_.mayBeLost(object.changed_in_frame)) ++result.reliefs_missing;
   result.slices_lost += relief.slices_lost;
   result.slices_refused += relief.slices_refused;
-
-  PlayObject& play = slot.frame.objects[index];
-  play = playObject(object);
-  slot.fields[index] = std::move(relief.field);
-  play.field = slot.fields[index].get();
-  slot.grids[index].reset();
-  if (object.motion.quality <= 0.0) {
-    forgetMotion(play);
-    return;
-  }
-  if (play.field == nullptr || !object.grid || !covers(*object.grid, play.field->rect())) return;
-  slot.grids[index] = object.grid;
-  play.grid = object.grid.get();
-  play.grid_rect = play.field->rect();
+  return std::move(relief.field);
 }
 
 }  // namespace hapticast::client

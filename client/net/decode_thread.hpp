@@ -141,8 +141,10 @@ class DecodeThread {
   /// it.
   [[nodiscard]] std::optional<AssembledFrame> next();
   void fill(FramePool::Slot& slot, const AssembledFrame& assembled, PreparedFrame& result);
-  void fillObject(FramePool::Slot& slot, std::size_t index, const CodedObject& object,
-                  std::uint64_t frame_id, PreparedFrame& result);
+  /// Returns the prepared relief of `object`, and adds its losses to `result`.
+  [[nodiscard]] std::shared_ptr<const HeightField> resolve(const CodedObject& object,
+                                                           std::uint64_t frame_id,
+                                                           PreparedFrame& result);
 
   FramePool& pool_;
   const Clock& clock_;

@@ -127,6 +127,7 @@ void Receiver::release(LocalTime now) {
       decode_thread_.reset(
           latest_.workspace);  // "unchanged since frame M" referred to other frames
     }
+    if (on_frame_) on_frame_(*assembled);
     counts_.overrun += decode_thread_.push(std::move(*assembled));
   }
   while (const auto late = assembler_.takeLate()) {

@@ -6,8 +6,10 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
+#include <utility>
 
 #include "client/haptics/playback/playout.hpp"
 #include "client/net/decode_thread.hpp"
@@ -56,6 +58,10 @@ class Receiver {
   Receiver(DecodeThread& decode_thread, LatestValue<StreamTiming>& stream, int lookahead_frames,
            Duration max_delay = JitterEstimator::kMaxDelay);
 
+  /// Sets a function that receives every frame before the decode thread does, in their order.
+  void onFrame(std::function<void(const AssembledFrame&)> on_frame) {
+    on_frame_ = std::move(on_frame);
+  }
   /// Starts a connection with this description of the stream. The clock is synchronised again, and
   /// all frames before the connection are dropped.
   void connected(const StreamDescription& description, LocalTime now);
@@ -107,6 +113,7 @@ class Receiver {
   DecodeThread& decode_thread_;
   LatestValue<StreamTiming>& stream_;
   int lookahead_frames_;
+  std::function<void(const AssembledFrame&)> on_frame_;
   FrameAssembler assembler_;
   ClockSync clock_;
   Duration server_clock_error_{0};  // of the newest pong

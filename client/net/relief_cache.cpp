@@ -126,7 +126,7 @@ ReliefCache::Resolved ReliefCache::resolve(const CodedObject& object, std::uint6
     concealAll(entry, object);
     entry.used_in_frame = frame_id;
   }
-  if (entry.decoded) return {entry.resolved.field, entry.resolved.rejected};
+  if (entry.decoded) return {entry.resolved.field, entry.resolved.relief, entry.resolved.rejected};
   entry.decoded = true;
   entry.resolved = prepare(entry);
   return entry.resolved;
@@ -152,6 +152,8 @@ ReliefCache::Resolved ReliefCache::prepare(Entry& entry) {
   out.rejected = *highest > workspace_.depth_mm + kHeightSlack_mm;
   if (out.rejected) return out;
   entry.before = {relief, entry.motion};
+  out.relief = relief;
+  if (!prepares_fields_) return out;
   out.field = std::make_shared<const HeightField>(
       method_ == Method::kThesis ? HeightField::prepareThesis(*relief, workspace_)
                                  : HeightField::prepare(*relief, workspace_));

@@ -45,14 +45,19 @@ class ReliefCache {
  public:
   /// Result of resolve().
   struct Resolved {
-    /// Null if the object has no relief that can be touched.
+    /// Null if the object has no relief that can be touched, or if the cache prepares no fields.
     std::shared_ptr<const HeightField> field;
+    std::shared_ptr<const Relief> relief;  ///< the decoded relief; null if it cannot be touched
     bool rejected = false;  ///< the relief does not fit the stream's picture, or it is too high
     /// Number of slices that never arrived, and of slices that could not be decoded. Each relief is
     /// counted only once.
     std::uint64_t slices_lost = 0;
     std::uint64_t slices_refused = 0;
   };
+
+  /// `prepares_fields`: false if the caller needs the decoded reliefs only, which saves most of the
+  /// time of resolve().
+  explicit ReliefCache(bool prepares_fields = true) : prepares_fields_(prepares_fields) {}
 
   /// Prepares for a new stream: empties the cache. `method` selects how heights are prepared.
   void reset(const Workspace& workspace, Method method);
@@ -92,6 +97,7 @@ class ReliefCache {
   [[nodiscard]] bool isInPicture(const PixelRect& rect) const;
   void forgetOldest();
 
+  bool prepares_fields_;
   Workspace workspace_;
   Method method_ = Method::kHapticast;
   HeightDecoder decoder_;

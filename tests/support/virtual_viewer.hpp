@@ -82,7 +82,7 @@ class VirtualViewer {
         delay_(static_cast<std::size_t>(plant.delay_ticks)),
         decode_thread_(*pool_, clock_, settings_.method,
                        [this](const PreparedFrame& frame) { receiver_.addPrepared(frame); }),
-        receiver_(decode_thread_, stream_, 1),
+        receiver_(decode_thread_, stream_, settings_.method == Method::kThesis ? 2 : 1),
         renderer_(std::make_unique<HapticRenderer>(settings_, *pool_, stream_, user_, nullptr)),
         nailed_(script == nullptr) {
     if (script != nullptr) device_.lead(*script, "a script");

@@ -32,22 +32,24 @@
 namespace hapticast {
 
 struct StreamSettings {
-  std::string token;               ///< access token; empty: none
-  bool tls = false;                ///< true: as an address hapticasts://HOST
-  std::string tls_ca_file;         ///< certificate authorities; empty: trust on first use
-  bool insecure = false;           ///< true: the token may travel without TLS
-  bool udp = false;                ///< true: frames by UDP where the server offers it
-  bool pictures = false;           ///< true: frames have a picture, and arrive when it has arrived
-  bool reconnect = false;          ///< true: next() waits for a new connection after a loss
-  std::size_t most_waiting = 64;   ///< frames, 1..1024
-  double connect_timeout_s = 5.0;  ///< of each step of the connection, > 0
+  std::string token;        ///< access token; empty: none
+  bool tls = false;         ///< true: as an address hapticasts://HOST
+  std::string tls_ca_file;  ///< certificate authorities; empty: trust on first use
+  bool thesis = false;      ///< true: play() with a renderer that has RendererSettings::thesis
+  bool insecure = false;    ///< true: the token may travel without TLS
+  bool udp = false;         ///< true: frames by UDP where the server offers it
+  bool pictures = false;    ///< true: frames have a picture, and arrive when it has arrived
+  bool reconnect = false;   ///< true: next() waits for a new connection after a loss
+  std::size_t most_waiting = 64;      ///< frames, 1..1024
+  double connect_timeout_s = 5.0;     ///< of each step of the connection, > 0
   std::string name = "libhapticast";  ///< name of this program for the server, at most 64 bytes
 };
 
 /// A connection to a server.
 class Stream {
  public:
-  /// Connects to `address`: HOST, HOST:PORT or hapticasts://HOST:PORT. Waits for the welcome.
+  /// Connects to `address`: HOST, HOST:PORT, hapticasts://HOST:PORT or mdns:NAME. Waits for the
+  /// welcome.
   /// Errors: std::invalid_argument (address, settings), std::runtime_error (no answer, a server of
   /// another version, a refusal).
   explicit Stream(const std::string& address, const StreamSettings& settings = {});
@@ -62,8 +64,8 @@ class Stream {
   /// std::runtime_error (the connection was lost).
   [[nodiscard]] std::optional<Frame> next(double timeout_s = -1.0);
   /// Plays the stream with `renderer` from now on, as hapticast-client does: the time of its ticks
-  /// is now(), and its playout delay follows the jitter. `renderer` must outlive the Stream, and
-  /// must not move. next() goes on as well. Errors: std::invalid_argument.
+  /// is now(), and its playout delay follows the jitter. next() goes on as well. Call it once.
+  /// Errors: std::invalid_argument (the renderer has had ticks or frames, or another method).
   void play(Renderer& renderer);
   /// Returns the time for the ticks of a Renderer that plays a Stream, s. Thread: any.
   [[nodiscard]] static double now();
@@ -86,8 +88,7 @@ class Stream {
 /// Thread: that of the ticks.
 class MessagePlayer {
  public:
-  /// `renderer` must outlive the player, and must not move. Errors: std::invalid_argument (frames
-  /// come to the renderer in another way already).
+  /// Errors: std::invalid_argument (the renderer has had ticks or frames).
   explicit MessagePlayer(Renderer& renderer);
   ~MessagePlayer();
   MessagePlayer(const MessagePlayer&) = delete;

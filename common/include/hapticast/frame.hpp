@@ -7,6 +7,9 @@
 //   the right, y up, z towards the viewer; all are in mm. The picture fits into width_mm x
 //   height_mm with one scale for both axes.
 // - Picture. Pixel (u, v) is column u and row v; (0, 0) is at the top left. Images are row-major.
+// - Heights are those of the frame's own time and place: z of the surface in the nominal frame. An
+//   object that has moved has another HeightMap. position_mm is its reference point in that frame,
+//   and the renderer moves the surface by position and velocity between frames.
 // - Times are in s of the media clock, the clock of the frames of one stream.
 // - Sharing. Frames of one object share its heights as long as the heights do not change.
 // - Errors. All functions of the library throw std::invalid_argument for a wrong argument and

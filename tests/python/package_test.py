@@ -1,0 +1,354 @@
+# SPDX-License-Identifier: MIT
+"""Tests of the Python package. PYTHONPATH has the package; REFERENCE_RUN is the program beside this
+file; HAPTICAST_SERVER is the server."""
+
+import gc
+import os
+import signal
+import struct
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import unittest
+
+import numpy as np
+
+import hapticast
+
+
+def make_disc(height_mm=20.0):
+    v, u = np.mgrid[0:100, 0:100]
+    inside = np.hypot(u - 49.5, v - 49.5) < 45
+    return np.where(inside, height_mm, 0.0).astype(np.float32), inside
+
+
+def make_frames(count=60, fps=25.0):
+    disc = hapticast.Object(*make_disc(), left_px=270, top_px=190)
+    return [hapticast.Frame(i / fps, [disc], fps=fps) for i in range(count)]
+
+
+def press(ticks=1000):
+    z = np.maximum(18.0, 40.0 - 0.05 * np.arange(ticks))
+    return np.c_[np.zeros(ticks), np.zeros(ticks), z]
+
+
+def count_files():
+    return len(os.listdir("/proc/self/fd"))
+
+
+class Rendering(unittest.TestCase):
+    def test_has_the_bits_of_the_client(self):
+        for seed in range(101, 113):
+            with tempfile.NamedTemporaryFile() as file:
+                subprocess.run([os.environ["REFERENCE_RUN"], str(seed), file.name], check=True)
+                data = file.read()
+            at, messages = 4, []
+            for _ in range(struct.unpack_from("<I", data)[0]):
+                arrival_s, size = struct.unpack_from("<dI", data, at)
+                messages.append((arrival_s, data[at + 12:at + 12 + size]))
+                at += 12 + size
+            ticks = np.frombuffer(data, "<f8", offset=at + 4).reshape(-1, 7)
+            out = hapticast.Renderer().run(
+                messages, ticks[:, 1:4], begin_s=ticks[0, 0], frame="device")
+            self.assertTrue(np.array_equal(out.force_N, ticks[:, 4:7]), f"seed {seed}")
+            self.assertGreater(np.count_nonzero(out.contact), 100)
+
+    def test_presses_back(self):
+        out = hapticast.Renderer().run(make_frames(), press())
+        self.assertGreater(out.force_N[-1, 2], 0.5)
+        self.assertAlmostEqual(out.penetration_mm[-1], 2.0, delta=0.3)
+        self.assertEqual(out.force_N.shape, (1000, 3))
+        self.assertEqual(out.safety_actions.dtype, np.uint32)
+        self.assertFalse(out.contact[0])
+        self.assertLessEqual(np.linalg.norm(out.force_N, axis=1).max(), 3.3)
+
+    def test_each_run_starts_anew(self):
+        renderer, frames = hapticast.Renderer(), make_frames()
+        first, second = renderer.run(frames, press()), renderer.run(iter(frames), press())
+        self.assertTrue(np.array_equal(first.force_N, second.force_N))
+
+    def test_thesis_and_stiffness(self):
+        soft = hapticast.Renderer(stiffness=0.1).run(make_frames(), press())
+        stiff = hapticast.Renderer(stiffness=0.5).run(make_frames(), press())
+        self.assertGreater(stiff.force_N[-1, 2], 2 * soft.force_N[-1, 2])
+        thesis = hapticast.Renderer(method="thesis").run(make_frames(), press())
+        self.assertTrue(np.isfinite(thesis.force_N).all())
+
+    def test_wrong_positions(self):
+        run = hapticast.Renderer().run
+        frames = make_frames(2)
+        for error, positions in (
+            (ValueError, np.zeros(3)), (ValueError, np.zeros((5, 2))), (TypeError, "here"),
+            (TypeError, None), (TypeError, np.array([["a", "b", "c"]])),
+        ):
+            with self.assertRaises(error) as caught:
+                run(frames, positions)
+            self.assertNotIn("\n", str(caught.exception))
+        self.assertEqual(run(frames, np.zeros((0, 3))).force_N.shape, (0, 3))
+        strided = np.asfortranarray(press())[::2]
+        self.assertTrue(np.array_equal(run(make_frames(), strided).force_N,
+                                       run(make_frames(), strided.copy()).force_N))
+        holes = press()
+        holes[500:] = np.nan
+        self.assertTrue((run(make_frames(), holes).force_N[600:] == 0).all())
+
+    def test_wrong_arguments(self):
+        frames = make_frames(2)
+        for error, call in (
+            (ValueError, lambda: hapticast.Renderer(method="other")),
+            (ValueError, lambda: hapticast.Renderer(surface="other")),
+            (ValueError, lambda: hapticast.Renderer(stiffness=-1)),
+            (TypeError, lambda: hapticast.Renderer(stiffness="hard")),
+            (RuntimeError, lambda: hapticast.Renderer(profile="/no/such/file")),
+            (ValueError, lambda: hapticast.Renderer().run(frames, press(), dt=0)),
+            (ValueError, lambda: hapticast.Renderer().run(frames, press(), dt=float("nan"))),
+            (ValueError, lambda: hapticast.Renderer().run(frames[::-1], press())),
+            (TypeError, lambda: hapticast.Renderer().run([1, 2], press())),
+            (TypeError, lambda: hapticast.Renderer().run(7, press())),
+            (RuntimeError, lambda: hapticast.Renderer().run([(0.0, b"")], press())),
+            (RuntimeError, lambda: hapticast.Renderer().run([(0.0, b"GET / HTTP/1.1")], press())),
+            (ValueError, lambda: hapticast.Object(np.zeros(3))),
+            (ValueError, lambda: hapticast.Object(np.zeros((3, 3)), np.zeros((2, 3)))),
+            (TypeError, lambda: hapticast.Object(np.zeros((3, 3)), colour="red")),
+            (ValueError, lambda: hapticast.Object(np.zeros((3, 3)), left_px=-1)),
+            (ValueError, lambda: hapticast.Object(np.zeros((3, 3)), id=2**40)),
+            (ValueError, lambda: hapticast.Object(np.zeros((3, 3)), material={"taste": 1})),
+            (ValueError, lambda: hapticast.Frame(0, [], size=(-4, 4))),
+        ):
+            with self.assertRaises(error) as caught:
+                call()
+            self.assertNotIn("\n", str(caught.exception))
+        for heights in (np.full((9, 9), np.nan), np.full((9, 9), 1e9), np.zeros((0, 0))):
+            frame = hapticast.Frame(0, [hapticast.Object(heights, np.ones(heights.shape))])
+            with self.assertRaises(ValueError):
+                hapticast.Renderer().run([frame], press(10))
+
+    def test_threads_share_a_renderer(self):
+        renderer, frames, results = hapticast.Renderer(), make_frames(), []
+        threads = [threading.Thread(target=lambda: results.append(
+            renderer.run(frames, press()).force_N)) for _ in range(4)]
+        for each in threads:
+            each.start()
+        for each in threads:
+            each.join()
+        self.assertTrue(all(np.array_equal(results[0], each) for each in results[1:]))
+
+
+class Publishing(unittest.TestCase):
+    def test_a_frame_arrives(self):
+        heights, inside = make_disc()
+        with hapticast.Publisher(0, host="127.0.0.1", name="disc") as publisher:
+            stream = hapticast.Stream(f"127.0.0.1:{publisher.port}")
+            self.assertEqual(stream.info["name"], "disc")
+            publisher.publish(heights, inside, left_px=270, top_px=190, id=7,
+                              velocity_mm_s=(1, 2, 3), impacts=[(0.5, (0, 0, 9))],
+                              material={"stiffness_N_mm": 0.25})
+            frame = stream.next(timeout=10)
+            (disc,) = frame.objects
+            self.assertEqual((disc.id, disc.rect[:2]), (7, (270, 190)))
+            self.assertLessEqual(np.abs(disc.height_mm - heights)[inside].max(), 0.0201)
+            self.assertTrue(np.array_equal(disc.mask, inside))
+            self.assertTrue(np.allclose(disc.velocity_mm_s, (1, 2, 3)))
+            self.assertAlmostEqual(disc.material["stiffness_N_mm"], 0.25)
+            self.assertEqual(len(disc.impacts), 1)
+            with self.assertRaises(ValueError):
+                disc.height_mm[0, 0] = 1  # read-only: other frames share it
+        self.assertEqual(list(stream), [])  # the goodbye ends the stream
+        with self.assertRaises(RuntimeError):
+            publisher.publish(heights)
+
+    def test_heights_outlive_their_frame(self):
+        with hapticast.Publisher(0, host="127.0.0.1") as publisher:
+            stream = hapticast.Stream(f"127.0.0.1:{publisher.port}")
+            publisher.publish(*make_disc())
+            heights = stream.next(timeout=10).objects[0].height_mm
+            stream.close()
+            del stream
+            gc.collect()
+            self.assertAlmostEqual(float(heights[50, 50]), 20.0, delta=0.03)
+
+    def test_nobody_reads(self):
+        with hapticast.Publisher(0, host="127.0.0.1") as publisher:
+            stream = hapticast.Stream(f"127.0.0.1:{publisher.port}", most_waiting=3)
+            reader = hapticast.Stream(f"127.0.0.1:{publisher.port}")
+            for _ in range(20):
+                publisher.publish(*make_disc())
+                self.assertIsNotNone(reader.next(timeout=10))
+            deadline = time.monotonic() + 10
+            while stream.dropped < 10 and time.monotonic() < deadline:
+                self.assertIsNone(reader.next(timeout=0.01))
+            self.assertGreaterEqual(stream.dropped, 10)
+
+    def test_stream_in_real_time(self):
+        with hapticast.Publisher(0, host="127.0.0.1") as publisher:
+            stream = hapticast.Stream(f"127.0.0.1:{publisher.port}")
+            done = threading.Event()
+
+            def publish():
+                while not done.wait(0.04):
+                    publisher.publish(*make_disc(), left_px=270, top_px=190)
+
+            thread = threading.Thread(target=publish)
+            thread.start()
+            try:
+                out = hapticast.Renderer().run(stream, press(3000))
+            finally:
+                done.set()
+                thread.join()
+            self.assertTrue(out.contact[-1000:].any())
+            with self.assertRaises(ValueError):  # a second renderer
+                hapticast.Renderer().run(stream, press(1))
+
+    def test_wrong_arguments(self):
+        with hapticast.Publisher(0, host="127.0.0.1") as publisher:
+            for error, call in (
+                (ValueError, lambda: hapticast.Publisher(-1)),
+                (TypeError, lambda: hapticast.Publisher("http")),
+                (ValueError, lambda: hapticast.Publisher(0, size=(0, 9))),
+                (ValueError, lambda: hapticast.Publisher(0, fps=1e9)),
+                (TypeError, lambda: hapticast.Publisher(0, colour="red")),
+                (RuntimeError, lambda: hapticast.Publisher(publisher.port, host="127.0.0.1")),
+                (RuntimeError, lambda: hapticast.Publisher(0, tls_cert_file="/none", tls_key_file="/none")),
+                (RuntimeError, lambda: hapticast.Stream("127.0.0.1:1")),
+                (ValueError, lambda: hapticast.Stream("a b")),
+                (TypeError, lambda: hapticast.Stream(7447)),
+                (ValueError, lambda: hapticast.Stream("127.0.0.1", most_waiting=0)),
+                (TypeError, lambda: hapticast.Stream("127.0.0.1", colour="red")),
+                (ValueError, lambda: publisher.publish(np.zeros((9, 9)), np.ones((3, 3)))),
+                (ValueError, lambda: publisher.publish(np.zeros((2000, 2000)))),
+                (ValueError, lambda: publisher.publish(np.zeros((9, 9)), velocity_mm_s=(1, 2))),
+            ):
+                with self.assertRaises(error) as caught:
+                    call()
+                self.assertNotIn("\n", str(caught.exception))
+            with self.assertRaises(ValueError):
+                publisher.publish(np.full((9, 9), np.nan), np.ones((9, 9)))
+            publisher.publish(*make_disc())  # and it still works
+
+    def test_fork(self):
+        with hapticast.Publisher(0, host="127.0.0.1") as publisher:
+            stream = hapticast.Stream(f"127.0.0.1:{publisher.port}")
+            child = os.fork()
+            if child == 0:
+                code = 1
+                try:
+                    stream.next(timeout=1)
+                except RuntimeError:
+                    try:
+                        publisher.publish(*make_disc())
+                    except RuntimeError:
+                        code = 0
+                del stream, publisher
+                os._exit(code)
+            self.assertEqual(os.waitpid(child, 0)[1], 0)
+            publisher.publish(*make_disc())
+            self.assertIsNotNone(stream.next(timeout=10))
+
+    def test_close_wakes_a_reader(self):
+        with hapticast.Publisher(0, host="127.0.0.1") as publisher:
+            stream = hapticast.Stream(f"127.0.0.1:{publisher.port}")
+            closer = threading.Timer(0.2, stream.close)
+            closer.start()
+            self.assertIsNone(stream.next())
+            closer.join()
+            self.assertEqual(list(stream), [])
+
+    def test_ctrl_c(self):
+        code = ("import hapticast\np = hapticast.Publisher(0, host='127.0.0.1')\n"
+                "s = hapticast.Stream(f'127.0.0.1:{p.port}')\nprint('ready', flush=True)\ns.next()")
+        with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE,
+                              stderr=subprocess.PIPE) as child:
+            self.assertEqual(child.stdout.readline(), b"ready\n")
+            child.send_signal(signal.SIGINT)
+            error = child.communicate(timeout=20)[1]
+        self.assertIn(b"KeyboardInterrupt", error)
+
+    def test_opens_leak_nothing(self):
+        def open_once():
+            with hapticast.Publisher(0, host="127.0.0.1") as publisher:
+                with hapticast.Stream(f"127.0.0.1:{publisher.port}") as stream:
+                    publisher.publish(*make_disc())
+                    self.assertIsNotNone(stream.next(timeout=10))
+
+        rounds = int(os.environ.get("OPENS", "100"))
+        for _ in range(20):
+            open_once()
+        files = count_files()
+        memory_kB = self.memory_kB()
+        for _ in range(rounds):
+            open_once()
+        self.assertEqual(count_files(), files)
+        self.assertLess(self.memory_kB() - memory_kB, 20 * rounds + 20_000)
+
+    @staticmethod
+    def memory_kB():
+        gc.collect()
+        with open("/proc/self/statm") as file:
+            return int(file.read().split()[1]) * 4
+
+
+class Seeing(unittest.TestCase):
+    def test_frames_of_a_source(self):
+        source = hapticast.open("synthetic:bounce")
+        self.assertEqual(source.info["size"], (640, 480))
+        frames = []
+        for frame in source.frames():
+            frames.append(frame)
+            if len(frames) == 40:
+                break  # half-way
+        self.assertTrue(any(frame.objects for frame in frames))
+        self.assertEqual(sorted(f.time_s for f in frames), [f.time_s for f in frames])
+        z = np.maximum(5.0, 45.0 - 0.05 * np.arange(1200))
+        centre = frames[-1].objects[0].position_mm
+        at = np.c_[np.full(1200, centre[0]), np.full(1200, centre[1]), z]
+        self.assertTrue(np.isfinite(hapticast.Renderer().run(frames, at).force_N).all())
+
+    def test_images_of_ones_own(self):
+        vision = hapticast.Vision(30, (320, 240), camera=(333, 333, 160, 120))
+        v, u = np.mgrid[0:240, 0:320]
+        rgb = np.full((240, 320, 3), 90, np.uint8)
+        frames = []
+        for i in range(30):
+            radius = np.hypot(u - 100 - 2 * i, v - 120) / 25
+            ball = radius < 1
+            depth = np.full((240, 320), 1400.0)
+            depth[ball] = 1060 - 60 * np.sqrt(1 - radius[ball] ** 2)
+            picture = rgb.copy()
+            picture[ball] = 200
+            frame = vision.push(picture, depth)
+            if frame:
+                frames.append(frame)
+        frames += vision.flush()
+        self.assertEqual(len(frames), 30)
+        self.assertGreater(frames[20].objects[0].velocity_mm_s[0], 10)
+
+    def test_wrong_images(self):
+        vision = hapticast.Vision(25, (64, 48))
+        rgb, depth = np.zeros((48, 64, 3), np.uint8), np.full((48, 64), 1000.0)
+        for error, call in (
+            (ValueError, lambda: vision.push(rgb, depth[:10])),
+            (ValueError, lambda: vision.push(rgb[:, :, :2], depth)),
+            (ValueError, lambda: vision.push(rgb[:10, :10], depth[:10, :10])),
+            (ValueError, lambda: vision.push(rgb, np.full((48, 64), np.nan))),
+            (ValueError, lambda: vision.push(rgb, -depth)),
+            (TypeError, lambda: vision.push(rgb, "far")),
+            (TypeError, lambda: vision.push(None, depth)),
+            (ValueError, lambda: vision.push(rgb, depth, np.zeros((2, 2)))),
+            (ValueError, lambda: vision.push(rgb, depth, time_s=float("nan"))),
+            (ValueError, lambda: hapticast.Vision(25, (64, 48), object=(900, 900))),
+            (ValueError, lambda: hapticast.Vision(0, (64, 48))),
+            (ValueError, lambda: hapticast.Vision(25, (64, 48), fov_deg=500)),
+            (TypeError, lambda: hapticast.Vision(25, (64, 48), colour="red")),
+            (RuntimeError, lambda: hapticast.open("/no/such/clip")),
+            (TypeError, lambda: hapticast.open(7)),
+        ):
+            with self.assertRaises(error) as caught:
+                call()
+            self.assertNotIn("\n", str(caught.exception))
+        vision.push(rgb, depth)  # and it still works
+
+
+if __name__ == "__main__":
+    unittest.main()
