@@ -1,4 +1,4 @@
-# What deploy/demo and deploy/test share: checks of the machine, and the build. To be sourced from the project's folder.
+# What the scripts of deploy share: checks of the machine, times, and the build. To be sourced from the project's folder.
 
 # Measured: the largest batch of sources needs 1.1 GB (deploy/test asan), and a job leaves room for its linker.
 memory_per_job_MB=1300
@@ -8,6 +8,12 @@ step_s=8
 endWith() {  # message: ends the script with one line
   echo "$0: $1" >&2
   exit 1
+}
+
+timed() {  # command ...
+  began=$(date +%s)
+  "$@"
+  echo "== $* took $(($(date +%s) - began)) s =="
 }
 
 checkMachine() {  # free megabytes that the build needs

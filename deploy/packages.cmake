@@ -1,4 +1,4 @@
-# Packages for Debian 12: hapticast-server and hapticast-client. deploy/package makes them. The target package_files makes
+# Packages for Debian: hapticast-server and hapticast-client. deploy/package makes them. The target package_files makes
 # what the programs print themselves: man pages (--help, by help2man) and configuration files (--print-config).
 find_program(HELP2MAN help2man)
 find_program(SHLIBDEPS dpkg-shlibdeps)
@@ -44,7 +44,7 @@ function(hapticast_package name section description)
 endfunction()
 
 hapticast_package(server 8 "streams video that viewers can touch")
-install(FILES ${source}/hapticast-server.service DESTINATION lib/systemd/system COMPONENT server)
+install(FILES ${source}/hapticast-server.service DESTINATION usr/lib/systemd/system COMPONENT server)
 install(FILES ${PROJECT_SOURCE_DIR}/deploy/README.md DESTINATION usr/share/doc/hapticast-server/deploy COMPONENT server)
 set(CPACK_DEBIAN_SERVER_DESCRIPTION "server of video that viewers can touch
 hapticast-server reads video with a depth for every pixel, finds an object
@@ -57,7 +57,7 @@ set(CPACK_DEBIAN_SERVER_PACKAGE_SUGGESTS "hapticast-client, nats-server")
 hapticast_package(client 1 "touch a video that hapticast-server streams")
 install(TARGETS hapticast-device DESTINATION usr/lib/hapticast COMPONENT client)
 install(FILES ${PROJECT_SOURCE_DIR}/client/device/hapticast_device.h DESTINATION usr/include COMPONENT client)
-install(FILES ${PROJECT_SOURCE_DIR}/deploy/70-hapticast-falcon.rules DESTINATION lib/udev/rules.d COMPONENT client)
+install(FILES ${PROJECT_SOURCE_DIR}/deploy/70-hapticast-falcon.rules DESTINATION usr/lib/udev/rules.d COMPONENT client)
 install(FILES ${source}/hapticast-limits.conf DESTINATION etc/security/limits.d RENAME hapticast.conf COMPONENT client)
 set(CPACK_DEBIAN_CLIENT_DESCRIPTION "touch video that hapticast-server streams
 hapticast-client drives a haptic device 1,000 times a second, so that its user

@@ -54,7 +54,7 @@ set(doors
   "^google/protobuf"                 "^common/protocol/(decode|encode|scan)\\.cpp$"
   "^openssl/"                        "^(common/transport/(signature|tls|seal)\\.cpp|server/stream/access_list\\.cpp)$"
   "^opencv2/"                        "^((server/(source|vision)|client/view|tests)/|server/preview)"
-  "^lib(av[a-z]+|swscale)/"           "^server/source/video/video_(file\\.cpp|format\\.[ch]pp)$"
+  "^lib(av[a-z]+|swscale)/"           "^server/source/video/(video_(file\\.cpp|format\\.[ch]pp)|display_matrix\\.hpp)$"
   "^turbojpeg\\.h$"                  "^client/view/picture\\.cpp$"
   "^nlohmann/"                       "^(server/(source/picture/json_object\\.hpp|author/scene_file\\.cpp|http/metrics_text\\.cpp)$|client/(report/summary|device/inverse3/protocol)\\.cpp$|tests/)"
   "^SDL"                             "^(client/(view/(window/|sound)|device/gamepad)|tests/)"

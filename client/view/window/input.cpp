@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Input of the window: pointer, wheel and keys.
 #if HAPTICAST_IMGUI
-#include <backends/imgui_impl_sdl.h>
-
 #include "client/view/window/display.hpp"
+#include "client/view/window/imgui_sdl.hpp"
 #include "client/view/window/window.hpp"
 
 namespace hapticast::client {

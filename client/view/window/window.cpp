@@ -2,7 +2,6 @@
 #if HAPTICAST_IMGUI
 #include "client/view/window/window.hpp"
 
-#include <backends/imgui_impl_sdl.h>
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -12,6 +11,7 @@
 
 #include "client/view/picture.hpp"
 #include "client/view/window/display.hpp"
+#include "client/view/window/imgui_sdl.hpp"
 #include "common/unique_filename.hpp"
 
 namespace hapticast::client {
@@ -74,7 +74,7 @@ struct ViewerWindow::Gui {
     context = ImGui::CreateContext();
     ImGui::GetIO().IniFilename = nullptr;
     ImGui::StyleColorsDark();
-    ImGui_ImplSDL2_InitForSDLRenderer(window);
+    connectGui(*window, *renderer);
     gui_renderer = std::make_unique<GuiRenderer>(*renderer);
   }
   Gui(const Gui&) = delete;

@@ -20,6 +20,7 @@ extern "C" {
 #include <utility>
 
 #include "server/source/picture/image_file.hpp"
+#include "server/source/video/display_matrix.hpp"
 #include "server/source/video/video_format.hpp"
 
 namespace hapticast::server {
@@ -50,11 +51,9 @@ std::string lowerTag(const AVDictionary* tags, const char* name) {
 
 /// Returns by how many degrees the picture turns clockwise to be shown: 0, 90, 180 or 270.
 int findTurn(const AVStream& stream) {
-  std::size_t size = 0;
-  const std::uint8_t* const matrix =
-      av_stream_get_side_data(&stream, AV_PKT_DATA_DISPLAYMATRIX, &size);
-  if (matrix == nullptr || size < 9 * sizeof(std::int32_t)) return 0;
-  const double angle_deg = av_display_rotation_get(reinterpret_cast<const std::int32_t*>(matrix));
+  const std::int32_t* const matrix = findDisplayMatrix(stream);
+  if (matrix == nullptr) return 0;
+  const double angle_deg = av_display_rotation_get(matrix);
   if (!std::isfinite(angle_deg)) return 0;
   const int turn_deg = static_cast<int>(std::lround(-angle_deg) + 720) % 360;
   return turn_deg % 90 == 0 ? turn_deg : 0;
