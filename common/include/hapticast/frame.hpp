@@ -7,6 +7,8 @@
 //   the right, y up, z towards the viewer; all are in mm. The picture fits into width_mm x
 //   height_mm with one scale for both axes.
 // - Picture. Pixel (u, v) is column u and row v; (0, 0) is at the top left. Images are row-major.
+// - Motion. The heights are exact at the time of the frame, where their rectangle is. Position and
+//   velocity tell how they move until the next frame: a moved object needs new heights, too.
 // - Times are in s of the media clock, the clock of the frames of one stream.
 // - Sharing. Frames of one object share its heights as long as the heights do not change.
 // - Errors. All functions of the library throw std::invalid_argument for a wrong argument and
@@ -89,7 +91,7 @@ struct Object {
   };
 
   std::uint32_t id = 1;                      ///< the same in all frames of this object
-  std::uint32_t layer = 0;                   ///< 0: nearest to the viewer
+  std::uint32_t layer = 0;                   ///< 0: nearest to the viewer .. 15
   std::shared_ptr<const HeightMap> heights;  ///< null: nothing to touch
   Eigen::Vector3d position_mm = Eigen::Vector3d::Zero();
   Eigen::Vector3d velocity_mm_s = Eigen::Vector3d::Zero();
