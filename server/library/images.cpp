@@ -20,7 +20,7 @@ constexpr float kMostLevel = 255.0F;
 
 /// Returns a view of `values`, which nobody writes to.
 template <class Value>
-cv::Mat viewOf(const std::vector<Value>& values, int width_px, int height_px, int type) {
+cv::Mat viewValues(const std::vector<Value>& values, int width_px, int height_px, int type) {
   return {height_px, width_px, type, const_cast<Value*>(values.data())};
 }
 
@@ -115,10 +115,10 @@ server::RgbdFrame importImages(const Images& images) {
   if (images.rgb.empty()) {
     to.color = cv::Mat::zeros(height_px, width_px, CV_8UC3);
   } else {
-    cv::cvtColor(viewOf(images.rgb, width_px, height_px, CV_8UC3), to.color, cv::COLOR_RGB2BGR);
+    cv::cvtColor(viewValues(images.rgb, width_px, height_px, CV_8UC3), to.color, cv::COLOR_RGB2BGR);
   }
-  to.depth = viewOf(images.depth, width_px, height_px, CV_32FC1).clone();
-  if (!images.mask.empty()) to.mask = viewOf(images.mask, width_px, height_px, CV_8UC1).clone();
+  to.depth = viewValues(images.depth, width_px, height_px, CV_32FC1).clone();
+  if (!images.mask.empty()) to.mask = viewValues(images.mask, width_px, height_px, CV_8UC1).clone();
   return to;
 }
 
