@@ -68,13 +68,50 @@ set(CPACK_DEBIAN_CLIENT_PACKAGE_DEPENDS adduser)  # the group for real-time righ
 set(CPACK_DEBIAN_CLIENT_PACKAGE_RECOMMENDS fonts-dejavu-core)
 set(CPACK_DEBIAN_CLIENT_PACKAGE_SUGGESTS avahi-daemon)
 
+# The library and the Python package: deploy/library.cmake and deploy/python install their files.
+set(about ${made}/changelog.gz ${source}/copyright)
+install(FILES ${about} DESTINATION usr/share/doc/libhapticast-dev COMPONENT library)
+install(FILES ${PROJECT_SOURCE_DIR}/common/include/README.md DESTINATION usr/share/doc/libhapticast-dev COMPONENT library)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/deploy/examples DESTINATION usr/share/doc/libhapticast-dev COMPONENT library
+  PATTERN *.py EXCLUDE)
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_NAME libhapticast-dev)
+set(CPACK_DEBIAN_LIBRARY_DESCRIPTION "touch video: the library of hapticast for C++ programs
+Headers, a static library and a CMake package: a renderer of forces, a
+receiver and a publisher of haptic video, and vision.")
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_DEPENDS "libavcodec-dev, libavformat-dev, libavutil-dev, libeigen3-dev, libopencv-dev, \
+libprotobuf-dev, libspdlog-dev, libssl-dev, libswscale-dev, libzip-dev, pkg-config")
+foreach(package avahi-client openni2)  # what was found, the archive needs
+  string(REGEX REPLACE "-.*" "" name ${package})
+  if(TARGET hapticast_${name})
+    string(APPEND CPACK_DEBIAN_LIBRARY_PACKAGE_DEPENDS ", lib${package}-dev")
+  endif()
+endforeach()
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_RECOMMENDS "cmake, g++")
+if(TARGET hapticast_python)
+  install(FILES ${about} ${PROJECT_SOURCE_DIR}/deploy/python/README.md DESTINATION usr/share/doc/python3-hapticast
+    COMPONENT python)
+  install(FILES ${PROJECT_SOURCE_DIR}/deploy/examples/force_over_a_slice.py
+    DESTINATION usr/share/doc/python3-hapticast/examples COMPONENT python)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-hapticast)
+  set(CPACK_DEBIAN_PYTHON_DESCRIPTION "touch video: the library of hapticast for Python
+Reads haptic video, renders its forces, publishes it, and makes it of images
+with depth, all in numpy arrays.")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+  # A module of one version of Python.
+  math(EXPR next_minor "${Python3_VERSION_MINOR} + 1")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
+    "python3 (>= 3.${Python3_VERSION_MINOR}), python3 (<< 3.${next_minor}), python3-numpy")
+  set(python_component python)
+endif()
+
 add_custom_target(package_files DEPENDS ${made_files})
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME hapticast)
 set(CPACK_PACKAGE_CONTACT "the hapticast authors <hapticast@localhost>")
 set(CPACK_PACKAGING_INSTALL_PREFIX /)
-set(CPACK_COMPONENTS_ALL server client)
+set(CPACK_COMPONENTS_ALL server client library ${python_component})
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)

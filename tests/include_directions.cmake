@@ -6,6 +6,7 @@ set(failures "")
 
 # Which folder may include which (regular expressions over the included path).
 set(rules
+  "(common|server|client)/include/.*" "^$"
   "common/[^/]*"       "^common/[^/]*$"
   "common/sync/.*"     "^common/([^/]*$|sync/)"
   "common/relief/.*"   "^common/([^/]*$|relief/)"
@@ -13,6 +14,7 @@ set(rules
   "common/transport/.*" "^common/([^/]*$|transport/)"
   "common/protocol/.*" "^common/([^/]*$|codec/|transport/|protocol/)"
   "common/cli/.*"      "^common/([^/]*$|cli/)"
+  "common/library/.*"  "^common/([^/]*$|library/|include/)"
   "server/source/[a-z_]+\\.hpp"  "^(common/|server/source/[a-z_]+\\.hpp$)"
   "server/source/picture/.*"   "^(common/|server/source/([a-z_]+\\.hpp$|picture/))"
   "server/source/folder/.*"    "^(common/|server/source/([a-z_]+\\.hpp$|(picture|folder)/))"
@@ -27,12 +29,15 @@ set(rules
   "server/vision/motion/.*"  "^(common/|server/source/|server/vision/(vision_settings\\.hpp$|base/|surface/|motion/))"
   "server/vision/.*"         "^(common|server/source|server/vision)/"
   "server/stream/.*"   "^(common|server/stream)/"
+  "server/library/(publisher|member_names)\\..*" "^(common/|server/(stream|library|include)/)"
+  "server/library/.*"  "^(common/|server/(source|vision|library|include)/)"
   "server/relay/.*"    "^(common/|server/(nats_address\\.hpp$|stream/|relay/))"
   "server/pipeline/pipeline_counts\\.hpp" "^(common/|server/(stream/|vision/vision_settings\\.hpp$))"
   "server/http/.*"     "^(common/|server/(stream/|relay/relay_counts\\.hpp$|pipeline/pipeline_counts\\.hpp$|vision/vision_settings\\.hpp$|http/))"
   "server/author/.*"   "^(common/|server/(source/[a-z_]+\\.hpp$|vision/vision_settings\\.hpp$|author/))"
   "server/(pipeline|preview)/.*" "^(common/|server/(settings\\.hpp$|author/scene_file\\.hpp$|source/|vision/|stream/|pipeline/|preview/))"
   "server/[^/]*"       "^(common|server)/"
+  "client/library/.*"  "^(common/|client/(haptics|net|device/device_profile\\.hpp|server_trust\\.hpp|settings\\.hpp|library|include))"
   "client/haptics/.*"  "^(common|client/haptics)/"
   "client/device/.*"   "^(common|client/haptics|client/device)/"
   "client/net/.*"      "^(common|client/haptics|client/net)/"
@@ -49,11 +54,11 @@ set(rules
 # One door per library: who may include it.
 set(doors
   "^boost/"                          "^(common/transport/asio\\.hpp|client/device/inverse3/websocket\\.cpp|server/http/http_(response|server)\\.[ch]pp|tests/.*)$"
-  "^common/transport/asio\\.hpp$"              "^((common/transport|server/stream|server/relay|server/http|client/net|client/discovery|tests)/|(server|client)/[^/]*$)"
+  "^common/transport/asio\\.hpp$"              "^(server/library/publisher\\.cpp$|(common/transport|server/stream|server/relay|server/http|client/net|client/discovery|tests)/|(server|client)/[^/]*$)"
   "\\.pb\\.h$"                       "^common/protocol/(decode|encode|read_frame|write_frame|fragment|relay)\\.[ch]pp$"
   "^google/protobuf"                 "^common/protocol/(decode|encode|scan)\\.cpp$"
   "^openssl/"                        "^(common/transport/(signature|tls|seal)\\.cpp|server/stream/access_list\\.cpp)$"
-  "^opencv2/"                        "^((server/(source|vision)|client/view|tests)/|server/preview)"
+  "^opencv2/"                        "^((server/(source|vision|library)|client/view|tests)/|server/preview)"
   "^lib(av[a-z]+|swscale)/"           "^server/source/video/(video_(file\\.cpp|format\\.[ch]pp)|display_matrix\\.hpp)$"
   "^turbojpeg\\.h$"                  "^client/view/picture\\.cpp$"
   "^nlohmann/"                       "^(server/(source/picture/json_object\\.hpp|author/scene_file\\.cpp|http/metrics_text\\.cpp)$|client/(report/summary|device/inverse3/protocol)\\.cpp$|tests/)"
@@ -64,7 +69,7 @@ set(doors
   "^OpenNI\\.h$"                     "^server/source/live/openni_camera\\.cpp$"
   "^systemd/"                        "^server/service_manager\\.cpp$"
   "^libusb"                          "^client/device/falcon/usb\\.cpp$"
-  "^common/(codec|protocol|transport)/" "^(common/(codec|protocol|transport)/|server/(stream/|relay/|pipeline/|http/|[^/]*$)|client/(net/|discovery/|report/|[^/]*$)|tests/)"
+  "^common/(codec|protocol|transport)/" "^(common/(codec|protocol|transport)/|server/(library/publisher\\.cpp$|stream/|relay/|pipeline/|http/|[^/]*$)|client/(net/|discovery/|report/|library/|[^/]*$)|tests/)"
 )
 
 file(GLOB_RECURSE files RELATIVE ${ROOT} ${ROOT}/common/*.?pp ${ROOT}/server/*.?pp ${ROOT}/client/*.?pp

@@ -3,19 +3,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 #include <string>
 #include <utility>
 
+#include "common/library/require.hpp"
+#include "common/text.hpp"
 #include "common/wire_limits.hpp"
 
 namespace hapticast {
 
 namespace {
-
-void require(bool holds, const std::string& what) {
-  if (!holds) throw std::invalid_argument(what);
-}
 
 /// Throws unless low <= value <= high. A NaN is outside every range.
 double requireRange(double value, double low, double high, const char* what) {
@@ -46,15 +43,6 @@ std::optional<double> importValue(const std::optional<double>& value, double mos
 std::optional<double> importMass(const std::optional<double>& mass_kg) {
   if (mass_kg) requireRange(*mass_kg, limits::kMinMass_kg, limits::kMass_kg, "mass_kg");
   return mass_kg;
-}
-
-Material importMaterial(const Object::Material& from) {
-  return {importValue(from.stiffness_N_mm, limits::kStiffness_N_mm, "stiffness_N_mm"),
-          importValue(from.damping_Ns_m, limits::kDamping_Ns_m, "damping_Ns_m"),
-          importValue(from.static_friction, limits::kFriction, "static_friction"),
-          importValue(from.dynamic_friction, limits::kFriction, "dynamic_friction"),
-          importValue(from.texture_K_mm, limits::kWorkspace_mm, "texture_K_mm"),
-          importMass(from.mass_kg)};
 }
 
 Motion importMotion(const Object& from) {
@@ -133,6 +121,7 @@ std::vector<Impact> importImpacts(const std::vector<Object::Impact>& from) {
 
 /// Converts an object, except its heights.
 HapticObject importObject(const Object& from) {
+  require(from.layer < kMaxObjects, "layer: " + std::to_string(from.layer) + " is outside 0..15");
   HapticObject to;
   to.id = from.id;
   to.layer = from.layer;
@@ -145,8 +134,19 @@ HapticObject importObject(const Object& from) {
 
 }  // namespace
 
+Material importMaterial(const Object::Material& from) {
+  return {importValue(from.stiffness_N_mm, limits::kStiffness_N_mm, "stiffness_N_mm"),
+          importValue(from.damping_Ns_m, limits::kDamping_Ns_m, "damping_Ns_m"),
+          importValue(from.static_friction, limits::kFriction, "static_friction"),
+          importValue(from.dynamic_friction, limits::kFriction, "dynamic_friction"),
+          importValue(from.texture_K_mm, limits::kWorkspace_mm, "texture_K_mm"),
+          importMass(from.mass_kg)};
+}
+
 StreamDescription importInfo(const StreamInfo& info) {
   require(info.name.size() <= limits::kStreamName, "name: more than 256 bytes");
+  require(sanitizeUtf8(info.name) == info.name,
+          "name: " + quote(info.name) + " is not UTF-8, or has characters that cannot be seen");
   require(info.width_px >= 1 && info.width_px <= kMaxWidth_px && info.height_px >= 1 &&
               info.height_px <= kMaxHeight_px,
           "size: " + std::to_string(info.width_px) + " x " + std::to_string(info.height_px) +
@@ -173,11 +173,15 @@ StreamDescription importInfo(const StreamInfo& info) {
 }
 
 HapticFrame FrameImporter::import(const Frame& frame, std::uint64_t id) {
+  return import(frame, id, importTime(frame.time_s, "time_s"));
+}
+
+HapticFrame FrameImporter::import(const Frame& frame, std::uint64_t id, MediaTime media_time) {
   require(frame.objects.size() <= kMaxObjects, "objects: a frame has at most 16");
   HapticFrame to;
   to.epoch = frame.epoch;
   to.id = id;
-  to.media_time = importTime(frame.time_s, "time_s");
+  to.media_time = media_time;
   std::map<ObjectKey, Known> known;
   std::size_t pixels = 0;
   for (const Object& object : frame.objects) {

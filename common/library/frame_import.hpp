@@ -16,6 +16,10 @@ namespace hapticast {
 /// its range.
 [[nodiscard]] StreamDescription importInfo(const StreamInfo& info);
 
+/// Returns the material that `material` states. Throws std::invalid_argument if a value is outside
+/// its range.
+[[nodiscard]] Material importMaterial(const Object::Material& material);
+
 /// Converts the frames of one stream, in their order. An object whose HeightMap is that of the
 /// frame before has the Relief of the frame before.
 class FrameImporter {
@@ -26,6 +30,8 @@ class FrameImporter {
   /// Returns `frame` with the number `id` and the time of `frame`. Throws std::invalid_argument if
   /// a value is outside its range or sizes do not match; the importer then has not changed.
   [[nodiscard]] HapticFrame import(const Frame& frame, std::uint64_t id);
+  /// The same with the time `media_time` in place of the time of `frame`.
+  [[nodiscard]] HapticFrame import(const Frame& frame, std::uint64_t id, MediaTime media_time);
   [[nodiscard]] const StreamDescription& description() const { return description_; }
 
  private:

@@ -43,6 +43,8 @@ VisionSettings toSettings(const py::kwargs& from) {
       to.motion = toTruth(value, "motion");
     else if (name == "low_latency")
       to.low_latency = toTruth(value, "low_latency");
+    else if (name == "pictures")
+      to.pictures = toTruth(value, "pictures");
     else if (name == "map_range")
       to.map_range = toPair(value, "map_range");
     else if (name == "fov_deg")
@@ -191,7 +193,7 @@ void addVision(py::module_& module) {
 
 fps: frames/s. size: (width, height), px. camera: (fx, fy, cx, cy), px; None: unknown.
 object, not_object: a point (u, v) or a list of them, px. method: "hapticast" or "thesis".
-motion, low_latency, map_range, fov_deg, stiffness_N_mm, mass_kg: as in hapticast-server.)")
+pictures: True: frames have a picture. motion, low_latency, map_range, fov_deg, stiffness_N_mm, mass_kg: as in hapticast-server.)")
       .def(py::init([](const py::object& fps, const py::object& size, const py::object& camera,
                        const py::kwargs& more) {
              SourceInfo info;

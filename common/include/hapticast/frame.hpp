@@ -92,7 +92,7 @@ struct Object {
   };
 
   std::uint32_t id = 1;                      ///< the same in all frames of this object
-  std::uint32_t layer = 0;                   ///< 0: nearest to the viewer
+  std::uint32_t layer = 0;                   ///< 0: nearest to the viewer .. 15
   std::shared_ptr<const HeightMap> heights;  ///< null: nothing to touch
   Eigen::Vector3d position_mm = Eigen::Vector3d::Zero();
   Eigen::Vector3d velocity_mm_s = Eigen::Vector3d::Zero();

@@ -141,7 +141,7 @@ class Vision:
         camera: tuple[float, float, float, float] | None = None, *,
         object: Point | list[Point] | None = None, not_object: Point | list[Point] | None = None,
         method: Method = "hapticast", motion: bool = True, low_latency: bool = False,
-        map_range: Point = ..., fov_deg: float = ..., stiffness_N_mm: float = ...,
+        pictures: bool = False, map_range: Point = ..., fov_deg: float = ..., stiffness_N_mm: float = ...,
         mass_kg: float = ...,
     ) -> None: ...
     def push(

@@ -6,8 +6,12 @@
 // - Images are borrowed for the time of the call. Colour has 8 bits a channel, in the order R, G,
 // B.
 //   Depth is in mm along the optical axis, and 0 where it was not measured.
+// - Points. The middle of pixel (u, v) is the point (u + 0.5, v + 0.5).
 // - Delay. The motion of a frame depends on later frames too, so push() returns a frame some frames
 //   later. flush() returns the last ones.
+// - Errors of a source are std::runtime_error, those of settings and images std::invalid_argument.
+// - Log. Warnings about files and cameras go to the default logger of spdlog, which belongs to the
+//   program: spdlog::set_level(spdlog::level::off) silences it.
 // - Threads. Each object has one thread at a time. OpenCV uses more of its own.
 //
 // Example: the objects of a clip.
@@ -31,7 +35,8 @@
 
 namespace hapticast {
 
-/// Images of one instant. The vectors may be empty: no picture, no mask.
+/// Images of one instant. `rgb` may be empty: no picture. `mask` may be empty: no mask. Either is
+/// empty in all images of a Vision, or in none.
 struct Images {
   int width_px = 0;
   int height_px = 0;
@@ -40,17 +45,17 @@ struct Images {
   std::vector<std::uint8_t> mask;  ///< height_px x width_px; 0: outside, n: object n
   double time_s = 0.0;             ///< rises from images to images
   std::uint32_t epoch = 0;         ///< another value: nothing continues the images before
+  std::uint64_t index = 0;         ///< number in the clip, which Source sets; yours may all be 0
 };
 
 /// Properties of a source of images.
 struct SourceInfo {
   std::string name;          ///< for people
-  int width_px = 0;          ///< 16..1920
-  int height_px = 0;         ///< 16..1080
+  int width_px = 0;          ///< 16..1920 of your images
+  int height_px = 0;         ///< 16..1080 of your images
   double fps = 25.0;         ///< frames/s, 1..240
   bool metric = true;        ///< depth is in mm; false: 0..255, and 255 is nearest
   bool live = false;         ///< a camera or a stream, which has no end
-  bool masks = false;        ///< every frame has a mask
   std::uint64_t frames = 0;  ///< number of frames; 0: unknown
   /// Pinhole camera, px; absent: unknown.
   struct Camera {
@@ -71,10 +76,11 @@ class Source {
   Source& operator=(Source&& from) noexcept;
 
   [[nodiscard]] const SourceInfo& info() const;
-  /// Returns the next images; nullopt at the end. Of a live source it waits for them. Errors:
-  /// std::runtime_error.
+  /// Returns the next images; nullopt at the end. Of a live source it waits for them, and their
+  /// time is that since the opening. Errors: std::runtime_error.
   [[nodiscard]] std::optional<Images> read();
-  /// Begins the clip again. Errors: std::runtime_error (the source is live).
+  /// Begins the clip again. The times continue, and the epoch is another one. Errors:
+  /// std::runtime_error (the source is live).
   void rewind();
 
   class Impl;
@@ -91,17 +97,20 @@ struct VisionSettings {
   bool thesis = false;                                 ///< true: the methods of the thesis
   bool motion = true;                                  ///< false: no motion is measured
   bool low_latency = false;                            ///< true: one frame of delay
-  std::optional<std::pair<double, double>> map_range;  ///< depths that become depth_mm and 0
+  bool pictures = true;                                ///< true: frames have the picture, as JPEG
+  std::optional<std::pair<double, double>> map_range;  ///< depths that become depth_mm and 0, mm
   std::optional<double> fov_deg;                       ///< horizontal field of view, 10..170
   Object::Material material;                           ///< of all objects
 };
 
 class Vision {
  public:
-  /// For images of your own. Errors: std::invalid_argument.
+  /// For images of your own, which pass once: the first ones with an object set the range of the
+  /// depths. Errors: std::invalid_argument.
   explicit Vision(const SourceInfo& info, const VisionSettings& settings = {});
-  /// For the images of `source`. A recorded clip is read once to find the range of its depths and
-  /// its motion, and then rewound. Errors: std::invalid_argument, std::runtime_error.
+  /// For all images of `source`, in their order. A recorded clip is read once to find the range of
+  /// its depths and its motion, and then rewound. `source` need not outlive this object. Errors:
+  /// std::invalid_argument, std::runtime_error.
   explicit Vision(Source& source, const VisionSettings& settings = {});
   ~Vision();
   Vision(Vision&& from) noexcept;
@@ -112,7 +121,8 @@ class Vision {
   [[nodiscard]] StreamInfo info() const;
   /// Adds images, and returns the frame that is complete now; nullopt: none yet. Errors:
   /// std::invalid_argument (sizes that do not match, a value that is not finite, a time that does
-  /// not rise; the images are not added), std::runtime_error.
+  /// not rise; the images are not added), std::invalid_argument (no object at a point of
+  /// VisionSettings::objects) and std::runtime_error; after these two the next images begin anew.
   [[nodiscard]] std::optional<Frame> push(const Images& images);
   /// Returns the frames that push() has not returned yet, oldest first.
   [[nodiscard]] std::vector<Frame> flush();
