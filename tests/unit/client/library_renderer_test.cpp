@@ -111,7 +111,9 @@ TEST(LibraryRenderer, RefusesWrongSettingsAndFrames) {
   EXPECT_THROW(Renderer({.delay_s = 3.0}), std::invalid_argument);
   Renderer renderer;
   EXPECT_THROW(renderer.push(makeFrame(0.0)), std::invalid_argument);  // before begin()
-  EXPECT_THROW(renderer.begin({.fps = 0.0}), std::invalid_argument);
+  StreamInfo wrong;
+  wrong.fps = 0.0;
+  EXPECT_THROW(renderer.begin(wrong), std::invalid_argument);
   renderer.begin({});
   EXPECT_TRUE(renderer.push(makeFrame(1.0)));
   EXPECT_THROW(renderer.push(makeFrame(1.0)), std::invalid_argument);  // the same time
@@ -202,7 +204,8 @@ TEST(LibraryMessagePlayer, DamagedMessagesAreErrorsAndTheForceFades) {
     const LocalTime now = localTime(1.0) + i * kTickPeriod;
     for (; next < messages.size() && messages[next].arrival < now; ++next) {
       auto bytes = messages[next].bytes;
-      if (random() % 20 == 0) bytes[random() % bytes.size()] ^= 1U << random() % 8;
+      if (random() % 20 == 0)
+        bytes[random() % bytes.size()] += static_cast<std::uint8_t>(1 + random() % 255);
       try {
         player.push(bytes, toSeconds(messages[next].arrival));
       } catch (const std::runtime_error& error) {
