@@ -90,7 +90,8 @@ TEST_F(SingleVideoFiles, TimesPairFramesOfOtherRates) {
 }
 
 TEST_F(SingleVideoFiles, FramesWithoutDepthAreLeftOut) {
-  ffmpeg(rawColor() + rawDepth() + kCopyTwo + "-bsf:v:1 setts=pts=PTS+100:dts=DTS+100 late.mkv");
+  ffmpeg(rawColor() + rawDepth() + kCopyTwo +
+         "-enc_time_base:v:1 1:1000 -bsf:v:1 setts=pts=PTS+100:dts=DTS+100 late.mkv");
   const auto source = openSource(at("late.mkv"), 0.0);
   const LogLines log;
   const auto frame = source->read();
@@ -102,11 +103,10 @@ TEST_F(SingleVideoFiles, FramesWithoutDepthAreLeftOut) {
 }
 
 TEST_F(SingleVideoFiles, TimesThatRunBackLeaveFramesOut) {
-  ffmpeg(
-      "-f lavfi -i testsrc=size=64x48:rate=30:duration=0.333 -c:v mjpeg "
-      "-bsf:v \"setts=pts='if(eq(N,4),PTS+100,PTS)':dts=DTS\" jump.avi.mkv");
-  ffmpeg("-i jump.avi.mkv " + rawDepth() +
-         "-map 0 -map 1 -c:v:0 copy -c:v:1 ffv1 -copyts jump.mkv");
+  // A factor, because FFmpeg 5.1 counts PTS in ms and 7.1 in frames.
+  ffmpeg(rawColor() + rawDepth() +
+         "-map 0 -map 1 -c:v:0 mjpeg -c:v:1 ffv1 "
+         "-bsf:v:0 \"setts=pts='if(eq(N,4),PTS*1.75,PTS)':dts=DTS\" jump.mkv");
   const auto source = openSource(at("jump.mkv"), 0.0);
   const LogLines log;
   int frames = 0;
