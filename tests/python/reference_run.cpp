@@ -3,7 +3,6 @@
 // forces to a file, for the test of the Python package. Usage: reference_run SEED FILE
 // The file, little-endian: u32 messages, each f64 arrival_s, u32 bytes, the bytes; u32 ticks, each
 // f64 time_s, 3 f64 position (device mm), 3 f64 force (N).
-#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
@@ -38,6 +37,7 @@ void writeTicks(std::ofstream& out, const std::vector<testing::ArrivedMessage>& 
   client::VirtualViewer viewer(settings, client::loadDeviceProfile("omni"), client::Hand{},
                                nullptr);
   const auto device = DeviceMapping::fit(Workspace{}, settings.profile.workspace_mm);
+  client::TickReport last;
   std::size_t next = 0;
   write(out, std::uint32_t{kTicks});
   for (int i = 1; i <= kTicks; ++i) {
@@ -47,15 +47,13 @@ void writeTicks(std::ofstream& out, const std::vector<testing::ArrivedMessage>& 
       if (!viewer.receive(messages[next].bytes)) std::exit(1);
     }
     viewer.moveTo(now - kTickPeriod);
-    const double t = 1e-3 * i;
-    const Vec3 hand_mm(15.0 * std::sin(2.0 * t), 5.0 + 8.0 * std::sin(3.1 * t),
-                       22.0 + 8.0 * std::cos(5.0 * t));
+    const Vec3 hand_mm = device.toNominal(testing::chooseHand(last, 1e-3 * i));
     viewer.nail(hand_mm);
-    const Vec3 force_N = viewer.tick().force_N;
+    last = viewer.tick();
     write(out, toSeconds(now));
     const Vec3 position_mm = device.toDevice(hand_mm);
     for (const double each : position_mm) write(out, each);
-    for (const double each : force_N) write(out, each);
+    for (const double each : last.force_N) write(out, each);
   }
 }
 

@@ -9,6 +9,7 @@
 #include <random>
 #include <vector>
 
+#include "client/haptics/tick_report.hpp"
 #include "common/codec/coded_frame.hpp"
 #include "common/protocol/messages.hpp"
 
@@ -19,6 +20,14 @@ struct ArrivedMessage {
   LocalTime arrival;
   std::vector<std::uint8_t> bytes;
 };
+
+/// Returns where a hand goes that presses on the nearest object, device mm. `last` is the report of
+/// the tick before.
+inline Vec3 chooseHand(const client::TickReport& last, double time_s) {
+  const Vec2 over_mm = last.object_present ? last.object_centre_mm : Vec2(0.0, 0.0);
+  return last.mapping.toDevice(
+      {over_mm.x() + std::sin(3.1 * time_s), over_mm.y(), 22.0 + 8.0 * std::cos(5.0 * time_s)});
+}
 
 class DrawnStream {
  public:

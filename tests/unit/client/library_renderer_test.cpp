@@ -168,6 +168,7 @@ TEST(LibraryRenderer, HasTheBitsOfTheClient) {
     MessagePlayer player(renderer);
     const auto messages = testing::DrawnStream(seed).draw(localTime(1.0), 4.0);
     const auto device = DeviceMapping::fit(Workspace{}, settings.profile.workspace_mm);
+    client::TickReport theirs;
     std::size_t next = 0;
     int contacts = 0;
     for (int i = 1; i <= 4000; ++i) {
@@ -178,9 +179,9 @@ TEST(LibraryRenderer, HasTheBitsOfTheClient) {
         player.push(messages[next].bytes, toSeconds(messages[next].arrival));
       }
       viewer.moveTo(now - kTickPeriod);
-      const Vec3 hand_mm = scriptedHand(1e-3 * i);
+      const Vec3 hand_mm = device.toNominal(testing::chooseHand(theirs, 1e-3 * i));
       viewer.nail(hand_mm);
-      const client::TickReport& theirs = viewer.tick();
+      theirs = viewer.tick();
       player.release(toSeconds(now));
       const Tick& ours = renderer.tick(toSeconds(now), device.toDevice(hand_mm));
       ASSERT_TRUE(sameBits(theirs.force_N, ours.force_N)) << "seed " << seed << ", tick " << i;
