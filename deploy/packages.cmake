@@ -70,7 +70,7 @@ set(CPACK_DEBIAN_CLIENT_PACKAGE_SUGGESTS avahi-daemon)
 
 # The library and the Python package: deploy/library.cmake and deploy/python install their files.
 set(about ${made}/changelog.gz ${source}/copyright)
-install(FILES ${about} DESTINATION usr/share/doc/libhapticast-dev COMPONENT library)
+install(FILES ${about} DESTINATION usr/share/doc/libhapticast-dev COMPONENT library OPTIONAL)  # without package_files
 install(FILES ${PROJECT_SOURCE_DIR}/common/include/README.md DESTINATION usr/share/doc/libhapticast-dev COMPONENT library)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/deploy/examples DESTINATION usr/share/doc/libhapticast-dev COMPONENT library
   PATTERN *.py EXCLUDE)

@@ -109,6 +109,7 @@ class Stream::Impl {
   bool goodbye_ = false;        // network thread
   std::shared_ptr<FrameFeed> feed_ = std::make_shared<FrameFeed>();
   client::DecodeThread decode_thread_;  // started by play()
+  bool playing_ = false;
   client::Receiver receiver_;
   client::Connection connection_;
   std::atomic<bool> connected_{false};
@@ -194,7 +195,9 @@ void Stream::Impl::waitForWelcome() {
 void Stream::Impl::play(Renderer::Impl& renderer) {
   if (renderer.method() != method_)
     throw std::invalid_argument("thesis: the settings of stream and renderer differ");
+  if (playing_) throw std::invalid_argument("the stream plays with a renderer already");
   renderer.attach(feed_);
+  playing_ = true;
   decode_thread_.start();
 }
 

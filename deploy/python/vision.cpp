@@ -100,7 +100,7 @@ class SourceObject {
   Source source_;
 };
 
-py::object toPython(const Images& images) {
+py::object wrapImages(const Images& images) {
   const py::ssize_t rows = images.height_px, columns = images.width_px;
   py::dict to;
   to["rgb"] = images.rgb.empty()
@@ -237,7 +237,7 @@ void addSource(py::module_& module) {
              if (PyErr_CheckSignals() != 0) throw py::error_already_set();
              const auto images = self.read();
              if (!images) throw py::stop_iteration();
-             return toPython(*images);
+             return wrapImages(*images);
            })
       .def(
           "rewind",

@@ -61,12 +61,12 @@ struct RendererSettings {
 
 /// Choices of the user, which may change at any time. The force follows without a step.
 struct Controls {
-  bool paused = false;             ///< true: play time stops
-  bool static_on = true;           ///< force of the surface
-  bool dynamic_on = true;          ///< force of the acceleration
-  double stiffness_factor = 1.0;   ///< 0.1..3
-  double force_factor = 1.0;       ///< 0..1
-  std::optional<double> friction;  ///< 0..1; absent: the author's
+  bool paused = false;                  ///< true: play time stops
+  bool static_on = true;                ///< force of the surface
+  bool dynamic_on = true;               ///< force of the acceleration
+  double stiffness_factor = 1.0;        ///< 0.1..3
+  double force_factor = 1.0;            ///< 0..1
+  std::optional<double> friction = {};  ///< 0..1; absent: the author's
   /// Another value re-arms the force after a loss of trust or of the device.
   std::uint32_t rearm = 0;
 };

@@ -32,14 +32,14 @@
 namespace hapticast {
 
 struct StreamSettings {
-  std::string token;        ///< access token; empty: none
-  bool tls = false;         ///< true: as an address hapticasts://HOST
-  std::string tls_ca_file;  ///< certificate authorities; empty: trust on first use
-  bool thesis = false;      ///< true: play() with a renderer that has RendererSettings::thesis
-  bool insecure = false;    ///< true: the token may travel without TLS
-  bool udp = false;         ///< true: frames by UDP where the server offers it
-  bool pictures = false;    ///< true: frames have a picture, and arrive when it has arrived
-  bool reconnect = false;   ///< true: next() waits for a new connection after a loss
+  std::string token = {};        ///< access token; empty: none
+  bool tls = false;              ///< true: as an address hapticasts://HOST
+  std::string tls_ca_file = {};  ///< certificate authorities; empty: trust on first use
+  bool thesis = false;           ///< true: play() with a renderer that has RendererSettings::thesis
+  bool insecure = false;         ///< true: the token may travel without TLS
+  bool udp = false;              ///< true: frames by UDP where the server offers it
+  bool pictures = false;         ///< true: frames have a picture, and arrive when it has arrived
+  bool reconnect = false;        ///< true: next() waits for a new connection after a loss
   std::size_t most_waiting = 64;      ///< frames, 1..1024
   double connect_timeout_s = 5.0;     ///< of each step of the connection, > 0
   std::string name = "libhapticast";  ///< name of this program for the server, at most 64 bytes

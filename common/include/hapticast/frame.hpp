@@ -75,20 +75,20 @@ struct Object {
   };
   /// The author's material. No value is negative. Absent: the viewer's default.
   struct Material {
-    std::optional<double> stiffness_N_mm;
-    std::optional<double> damping_Ns_m;
-    std::optional<double> static_friction;
-    std::optional<double> dynamic_friction;
-    std::optional<double> texture_K_mm;  ///< K of the perturbed surface model, mm
-    std::optional<double> mass_kg;
+    std::optional<double> stiffness_N_mm = {};
+    std::optional<double> damping_Ns_m = {};
+    std::optional<double> static_friction = {};
+    std::optional<double> dynamic_friction = {};
+    std::optional<double> texture_K_mm = {};  ///< K of the perturbed surface model, mm
+    std::optional<double> mass_kg = {};
   };
   /// Motion of the surface relative to the object's own motion, in square cells of 16 px over the
   /// rectangle of the heights, row by row.
   struct CellMotion {
     int columns = 0;  ///< width_px / 16, rounded up
     int rows = 0;     ///< height_px / 16, rounded up
-    std::vector<Eigen::Vector3f> velocity_mm_s;
-    std::vector<Eigen::Vector3f> acceleration_mm_s2;
+    std::vector<Eigen::Vector3f> velocity_mm_s = {};
+    std::vector<Eigen::Vector3f> acceleration_mm_s2 = {};
   };
 
   std::uint32_t id = 1;                      ///< the same in all frames of this object
@@ -102,8 +102,8 @@ struct Object {
   double quality = 1.0;           ///< 0 (lost: the motion is a prediction) .. 1 (measured well)
   double visible_fraction = 1.0;  ///< visible share of the object, 0..1
   std::shared_ptr<const CellMotion> cells;  ///< null: position and velocity explain all motion
-  std::vector<Impact> impacts;              ///< at most 4
-  Material material;
+  std::vector<Impact> impacts = {};         ///< at most 4
+  Material material = {};
 };
 
 /// All objects at one instant.
@@ -117,7 +117,7 @@ struct Frame {
 
 /// Properties of a stream.
 struct StreamInfo {
-  std::string name;         ///< name of the content, for people
+  std::string name = {};    ///< name of the content, for people
   double fps = 25.0;        ///< frames/s, 1..240
   int width_px = 640;       ///< of the picture, 1..1920
   int height_px = 480;      ///< of the picture, 1..1080
@@ -128,7 +128,7 @@ struct StreamInfo {
   bool stretch = false;                  ///< true: each axis of the picture has its own scale
   double latency_s = 0.0;                ///< time from a capture until its frame is complete
   double most_acceleration_mm_s2 = 0.0;  ///< largest one of the content; 0: unknown
-  std::optional<double> mass_kg;         ///< mass of the object by its author
+  std::optional<double> mass_kg = {};    ///< mass of the object by its author
 };
 
 }  // namespace hapticast

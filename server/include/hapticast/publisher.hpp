@@ -37,15 +37,15 @@
 namespace hapticast {
 
 struct PublisherSettings {
-  StreamInfo info;
+  StreamInfo info = {};
   /// Address for viewers: HOST:PORT, PORT, or [ADDRESS]:PORT; port 0: a free one.
   std::string listen = "[::]:7447";
-  bool udp = true;            ///< true: viewers may receive datagrams
-  std::string tls_cert_file;  ///< PEM files of certificate and key; empty: no TLS
-  std::string tls_key_file;
+  bool udp = true;                 ///< true: viewers may receive datagrams
+  std::string tls_cert_file = {};  ///< PEM files of certificate and key; empty: no TLS
+  std::string tls_key_file = {};
   /// Access tokens, as --tokens of hapticast-server; empty: none. Without TLS only viewers of this
   /// machine can connect then.
-  std::string tokens_file;
+  std::string tokens_file = {};
   std::size_t most_viewers = 64;  ///< 1..10000; each needs an open file (RLIMIT_NOFILE)
 };
 

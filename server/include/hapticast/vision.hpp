@@ -50,7 +50,7 @@ struct Images {
 
 /// Properties of a source of images.
 struct SourceInfo {
-  std::string name;          ///< for people
+  std::string name = {};     ///< for people
   int width_px = 0;          ///< 16..1920 of your images
   int height_px = 0;         ///< 16..1080 of your images
   double fps = 25.0;         ///< frames/s, 1..240
@@ -61,7 +61,7 @@ struct SourceInfo {
   struct Camera {
     double fx_px = 0.0, fy_px = 0.0, cx_px = 0.0, cy_px = 0.0;
   };
-  std::optional<Camera> camera;
+  std::optional<Camera> camera = {};
 };
 
 /// A recorded clip or a live camera.
@@ -92,15 +92,16 @@ class Source {
 
 struct VisionSettings {
   /// Points (u, v) on objects in the first images, px; empty: the nearest compact object.
-  std::vector<std::pair<double, double>> objects;
-  std::vector<std::pair<double, double>> not_objects;  ///< points that are on no object, px
-  bool thesis = false;                                 ///< true: the methods of the thesis
-  bool motion = true;                                  ///< false: no motion is measured
-  bool low_latency = false;                            ///< true: one frame of delay
-  bool pictures = true;                                ///< true: frames have the picture, as JPEG
-  std::optional<std::pair<double, double>> map_range;  ///< depths that become depth_mm and 0, mm
-  std::optional<double> fov_deg;                       ///< horizontal field of view, 10..170
-  Object::Material material;                           ///< of all objects
+  std::vector<std::pair<double, double>> objects = {};
+  std::vector<std::pair<double, double>> not_objects = {};  ///< points that are on no object, px
+  bool thesis = false;                                      ///< true: the methods of the thesis
+  bool motion = true;                                       ///< false: no motion is measured
+  bool low_latency = false;                                 ///< true: one frame of delay
+  bool pictures = true;  ///< true: frames have the picture, as JPEG
+  std::optional<std::pair<double, double>> map_range =
+      {};                              ///< depths that become depth_mm and 0, mm
+  std::optional<double> fov_deg = {};  ///< horizontal field of view, 10..170
+  Object::Material material = {};      ///< of all objects
 };
 
 class Vision {
