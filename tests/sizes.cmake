@@ -7,7 +7,7 @@ set(most_file_lines 400)
 set(most_function_lines 40)
 set(too_long "")
 
-file(GLOB_RECURSE files RELATIVE ${ROOT} ${ROOT}/common/*.?pp ${ROOT}/server/*.?pp ${ROOT}/client/*.?pp)
+file(GLOB_RECURSE files RELATIVE ${ROOT} ${ROOT}/common/*.?pp ${ROOT}/server/*.?pp ${ROOT}/client/*.?pp ${ROOT}/deploy/*.?pp)
 foreach(file ${files})
   file(READ ${ROOT}/${file} text)
   string(REGEX REPLACE "[^\n]" "" ends "${text}")

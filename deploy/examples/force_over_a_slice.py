@@ -3,22 +3,19 @@
 import sys
 
 import hapticast
-import matplotlib
+import matplotlib.pyplot as plt
 import numpy as np
 
-matplotlib.use("Agg")
-from matplotlib import pyplot as plt  # noqa: E402
-
-frame = next(f for f in hapticast.open("synthetic:bounce").frames() if f.objects)
-x0, y0, _ = frame.objects[0].position_mm
-frames = [hapticast.Frame(i / 25, frame.objects, frame.info["size"]) for i in range(200)]
-x = np.r_[np.full(500, -60.0), np.linspace(-60, 60, 6000)]  # 20 mm/s, after half a second at rest
-touch = hapticast.Renderer().run(frames, np.c_[x0 + x, np.full_like(x, y0), np.full_like(x, 14.0)])
-figure, (force, height) = plt.subplots(2, sharex=True)
+seen = next(f for f in hapticast.open("synthetic:bounce").frames() if f.objects).objects[0]
+x0, y0, _ = seen.position_mm
+rest = hapticast.Object(seen.height_mm, seen.mask, left_px=seen.rect[0], top_px=seen.rect[1])
+x = np.linspace(-40, 40, 8000)  # 10 mm/s, 3 mm below the top
+hand = np.c_[x0 + x, np.full_like(x, y0), np.full_like(x, seen.height_mm.max() - 3)]
+touch = hapticast.Renderer().run([hapticast.Frame(i / 25, [rest]) for i in range(220)], hand)
+figure, (force, height) = plt.subplots(2, sharex=True, figsize=(7, 4))
 force.plot(x, touch.force_N, label=["x", "y", "z"])
 height.plot(x, touch.height_mm)
 force.set_ylabel("force, N")
 force.legend()
-height.set_ylabel("height, mm")
-height.set_xlabel("x, mm")
+height.set(xlabel="x, mm", ylabel="height, mm")
 figure.savefig(sys.argv[1] if len(sys.argv) > 1 else "slice.png")

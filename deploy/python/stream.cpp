@@ -44,6 +44,13 @@ StreamSettings toSettings(const py::kwargs& from) {
   return to;
 }
 
+std::unique_ptr<Stream> connect(const py::object& address, const py::kwargs& options) {
+  const std::string name = toText(address, "address");
+  const StreamSettings settings = toSettings(options);
+  const py::gil_scoped_release unlocked;
+  return std::make_unique<Stream>(name, settings);
+}
+
 /// Returns the next frame; nullopt after `timeout_s` (negative: none) or at the end.
 std::optional<Frame> waitForFrame(Stream& stream, double timeout_s) {
   const double until_s = Stream::now() + timeout_s;
@@ -76,13 +83,7 @@ token, tls, tls_ca_file, insecure: access and encryption, as in hapticast-client
 udp: True: frames by UDP. pictures: True: frames have a picture. reconnect: True: go on after a loss.
 most_waiting: frames that wait for the reader (default 64); the oldest are dropped, and counted.
 timeout: s for each step of the connection. method: "thesis" for a renderer with this method.)")
-      .def(py::init([](const py::object& address, const py::kwargs& options) {
-             const std::string name = toText(address, "address");
-             const StreamSettings settings = toSettings(options);
-             const py::gil_scoped_release unlocked;
-             return std::make_unique<Stream>(name, settings);
-           }),
-           py::arg("address") = "localhost:7447")
+      .def(py::init(&connect), py::arg("address") = "localhost:7447")
       .def(
           "next",
           [](Stream& self, const py::object& timeout) {

@@ -226,6 +226,24 @@ frame interval after the images before.)")
       .def_property_readonly("info", [](VisionObject& self) { return toPython(self.info()); });
 }
 
+py::dict wrapInfo(const SourceInfo& info) {
+  py::dict to;
+  to["name"] = info.name;
+  to["size"] = py::make_tuple(info.width_px, info.height_px);
+  to["fps"] = info.fps;
+  to["metric"] = info.metric;
+  to["live"] = info.live;
+  to["frames"] = info.frames;
+  return to;
+}
+
+std::unique_ptr<SourceObject> openSource(const py::object& source, const py::object& fps) {
+  const std::string spec = toText(source, "source");
+  const double rate = toNumber(fps, "fps");
+  const py::gil_scoped_release unlocked;
+  return std::make_unique<SourceObject>(spec, rate);
+}
+
 void addSource(py::module_& module) {
   py::class_<SourceFrames>(module, "SourceFrames")
       .def("__iter__", [](py::object self) { return self; })
@@ -253,26 +271,10 @@ void addSource(py::module_& module) {
             return std::make_unique<SourceFrames>(self, toSettings(more));
           },
           "Iterates over the frames that Vision makes of the images. Options: those of Vision.")
-      .def_property_readonly("info", [](SourceObject& self) {
-        const SourceInfo& info = self.get().info();
-        py::dict to;
-        to["name"] = info.name;
-        to["size"] = py::make_tuple(info.width_px, info.height_px);
-        to["fps"] = info.fps;
-        to["metric"] = info.metric;
-        to["live"] = info.live;
-        to["frames"] = info.frames;
-        return to;
-      });
+      .def_property_readonly("info",
+                             [](SourceObject& self) { return wrapInfo(self.get().info()); });
   module.def(
-      "open",
-      [](const py::object& source, const py::object& fps) {
-        const std::string spec = toText(source, "source");
-        const double rate = toNumber(fps, "fps");
-        const py::gil_scoped_release unlocked;
-        return std::make_unique<SourceObject>(spec, rate);
-      },
-      py::arg("source"), py::arg("fps") = 0.0,
+      "open", &openSource, py::arg("source"), py::arg("fps") = 0.0,
       "Opens a source of hapticast-server: synthetic:NAME, a folder, a file, a camera, a URL.");
 }
 
