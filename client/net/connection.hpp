@@ -58,19 +58,19 @@ struct ConnectionEvents {
   /// The server's welcome arrived. For a further welcome of the same session, the connection calls
   /// this only if the description of the stream has changed.
   std::function<void(const StreamDescription&)> welcomed;
-  /// The server has changed the description of the stream during the connection.
-  std::function<void(const StreamDescription&)> described = nullptr;
   std::function<void(VideoFrame)> video;
   /// The server scans its clip before the first frame; the argument is the scanned share (0..1).
   std::function<void(double)> preparing;
   /// The transport or the origin of the stream has changed; one line for the user.
   std::function<void(const std::string&)> delivery;
-  /// The server has sent its goodbye, because it ends; disconnected() follows.
-  std::function<void()> goodbye = nullptr;
   /// The connection was lost, with the cause (one line); a retry follows.
   std::function<void(const std::string&)> disconnected;
   /// The connection has failed, with the cause (one line); no retry follows.
   std::function<void(const std::string&)> failed;
+  /// The server has changed the description of the stream during the connection.
+  std::function<void(const StreamDescription&)> described = nullptr;
+  /// The server has sent its goodbye, because it ends; disconnected() follows.
+  std::function<void()> goodbye = nullptr;
 };
 
 /// Connects to a server and reconnects after each loss.
