@@ -35,7 +35,7 @@ void FrameInbox::release(std::size_t count) {
     frames_.push_back(std::move(without_picture_.front()));
     without_picture_.pop_front();
   }
-  for (; frames_.size() > most_waiting_; ++dropped_) frames_.pop_front();
+  for (; frames_.size() > max_waiting_; ++dropped_) frames_.pop_front();
   changed_.notify_all();
 }
 

@@ -19,9 +19,9 @@ namespace hapticast::client {
 
 class FrameInbox {
  public:
-  /// The queue drops its oldest frame when it has more than `most_waiting`.
-  FrameInbox(std::size_t most_waiting, bool pictures)
-      : most_waiting_(most_waiting), pictures_(pictures) {}
+  /// The queue drops its oldest frame when it has more than `max_waiting`.
+  FrameInbox(std::size_t max_waiting, bool pictures)
+      : max_waiting_(max_waiting), pictures_(pictures) {}
 
   void push(Frame frame);
   /// Adds the picture of frame `id`. The frames before it have none.
@@ -39,7 +39,7 @@ class FrameInbox {
   /// Moves the first `count` frames that wait for pictures to the reader's queue.
   void release(std::size_t count);
 
-  const std::size_t most_waiting_;
+  const std::size_t max_waiting_;
   const bool pictures_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;

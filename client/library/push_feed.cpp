@@ -8,6 +8,11 @@
 namespace hapticast {
 
 void PushFeed::begin(const StreamInfo& info) {
+  // The frames that wait for their play time, and four that the interpolation holds.
+  constexpr double kMostDelay = client::FramePool::kSlots - 4;
+  if (delay_s_ * info.fps > kMostDelay)
+    throw std::invalid_argument("delay_s: " + std::to_string(delay_s_) +
+                                " s are more than 28 frames");
   importer_.emplace(info);
   prepared_.clear();
   frame_epoch_.reset();

@@ -49,7 +49,7 @@ client::Settings importServer(const std::string& address, const StreamSettings& 
 }
 
 client::ConnectionSettings importSettings(const std::string& address, const StreamSettings& from) {
-  require(from.most_waiting >= 1 && from.most_waiting <= 1024, "most_waiting: outside 1..1024");
+  require(from.max_waiting >= 1 && from.max_waiting <= 1024, "max_waiting: outside 1..1024");
   require(from.connect_timeout_s > 0.0 && from.connect_timeout_s <= 3600.0,
           "connect_timeout_s: outside 0..3600 s");
   require(from.token.size() <= limits::kAccessToken, "token: more than 256 bytes");
@@ -125,7 +125,7 @@ Stream::Impl::Impl(const std::string& address, const StreamSettings& settings)
     : address_(address),
       reconnects_(settings.reconnect),
       method_(settings.thesis ? Method::kThesis : Method::kHapticast),
-      inbox_(settings.most_waiting, settings.pictures),
+      inbox_(settings.max_waiting, settings.pictures),
       decode_thread_(feed_->pool, clock_, method_,
                      [this](const client::PreparedFrame& frame) {
                        asio::post(io_, [this, frame] { receiver_.addPrepared(frame); });

@@ -18,7 +18,7 @@ StreamInfo exportInfo(const StreamDescription& description) {
   to.thesis = description.method == Method::kThesis;
   to.stretch = workspace.stretch;
   to.latency_s = toSeconds(description.pipeline_latency);
-  to.most_acceleration_mm_s2 = description.largest_acceleration_mm_s2;
+  to.max_acceleration_mm_s2 = description.largest_acceleration_mm_s2;
   to.mass_kg = description.mass_kg;
   return to;
 }

@@ -167,7 +167,7 @@ StreamDescription importInfo(const StreamInfo& info) {
   to.pipeline_latency =
       fromSeconds(requireRange(info.latency_s, 0.0, 1e-9 * limits::kLatency_ns, "latency_s"));
   to.largest_acceleration_mm_s2 = requireRange(
-      info.most_acceleration_mm_s2, 0.0, limits::kAcceleration_mm_s2, "most_acceleration_mm_s2");
+      info.max_acceleration_mm_s2, 0.0, limits::kAcceleration_mm_s2, "max_acceleration_mm_s2");
   to.mass_kg = importMass(info.mass_kg);
   return to;
 }

@@ -31,8 +31,8 @@ PublisherSettings toSettings(const py::object& port, const py::object& size, con
       to.tls_key_file = toText(value, "tls_key_file");
     else if (name == "tokens_file")
       to.tokens_file = toText(value, "tokens_file");
-    else if (name == "most_viewers")
-      to.most_viewers = static_cast<std::size_t>(toInteger(value, "most_viewers", 1));
+    else if (name == "max_viewers")
+      to.max_viewers = static_cast<std::size_t>(toInteger(value, "max_viewers", 1));
     else
       throw py::type_error("'" + name + "' is no option of a Publisher");
   }
@@ -83,7 +83,7 @@ void addPublisher(py::module_& module) {
                               R"(Publishes a haptic video: a server from Python.
 
 port: TCP port; 0: a free one. size: (width, height) of the picture, px. fps: frames/s.
-name, host, udp, tls_cert_file, tls_key_file, tokens_file, most_viewers: as in hapticast-server.)")
+name, host, udp, tls_cert_file, tls_key_file, tokens_file, max_viewers: as in hapticast-server.)")
       .def(py::init([](const py::object& port, const py::object& size, const py::object& fps,
                        const py::kwargs& more) {
              return std::make_unique<PublisherObject>(toSettings(port, size, fps, more));

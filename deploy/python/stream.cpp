@@ -31,8 +31,8 @@ StreamSettings toSettings(const py::kwargs& from) {
       to.pictures = toTruth(value, "pictures");
     else if (name == "reconnect")
       to.reconnect = toTruth(value, "reconnect");
-    else if (name == "most_waiting")
-      to.most_waiting = static_cast<std::size_t>(toInteger(value, "most_waiting", 1));
+    else if (name == "max_waiting")
+      to.max_waiting = static_cast<std::size_t>(toInteger(value, "max_waiting", 1));
     else if (name == "timeout")
       to.connect_timeout_s = toNumber(value, "timeout");
     else if (name == "method")
@@ -81,7 +81,7 @@ void addStream(py::module_& module) {
 address: "HOST", "HOST:PORT", "hapticasts://HOST" or "mdns:NAME".
 token, tls, tls_ca_file, insecure: access and encryption, as in hapticast-client.
 udp: True: frames by UDP. pictures: True: frames have a picture. reconnect: True: go on after a loss.
-most_waiting: frames that wait for the reader (default 64); the oldest are dropped, and counted.
+max_waiting: frames that wait for the reader (default 64); the oldest are dropped, and counted.
 timeout: s for each step of the connection. method: "thesis" for a renderer with this method.)")
       .def(py::init(&connect), py::arg("address") = "localhost:7447")
       .def(
@@ -110,6 +110,7 @@ timeout: s for each step of the connection. method: "thesis" for a renderer with
           "Ends the connection.")
       .def_property_readonly("info", [](Stream& self) { return toPython(self.info()); })
       .def_property_readonly("connected", [](Stream& self) { return self.connected(); })
+      .def_property_readonly("ended", [](Stream& self) { return self.ended(); })
       .def_property_readonly("dropped", [](Stream& self) { return self.dropped(); });
 }
 

@@ -16,7 +16,7 @@ namespace hapticast {
   static constexpr std::array<Replacement, 11> kReplacements{{
       {" with --listen", ""},
       {"--listen", "listen"},
-      {"--max-clients", "most_viewers"},
+      {"--max-clients", "max_viewers"},
       {"--tls-cert", "tls_cert_file"},
       {"--tls-key", "tls_key_file"},
       {"--tokens", "tokens_file"},

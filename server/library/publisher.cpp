@@ -47,11 +47,11 @@ server::TlsFiles findTlsFiles(const PublisherSettings& settings) {
 }
 
 server::StreamSettings makeStreamSettings(const PublisherSettings& settings) {
-  require(settings.most_viewers >= 1 && settings.most_viewers <= kMostViewers,
-          "most_viewers: " + std::to_string(settings.most_viewers) + " is outside 1..10000");
+  require(settings.max_viewers >= 1 && settings.max_viewers <= kMostViewers,
+          "max_viewers: " + std::to_string(settings.max_viewers) + " is outside 1..10000");
   const bool tls = findTlsFiles(settings).wanted();
   return {
-      .max_clients = settings.most_viewers,
+      .max_clients = settings.max_viewers,
       .max_pending = tls ? server::Broadcaster::kMaxPendingTls : server::Broadcaster::kMaxPending};
 }
 

@@ -128,9 +128,7 @@ auto Vision::Impl::guard(Work work) {
     return work();
   } catch (const server::SourceError& error) {
     vision_.beginAnew();
-    const std::string what = error.what();
-    if (what.starts_with("--object")) throw std::invalid_argument(nameMembers(what));
-    throw std::runtime_error(nameMembers(what));
+    throw std::runtime_error(nameMembers(error.what()));
   } catch (const cv::Exception& error) {
     vision_.beginAnew();
     throw std::runtime_error("OpenCV: " + error.err);

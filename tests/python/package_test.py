@@ -171,7 +171,7 @@ class Publishing(unittest.TestCase):
 
     def test_nobody_reads(self):
         with hapticast.Publisher(0, host="127.0.0.1") as publisher:
-            stream = hapticast.Stream(f"127.0.0.1:{publisher.port}", most_waiting=3)
+            stream = hapticast.Stream(f"127.0.0.1:{publisher.port}", max_waiting=3)
             reader = hapticast.Stream(f"127.0.0.1:{publisher.port}")
             for _ in range(20):
                 publisher.publish(*make_disc())
@@ -214,7 +214,7 @@ class Publishing(unittest.TestCase):
                 (RuntimeError, lambda: hapticast.Stream("127.0.0.1:1")),
                 (ValueError, lambda: hapticast.Stream("a b")),
                 (TypeError, lambda: hapticast.Stream(7447)),
-                (ValueError, lambda: hapticast.Stream("127.0.0.1", most_waiting=0)),
+                (ValueError, lambda: hapticast.Stream("127.0.0.1", max_waiting=0)),
                 (TypeError, lambda: hapticast.Stream("127.0.0.1", colour="red")),
                 (ValueError, lambda: publisher.publish(np.zeros((9, 9)), np.ones((3, 3)))),
                 (ValueError, lambda: publisher.publish(np.zeros((2000, 2000)))),
@@ -269,7 +269,7 @@ class Publishing(unittest.TestCase):
         # A close with a viewer lasts up to a second, so one publisher has all streams.
         with hapticast.Publisher(0, host="127.0.0.1") as publisher:
             def open_once():
-                with hapticast.Stream(f"127.0.0.1:{publisher.port}", most_waiting=2) as stream:
+                with hapticast.Stream(f"127.0.0.1:{publisher.port}", max_waiting=2) as stream:
                     publisher.publish(*make_disc())
                     self.assertIsNotNone(stream.next(timeout=10))
                 hapticast.Publisher(0, host="127.0.0.1").close()

@@ -2,13 +2,18 @@
 // Receives a haptic video from hapticast-server or from a Publisher.
 //
 // Contract
-// - Bounded memory. A Stream keeps at most `most_waiting` frames that the caller has not read. It
+// - Bounded memory. A Stream keeps at most `max_waiting` frames that the caller has not read. It
 //   drops the oldest one for each further frame, and counts it.
 // - Trust. The bytes of a server are checked before use. With TLS the server is authenticated as
-//   hapticast-client does it: by a certificate authority, or by the key of the first connection.
-// - Threads. A Stream has a network thread of its own. next() has one thread. close(), dropped()
-//   and connected() may be called by any thread.
-// - fork(). A Stream belongs to the process that made it.
+//   hapticast-client does it: by a certificate authority, or by the key of the first connection
+//   (file hapticast/known_servers in $XDG_STATE_HOME or ~/.local/state). Another key is an error.
+// - Threads. A Stream has a network thread, and with play() one that prepares frames. next() has
+// one
+//   thread of the caller. All other functions may be called by any thread.
+// - Signals. The library handles none.
+// - fork(). A Stream belongs to the process that made it. In a child next(), play() and close()
+//   throw std::runtime_error.
+// - Errors and units: frame.hpp. A Stream that was moved from must not be used.
 //
 // Example: print the objects of a stream.
 //
@@ -31,47 +36,54 @@
 
 namespace hapticast {
 
+/// Choices of a connection.
 struct StreamSettings {
-  std::string token = {};        ///< access token; empty: none
-  bool tls = false;              ///< true: as an address hapticasts://HOST
-  std::string tls_ca_file = {};  ///< certificate authorities; empty: trust on first use
-  bool thesis = false;           ///< true: play() with a renderer that has RendererSettings::thesis
+  std::string token = {};        ///< access token of the server's operator; empty: none
+  bool tls = false;              ///< true: use TLS. hapticasts://HOST uses TLS in any case
+  std::string tls_ca_file = {};  ///< PEM file of certificate authorities; empty: trust on first use
   bool insecure = false;         ///< true: the token may travel without TLS
-  bool udp = false;              ///< true: frames by UDP where the server offers it
-  bool pictures = false;         ///< true: frames have a picture, and arrive when it has arrived
-  bool reconnect = false;        ///< true: next() waits for a new connection after a loss
-  std::size_t most_waiting = 64;      ///< frames, 1..1024
-  double connect_timeout_s = 5.0;     ///< of each step of the connection, > 0
+  bool udp = false;              ///< true: frames by UDP where the server offers it, else by TCP
+  bool pictures = false;         ///< true: frames have a picture, and wait for it
+  /// True: the Stream connects again after a loss. next() does not throw for a loss then, and its
+  /// timeout holds. A first connection that fails is an error in any case.
+  bool reconnect = false;
+  bool thesis = false;             ///< the value of RendererSettings::thesis, for play()
+  std::size_t max_waiting = 64;    ///< frames, 1..1024
+  double connect_timeout_s = 5.0;  ///< limit of each step of the connection, above 0, at most 3600
   std::string name = "libhapticast";  ///< name of this program for the server, at most 64 bytes
 };
 
 /// A connection to a server.
 class Stream {
  public:
-  /// Connects to `address`: HOST, HOST:PORT, hapticasts://HOST:PORT or mdns:NAME. Waits for the
-  /// welcome.
-  /// Errors: std::invalid_argument (address, settings), std::runtime_error (no answer, a server of
-  /// another version, a refusal).
+  /// Connects to `address` and waits for the welcome. `address` is HOST, HOST:PORT,
+  /// hapticasts://HOST[:PORT] or mdns:NAME (the name that a server announces). The default port is
+  /// 7447. Errors: std::invalid_argument (address, settings), std::runtime_error (no answer, a
+  /// server of another version, a refusal, a wrong key).
   explicit Stream(const std::string& address, const StreamSettings& settings = {});
   ~Stream();
   Stream(Stream&& from) noexcept;
   Stream& operator=(Stream&& from) noexcept;
 
-  /// Returns the properties of the stream, as the server has stated them last. Thread: any.
+  /// Returns the properties of the stream, as the server has stated them last.
   [[nodiscard]] StreamInfo info() const;
-  /// Returns the next frame. Waits for it, at most `timeout_s` (negative: without a limit). Returns
-  /// nullopt after the timeout, at the end of the stream, and after close(). Errors:
-  /// std::runtime_error (the connection was lost).
+  /// Returns the next frame. Waits for it at most `timeout_s` (negative: without a limit). Returns
+  /// nullopt after the timeout, at the end of the stream, and after close(); ended() tells them
+  /// apart. Errors: std::runtime_error (the connection was lost; every further call throws it
+  /// again).
   [[nodiscard]] std::optional<Frame> next(double timeout_s = -1.0);
   /// Plays the stream with `renderer` from now on, as hapticast-client does: the time of its ticks
-  /// is now(), and its playout delay follows the jitter. next() goes on as well. Call it once.
-  /// Errors: std::invalid_argument (the renderer has had ticks or frames, or another method).
+  /// is now(), and its playout delay follows the jitter. next() returns the frames as well, and
+  /// counts unread ones as dropped. Stream and renderer may end or move in any order. Errors:
+  /// std::invalid_argument (the renderer has had ticks or frames, the Stream plays already, or
+  /// RendererSettings::thesis differs).
   void play(Renderer& renderer);
-  /// Returns the time for the ticks of a Renderer that plays a Stream, s. Thread: any.
+  /// Returns the time for the ticks of a Renderer that plays a Stream, s of the steady clock.
   [[nodiscard]] static double now();
 
+  /// Returns true while the server is connected.
   [[nodiscard]] bool connected() const;
-  /// Returns true after the end of the stream, and after close().
+  /// Returns true if next() has no more frames: after the end of the stream, an error or close().
   [[nodiscard]] bool ended() const;
   /// Returns the number of frames that were dropped because nobody read them.
   [[nodiscard]] std::uint64_t dropped() const;
@@ -84,21 +96,25 @@ class Stream {
 };
 
 /// Plays messages of the wire (proto/README.md) with a renderer, in the caller's time. With the
-/// same messages, times and positions its forces have the same bits as those of hapticast-client.
+/// same messages, times and positions the forces have the same bits as those of hapticast-client.
 /// Thread: that of the ticks.
 class MessagePlayer {
  public:
-  /// Errors: std::invalid_argument (the renderer has had ticks or frames).
+  /// The player and `renderer` may end in any order. Errors: std::invalid_argument (the renderer
+  /// has had ticks or frames).
   explicit MessagePlayer(Renderer& renderer);
   ~MessagePlayer();
   MessagePlayer(const MessagePlayer&) = delete;
   MessagePlayer& operator=(const MessagePlayer&) = delete;
 
-  /// Adds a message without its length prefix that arrived at `arrival_s`. Times must not
+  /// Adds one message of a server. The first one is a welcome. Give each message without its length
+  /// prefix. `arrival_s` is the time of its arrival on the clock of the ticks, s. Arrivals must not
   /// decrease. Errors: std::runtime_error (the message is damaged or out of place; the connection
-  /// then counts as lost, as in the client).
+  /// counts as lost, as in the client, and the next message has to be a welcome),
+  /// std::invalid_argument (a time that is not finite).
   void push(std::span<const std::uint8_t> message, double arrival_s);
-  /// Passes the frames that are due at `time_s` to the renderer. Call it before each tick.
+  /// Passes the frames that are due at `time_s` to the renderer. Call it before each tick, with the
+  /// time of the tick. Errors: std::invalid_argument (a time that is not finite).
   void release(double time_s);
 
  private:

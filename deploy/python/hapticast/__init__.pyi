@@ -10,6 +10,7 @@ Method = Literal["hapticast", "thesis"]
 Point = tuple[float, float]
 
 safety_actions: tuple[str, ...]
+"""Names of the bits of Ticks.safety_actions, bit 0 first."""
 
 class Object:
     def __init__(
@@ -73,7 +74,7 @@ class Stream:
     def __init__(
         self, address: str = "localhost:7447", *, token: str = "", tls: bool = False,
         tls_ca_file: str = "", insecure: bool = False, udp: bool = False, pictures: bool = False,
-        reconnect: bool = False, most_waiting: int = 64, timeout: float = 5.0,
+        reconnect: bool = False, max_waiting: int = 64, timeout: float = 5.0,
         method: Method = "hapticast",
     ) -> None: ...
     def next(self, timeout: float | None = None) -> Frame | None: ...
@@ -86,6 +87,9 @@ class Stream:
     def info(self) -> dict[str, Any]: ...
     @property
     def connected(self) -> bool: ...
+    @property
+    def ended(self) -> bool:
+        """True if next() has no more frames."""
     @property
     def dropped(self) -> int: ...
 
@@ -119,7 +123,7 @@ class Publisher:
     def __init__(
         self, port: int = 7447, size: tuple[int, int] = (640, 480), fps: float = 25.0, *,
         name: str = "", host: str = "[::]", udp: bool = True, tls_cert_file: str = "",
-        tls_key_file: str = "", tokens_file: str = "", most_viewers: int = 64,
+        tls_key_file: str = "", tokens_file: str = "", max_viewers: int = 64,
     ) -> None: ...
     def publish(
         self, height_mm: ArrayLike | Frame, mask: ArrayLike | None = None,

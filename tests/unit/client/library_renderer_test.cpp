@@ -110,16 +110,18 @@ TEST(LibraryRenderer, RefusesWrongSettingsAndFrames) {
   EXPECT_THROW(Renderer({.stiffness_limit_N_mm = kNaN}), std::invalid_argument);
   EXPECT_THROW(Renderer({.delay_s = 3.0}), std::invalid_argument);
   Renderer renderer;
-  EXPECT_THROW(renderer.push(makeFrame(0.0)), std::invalid_argument);  // before begin()
+  EXPECT_THROW((void)renderer.push(makeFrame(0.0)), std::invalid_argument);  // before begin()
   StreamInfo wrong;
   wrong.fps = 0.0;
   EXPECT_THROW(renderer.begin(wrong), std::invalid_argument);
+  Renderer slow({.delay_s = 1.5});
+  EXPECT_THROW(slow.begin({}), std::invalid_argument);  // 37 frames
   renderer.begin({});
   EXPECT_TRUE(renderer.push(makeFrame(1.0)));
-  EXPECT_THROW(renderer.push(makeFrame(1.0)), std::invalid_argument);  // the same time
-  EXPECT_THROW(renderer.push(makeFrame(kNaN)), std::invalid_argument);
-  EXPECT_THROW(renderer.push(makeFrame(2.0, std::nanf(""))), std::invalid_argument);
-  EXPECT_THROW(renderer.push(makeFrame(2.0, 1e6F)), std::invalid_argument);
+  EXPECT_THROW((void)renderer.push(makeFrame(1.0)), std::invalid_argument);  // the same time
+  EXPECT_THROW((void)renderer.push(makeFrame(kNaN)), std::invalid_argument);
+  EXPECT_THROW((void)renderer.push(makeFrame(2.0, std::nanf(""))), std::invalid_argument);
+  EXPECT_THROW((void)renderer.push(makeFrame(2.0, 1e6F)), std::invalid_argument);
   for (int i = 0; i < 31; ++i) EXPECT_TRUE(renderer.push(makeFrame(2.0 + i)));
   EXPECT_FALSE(renderer.push(makeFrame(40.0)));  // the pool is full
 }

@@ -310,7 +310,7 @@ TEST(FrameImport, WrongPropertiesOfAStreamThrow) {
       [](StreamInfo& info) { info.depth_mm = kNan; },
       [](StreamInfo& info) { info.latency_s = -1.0; },
       [](StreamInfo& info) { info.latency_s = 11.0; },
-      [](StreamInfo& info) { info.most_acceleration_mm_s2 = -1.0; },
+      [](StreamInfo& info) { info.max_acceleration_mm_s2 = -1.0; },
       [](StreamInfo& info) { info.mass_kg = 0.0; },
   };
   for (const auto& change : changes) {
