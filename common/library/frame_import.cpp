@@ -186,6 +186,11 @@ HapticFrame FrameImporter::import(const Frame& frame, std::uint64_t id, MediaTim
   std::size_t pixels = 0;
   for (const Object& object : frame.objects) {
     HapticObject& made = to.objects.emplace_back(importObject(object));
+    // The time of the frame may be another one here. Its impacts keep their distance.
+    if (!made.impacts.empty()) {
+      const Duration shift = media_time - importTime(frame.time_s, "time_s");
+      for (Impact& impact : made.impacts) impact.time += shift;
+    }
     const auto [place, is_new] = known.try_emplace(makeKey(made));
     require(is_new, "objects: two objects have the id " + std::to_string(object.id) +
                         " and the layer " + std::to_string(object.layer));

@@ -30,7 +30,8 @@ class FrameImporter {
   /// Returns `frame` with the number `id` and the time of `frame`. Throws std::invalid_argument if
   /// a value is outside its range or sizes do not match; the importer then has not changed.
   [[nodiscard]] HapticFrame import(const Frame& frame, std::uint64_t id);
-  /// The same with the time `media_time` in place of the time of `frame`.
+  /// The same with the time `media_time` in place of the time of `frame`. Its impacts keep their
+  /// distance to the time of the frame.
   [[nodiscard]] HapticFrame import(const Frame& frame, std::uint64_t id, MediaTime media_time);
   [[nodiscard]] const StreamDescription& description() const { return description_; }
 

@@ -9,8 +9,9 @@
 //   here, so the same calls give the same bits.
 // - Frames come from push(), from a Stream or from a MessagePlayer (stream.hpp), and only from one
 //   of them for each Renderer. A frame of push() plays at the tick time frame.time_s + delay_s. The
-//   renderer interpolates between two frames, so push the next frame before that time. Without a
-//   next frame the surface rests, and after 0.4 s its force fades out.
+//   renderer interpolates between two frames, so the next frame has to be there at that time. For
+//   frames that are captured now, delay_s has to be a frame interval and the time of your pipeline.
+//   Without a next frame the surface rests, and after 0.4 s its force fades out.
 // - Begin outside. A hand that is inside an object at its first contact gets no force until it has
 //   left the object.
 // - Force. Tick::force_N is behind the safety chain: limited in size, rise, energy and heat. When
@@ -26,7 +27,7 @@
 //   begin() and push() have one thread, and setControls() has one. The three may be different.
 // - Errors: frame.hpp. A Renderer that was moved from must not be used.
 //
-// Example: the force on a hand that goes down on a disc (makeDisc() is the example of frame.hpp).
+// Example: the force on a hand that goes down on a disc (`frame`: the example of frame.hpp).
 //
 //   hapticast::Renderer renderer;
 //   renderer.begin({});
@@ -69,13 +70,15 @@ struct RendererSettings {
   /// Limit of the stiffness of a material, 0..1000. 0: three times the stiffness of the profile.
   /// The safety chain also limits every stiffness to what the device can render stably.
   double stiffness_limit_N_mm = 0.0;
-  /// Playout delay of frames from push(), 0..2 s. At most 28 frame intervals.
+  /// Playout delay of frames from push(), 0..2 s. begin() refuses more than 28 frame intervals.
   double delay_s = 0.0;
 };
 
 /// Choices of the user, which may change at any time. The force follows without a step.
 struct Controls {
-  bool paused = false;            ///< true: play time stops; after it the newest frames play
+  /// True: play time stops. The surface rests, and can still be touched. After the pause the newest
+  /// frames play.
+  bool paused = false;
   bool static_on = true;          ///< true: the force of the surface acts
   bool dynamic_on = true;         ///< true: the force of accelerations and impacts acts
   double stiffness_factor = 1.0;  ///< factor of every stiffness, 0.1..3
@@ -93,7 +96,7 @@ struct Tick {
   double play_time_s = 0.0;                                  ///< media time of the rendered instant
   Eigen::Vector3d force_N = Eigen::Vector3d::Zero();         ///< force for the device
   Eigen::Vector3d static_force_N = Eigen::Vector3d::Zero();  ///< of the surface, before the limits
-  Eigen::Vector3d dynamic_force_N = Eigen::Vector3d::Zero();  ///< of accelerations and impacts
+  Eigen::Vector3d dynamic_force_N = Eigen::Vector3d::Zero();  ///< of motion, within the limits
   Eigen::Vector3d hip_mm = Eigen::Vector3d::Zero();           ///< haptic interface point: the hand
   /// Point of the surface that the hand touches. It is valid while `contact` is true.
   Eigen::Vector3d contact_mm = Eigen::Vector3d::Zero();
@@ -141,10 +144,11 @@ class Renderer {
   /// one, which may differ from that of tick().
   void setControls(const Controls& controls);
 
-  /// Converts a position from the nominal frame to the device frame. begin() and a Stream set the
-  /// mapping: the nominal frame fits into the workspace of the device with one scale.
+  /// Converts a position from the nominal frame to the device frame: the nominal frame fits into
+  /// the workspace of the device with one scale. begin() and the welcome of a Stream set the
+  /// nominal frame. Before that it has the default size of StreamInfo.
   [[nodiscard]] Eigen::Vector3d toDevice(const Eigen::Vector3d& nominal_mm) const;
-  /// Converts a position from the device frame to the nominal frame.
+  /// Converts a position from the device frame to the nominal frame: the inverse of toDevice().
   [[nodiscard]] Eigen::Vector3d toNominal(const Eigen::Vector3d& device_mm) const;
 
   class Impl;

@@ -43,9 +43,12 @@ struct StreamSettings {
   std::string tls_ca_file = {};  ///< PEM file of certificate authorities; empty: trust on first use
   bool insecure = false;         ///< true: the token may travel without TLS
   bool udp = false;              ///< true: frames by UDP where the server offers it, else by TCP
-  bool pictures = false;         ///< true: frames have a picture, and wait for it
-  /// True: the Stream connects again after a loss. next() does not throw for a loss then, and its
-  /// timeout holds. A first connection that fails is an error in any case.
+  /// True: a frame waits for its picture, at most until four later frames have arrived. Then
+  /// Frame::jpeg is empty.
+  bool pictures = false;
+  /// True: after a loss the Stream tries to connect again, without end. next() then waits for the
+  /// next frame, as long as its timeout permits. A first connection that fails is an error in any
+  /// case.
   bool reconnect = false;
   bool thesis = false;             ///< the value of RendererSettings::thesis, for play()
   std::size_t max_waiting = 64;    ///< frames, 1..1024
@@ -68,15 +71,15 @@ class Stream {
   /// Returns the properties of the stream, as the server has stated them last.
   [[nodiscard]] StreamInfo info() const;
   /// Returns the next frame. Waits for it at most `timeout_s` (negative: without a limit). Returns
-  /// nullopt after the timeout, at the end of the stream, and after close(); ended() tells them
-  /// apart. Errors: std::runtime_error (the connection was lost; every further call throws it
-  /// again).
+  /// nullopt after the timeout, at the end of the stream, and after close(). ended() is false only
+  /// after a timeout. Frames that wait come before the end or the error. Errors: std::runtime_error
+  /// (the connection was lost; every further call throws it again).
   [[nodiscard]] std::optional<Frame> next(double timeout_s = -1.0);
   /// Plays the stream with `renderer` from now on, as hapticast-client does: the time of its ticks
   /// is now(), and its playout delay follows the jitter. next() returns the frames as well, and
   /// counts unread ones as dropped. Stream and renderer may end or move in any order. Errors:
-  /// std::invalid_argument (the renderer has had ticks or frames, the Stream plays already, or
-  /// RendererSettings::thesis differs).
+  /// std::invalid_argument (the renderer has had begin(), a tick or another player; the Stream
+  /// plays already; or RendererSettings::thesis differs from StreamSettings::thesis).
   void play(Renderer& renderer);
   /// Returns the time for the ticks of a Renderer that plays a Stream, s of the steady clock.
   [[nodiscard]] static double now();
@@ -100,18 +103,18 @@ class Stream {
 /// Thread: that of the ticks.
 class MessagePlayer {
  public:
-  /// The player and `renderer` may end in any order. Errors: std::invalid_argument (the renderer
-  /// has had ticks or frames).
+  /// Player and renderer may end in any order, and the renderer may move. Errors:
+  /// std::invalid_argument (the renderer has had begin(), a tick or another player).
   explicit MessagePlayer(Renderer& renderer);
   ~MessagePlayer();
   MessagePlayer(const MessagePlayer&) = delete;
   MessagePlayer& operator=(const MessagePlayer&) = delete;
 
   /// Adds one message of a server. The first one is a welcome. Give each message without its length
-  /// prefix. `arrival_s` is the time of its arrival on the clock of the ticks, s. Arrivals must not
-  /// decrease. Errors: std::runtime_error (the message is damaged or out of place; the connection
-  /// counts as lost, as in the client, and the next message has to be a welcome),
-  /// std::invalid_argument (a time that is not finite).
+  /// prefix. `arrival_s` is the time of its arrival on the clock of the ticks, s. An arrival before
+  /// the last one counts as at the time of the last one. Errors: std::runtime_error (the message is
+  /// damaged or out of place; the connection counts as lost, as in the client, and the next message
+  /// has to be a welcome), std::invalid_argument (a time that is not finite).
   void push(std::span<const std::uint8_t> message, double arrival_s);
   /// Passes the frames that are due at `time_s` to the renderer. Call it before each tick, with the
   /// time of the tick. Errors: std::invalid_argument (a time that is not finite).

@@ -8,8 +8,8 @@
 //   height_mm with one scale for both axes, unless StreamInfo::stretch is true.
 // - Picture. Pixel (u, v) is column u and row v; (0, 0) is at the top left. Images are row-major.
 // - Heights are the z of the surface in the nominal frame at the time of their frame. An object
-//   that has moved needs another HeightMap. Position and velocity state how the renderer moves the
-//   surface until the next frame.
+//   that has moved needs another HeightMap. position_mm does not shift the heights: only its change
+//   from frame to frame, with the velocity, moves the surface between the frames.
 // - Times are in s of the media clock, the clock of the frames of one stream.
 // - Sharing. Two frames share one HeightMap (the same pointer) if the heights have not changed. Do
 //   not change a HeightMap after you have passed its frame to a function.
@@ -53,7 +53,7 @@ struct HeightMap {
   std::vector<std::uint8_t> mask;  ///< same shape; 1: the pixel belongs to the object
 
   HeightMap() = default;
-  /// Makes a rectangle without pixels of the object. Requires sizes of at least 0.
+  /// Makes a rectangle without pixels of the object. Requires sizes of at least 1.
   HeightMap(int left, int top, int width, int height)
       : left_px(left),
         top_px(top),
@@ -99,7 +99,9 @@ struct Object {
   /// Number of the object, 1 or more: the same in all frames. Two objects of a frame differ in id
   /// or layer.
   std::uint32_t id = 1;
-  std::uint32_t layer = 0;  ///< part of the object behind a step of depth: 0 (nearest) .. 15
+  /// An object with steps of depth becomes several Objects with one id. `layer` numbers them from 0
+  /// (nearest) to 15.
+  std::uint32_t layer = 0;
   /// Null: the object cannot be touched. A Stream repeats the last heights of an object whose
   /// heights have not changed.
   std::shared_ptr<const HeightMap> heights;
@@ -109,9 +111,11 @@ struct Object {
   Eigen::Vector3d acceleration_mm_s2 = Eigen::Vector3d::Zero();
   double angle_rad = 0.0;  ///< about +z through position_mm, right-handed
   double angular_velocity_rad_s = 0.0;
-  double quality = 1.0;           ///< 0 (lost: the motion is a prediction) .. 1 (measured well)
-  double visible_fraction = 1.0;  ///< visible share of the object, 0..1
-  std::shared_ptr<const CellMotion> cells;  ///< null: position and velocity explain all motion
+  /// Quality of the motion, 0..1. At 0 the object is lost, and viewers let it rest. Other values
+  /// are information.
+  double quality = 1.0;
+  double visible_fraction = 1.0;            ///< visible share of the object, 0..1
+  std::shared_ptr<const CellMotion> cells;  ///< null: the surface moves as a rigid body
   /// Impacts near the time of the frame, before or after it, at most 4. A viewer renders each
   /// impact once, although several frames repeat it.
   std::vector<Impact> impacts;
@@ -120,7 +124,7 @@ struct Object {
 
 /// All objects at one instant.
 struct Frame {
-  std::uint64_t id = 0;  ///< rises from frame to frame; a Publisher numbers its frames itself
+  std::uint64_t id = 0;  ///< number of a received frame; Renderer and Publisher ignore it
   /// Number of the continuous part. A frame with another epoch continues nothing of the frame
   /// before (a cut, a seek). The times rise across epochs, too.
   std::uint32_t epoch = 0;
@@ -138,10 +142,11 @@ struct StreamInfo {
   double width_mm = 160.0;   ///< width of the nominal frame, 0.001..1000
   double height_mm = 120.0;  ///< height of the nominal frame, 0.001..1000
   double depth_mm = 30.0;    ///< largest height of a surface, 0.001..1000
-  bool thesis = false;       ///< true: the source of the frames uses the methods of the thesis
+  bool thesis = false;       ///< true: the source used the methods of the thesis; information only
   bool stretch = false;      ///< true: each axis of the picture has its own scale
-  double latency_s = 0.0;    ///< time from the capture until the frame is complete, 0..10
-  /// Largest acceleration of the content, 0..1e8. Viewers distrust larger ones. 0: unknown.
+  /// Time from the capture of a frame until it is published, 0..10. Viewers wait so much longer.
+  double latency_s = 0.0;
+  /// Largest acceleration of the content, 0..1e8. Viewers limit larger ones to it. 0: unknown.
   double max_acceleration_mm_s2 = 0.0;
   /// Mass of each object that has no Material::mass_kg, 1e-6..1000. Absent: the viewer's own
   /// choice.

@@ -4,7 +4,8 @@
 // Contract
 // - Frames. Each frame goes to all viewers. A slow viewer loses old frames and delays nobody.
 // - Time. A frame has the time of its publish() call, unless the argument `time_s` gives another
-//   one. Frame::time_s is ignored. Times have to rise.
+//   one. Times have to rise. The impacts of a frame keep their distance to Frame::time_s, which has
+//   no other effect.
 // - Heights are rounded to 0.02 mm on the wire.
 // - Threads. publish() and close() have one thread; all other functions may be called by any
 // thread.
@@ -15,8 +16,8 @@
 //   spdlog::set_level(spdlog::level::off) silences it, spdlog::set_default_logger() replaces it.
 // - Errors, units and axes: frame.hpp.
 //
-// Example: a disc that moves up and down (frame and makeDisc(): the example of frame.hpp). The
-// heights are new in each frame. The velocity states how they move until the next one.
+// Example: a disc that moves up and down. makeDisc() makes the heights of the example of frame.hpp,
+// at another z. The velocity states how they move until the next frame.
 //
 //   hapticast::Publisher publisher({.info = {.name = "disc"}});
 //   for (int i = 0; i < 250; ++i) {
@@ -47,8 +48,9 @@ struct PublisherSettings {
   bool udp = true;                 ///< true: viewers may receive frames by UDP
   std::string tls_cert_file = {};  ///< PEM file of the certificate; empty: no TLS
   std::string tls_key_file = {};   ///< PEM file of its key; name both files or none
-  /// File of access tokens, as --tokens of hapticast-server. Empty: everybody may connect. With
-  /// tokens and without TLS, only viewers on this machine can connect.
+  /// File of access tokens, as --tokens of hapticast-server (server/stream/README.md has its
+  /// lines). Empty: everybody may connect. With tokens and without TLS, the Publisher refuses
+  /// viewers on other machines.
   std::string tokens_file = {};
   std::size_t max_viewers = 64;  ///< 1..10000; each needs an open file (RLIMIT_NOFILE)
 };

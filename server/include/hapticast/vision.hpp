@@ -3,9 +3,8 @@
 // reads every source of hapticast-server.
 //
 // Contract
-// - Images. Colour has 8 bits a channel, in the order R, G, B. Depth is in mm along the optical
-// axis,
-//   and 0 where it was not measured. Vision keeps no reference to the images of the caller.
+// - Images. Colour has 8 bits a channel, in the order R, G, B. Vision keeps no reference to the
+//   images of the caller. A mask of the images replaces VisionSettings::objects.
 // - Points. The middle of pixel (u, v) is the point (u + 0.5, v + 0.5).
 // - Delay. The motion of a frame depends on later frames too, so push() returns a frame some frames
 //   later. flush() returns the last ones.
@@ -44,7 +43,7 @@ struct Images {
   int width_px = 0;                ///< as SourceInfo::width_px
   int height_px = 0;               ///< as SourceInfo::height_px
   std::vector<std::uint8_t> rgb;   ///< height_px x width_px x 3
-  std::vector<float> depth;        ///< height_px x width_px; see SourceInfo::metric
+  std::vector<float> depth;        ///< height_px x width_px; unit: SourceInfo::metric
   std::vector<std::uint8_t> mask;  ///< height_px x width_px; 0: outside, n: object n
   double time_s = 0.0;             ///< rises from images to images
   std::uint32_t epoch = 0;         ///< another value: these images continue nothing (a cut)
@@ -53,11 +52,13 @@ struct Images {
 
 /// Properties of a source of images.
 struct SourceInfo {
-  std::string name = {};     ///< for people, UTF-8, at most 256 bytes
-  int width_px = 0;          ///< width of the images, 16..1920
-  int height_px = 0;         ///< height of the images, 16..1080
-  double fps = 25.0;         ///< frames/s, 1..240
-  bool metric = true;        ///< true: depth in mm; false: 0 (farthest) .. 255 (nearest), all valid
+  std::string name = {};  ///< for people, UTF-8, at most 256 bytes
+  int width_px = 0;       ///< width of the images, 16..1920
+  int height_px = 0;      ///< height of the images, 16..1080
+  double fps = 25.0;      ///< frames/s, 1..240
+  /// True: depth is in mm along the optical axis, and 0 where it was not measured. False: depth is
+  /// 0 (farthest) to 255 (nearest), and all values are valid.
+  bool metric = true;
   bool live = false;         ///< true: a camera or a stream, which has no end
   std::uint64_t frames = 0;  ///< number of frames; 0: unknown
   /// Pinhole camera: focal lengths and principal point, px. The middle of the first pixel is (0.5,
@@ -106,9 +107,11 @@ struct VisionSettings {
   bool motion = true;                  ///< false: no motion is measured
   bool low_latency = false;  ///< true: one frame of delay; impacts of live sources are not found
   bool pictures = true;      ///< true: frames have the picture, as JPEG
-  /// Depths (near, far), mm, that become the heights 30 mm and 0. Absent: vision measures them.
+  /// Depths (near, far), mm, that become the heights StreamInfo::depth_mm and 0. Absent: Vision
+  /// measures them.
   std::optional<Pair> map_range = {};
-  /// Horizontal field of view, degrees, 10..170. It replaces SourceInfo::camera.
+  /// Horizontal field of view, degrees, 10..170. It replaces SourceInfo::camera. Without both,
+  /// Vision assumes 56 degrees.
   std::optional<double> fov_deg = {};
   Object::Material material = {};  ///< material of all objects
 };
@@ -128,7 +131,8 @@ class Vision {
   Vision& operator=(Vision&& from) noexcept;
 
   /// Returns the properties of the frames, for a Publisher or a Renderer. With a recorded source
-  /// they are complete after the constructor, otherwise after the first frame.
+  /// they are final after the constructor, otherwise after the first frame: make the Publisher
+  /// after it.
   [[nodiscard]] StreamInfo info() const;
   /// Adds images. Returns the frame that is complete now, or nullopt if none is. Errors:
   /// std::invalid_argument (sizes that do not match, a value that is not finite, a time that does

@@ -325,4 +325,16 @@ TEST(FrameImport, WrongPropertiesOfAStreamThrow) {
 }
 
 }  // namespace
+TEST(FrameImport, ImpactsKeepTheirDistanceToTheTimeOfTheFrame) {
+  Frame frame;
+  frame.time_s = 2.0;
+  frame.objects.emplace_back().impacts.push_back({1.75, Vec3(0.0, 0.0, 9.0)});
+  FrameImporter importer{StreamInfo()};
+  const HapticFrame same = importer.import(frame, 1);
+  EXPECT_EQ(same.objects[0].impacts[0].time, mediaTime(1.75));
+  const HapticFrame moved = importer.import(frame, 2, mediaTime(100.0));
+  EXPECT_EQ(moved.media_time, mediaTime(100.0));
+  EXPECT_EQ(moved.objects[0].impacts[0].time, mediaTime(99.75));
+}
+
 }  // namespace hapticast
