@@ -325,6 +325,7 @@ TEST(FrameImport, WrongPropertiesOfAStreamThrow) {
 }
 
 }  // namespace
+
 TEST(FrameImport, ImpactsKeepTheirDistanceToTheTimeOfTheFrame) {
   Frame frame;
   frame.time_s = 2.0;
