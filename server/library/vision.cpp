@@ -182,6 +182,7 @@ std::optional<Frame> Vision::Impl::push(const Images& images) {
 std::vector<Frame> Vision::Impl::flush() {
   const auto results = guard([this] { return vision_.flush(); });
   std::vector<Frame> frames;
+  frames.reserve(results.size());
   for (const server::VisionResult& each : results) frames.push_back(convert(each));
   return frames;
 }

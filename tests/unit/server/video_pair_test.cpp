@@ -11,6 +11,7 @@
 #include <fstream>
 #include <iterator>
 #include <opencv2/videoio.hpp>
+#include <sstream>
 #include <vector>
 
 #include "tests/unit/server/source_files.hpp"
@@ -326,14 +327,13 @@ TEST_F(VideoPairFiles, PicturesOfPhonesAreTurnedAsPlayersTurnThem) {
   if (!ffmpeg("-i testsrc=size=96x64:rate=25:duration=0.4 -c:v libx264 -pix_fmt yuv420p", "a.mp4"))
     GTEST_SKIP() << "needs ffmpeg";
   for (const int turn_deg : {90, 180, 270}) {
-    const std::string run = "ffmpeg -loglevel quiet -y </dev/null ";
-    const std::string turn = std::to_string(turn_deg);
-    // FFmpeg 6 and later; then 5.1.
-    const std::string copy = "cd '" + folder.string() + "' && { " + run + "-display_rotation -" +
-                             turn + " -i a.mp4 -c copy turned.mp4 || " + run +
-                             "-i a.mp4 -c copy -metadata:s:v rotate=" + turn +
-                             " turned.mp4; } && " + run + "-i turned.mp4 -frames:v 1 turned.png";
-    ASSERT_EQ(std::system(copy.c_str()), 0);
+    const char* const run = "ffmpeg -loglevel quiet -y </dev/null ";
+    std::ostringstream copy;  // by FFmpeg 6 and later, or by 5.1
+    copy << "cd '" << folder.string() << "' && { " << run << "-display_rotation -" << turn_deg
+         << " -i a.mp4 -c copy turned.mp4 || " << run
+         << "-i a.mp4 -c copy -metadata:s:v rotate=" << turn_deg << " turned.mp4; } && " << run
+         << "-i turned.mp4 -frames:v 1 turned.png";
+    ASSERT_EQ(std::system(copy.str().c_str()), 0);
     VideoFile turned((folder / "turned.mp4").string());
     EXPECT_EQ(turned.tracks().front().width_px, turn_deg == 180 ? 96 : 64);
     turned.start(0);
