@@ -18,16 +18,12 @@
 #include "client/net/connection.hpp"
 #include "client/net/receiver.hpp"
 #include "client/server_trust.hpp"
-#include "common/mdns.hpp"
+#include "common/library/require.hpp"
 #include "common/wire_limits.hpp"
 
 namespace hapticast {
 
 namespace {
-
-void require(bool holds, const char* what) {
-  if (!holds) throw std::invalid_argument(what);
-}
 
 /// Returns the settings of the client that name this server.
 client::Settings importServer(const std::string& address, const StreamSettings& from) {
@@ -41,9 +37,8 @@ client::Settings importServer(const std::string& address, const StreamSettings& 
   const std::string place = client::removeScheme(address, to.tls);
   to.tls = to.tls || from.tls;
   const auto server = parseEndpoint(place, to.server);
-  if (!server || server->port == 0)
-    throw std::invalid_argument("address: '" + address +
-                                "' is not HOST, HOST:PORT, hapticasts://HOST or mdns:NAME");
+  require(server && server->port != 0,
+          "address: '" + address + "' is not HOST, HOST:PORT, hapticasts://HOST or mdns:NAME");
   to.server = *server;
   return to;
 }

@@ -18,7 +18,7 @@ namespace {
 constexpr int kSmallestSide_px = 16;
 constexpr float kMostLevel = 255.0F;
 
-/// Returns a view of `values`, which nobody writes to.
+/// Returns a view of `values`. The caller must not write to it.
 template <class Value>
 cv::Mat viewValues(const std::vector<Value>& values, int width_px, int height_px, int type) {
   return {height_px, width_px, type, const_cast<Value*>(values.data())};

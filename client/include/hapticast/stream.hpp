@@ -88,7 +88,7 @@ class Stream {
   [[nodiscard]] bool connected() const;
   /// Returns true if next() has no more frames: after the end of the stream, an error or close().
   [[nodiscard]] bool ended() const;
-  /// Returns the number of frames that were dropped because nobody read them.
+  /// Returns the number of frames that the Stream dropped because the caller did not read them.
   [[nodiscard]] std::uint64_t dropped() const;
   /// Ends the connection. A next() that waits returns. A second call does nothing.
   void close();

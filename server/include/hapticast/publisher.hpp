@@ -2,7 +2,8 @@
 // Publishes a haptic video of your own: a server for hapticast-client, Stream and the web page.
 //
 // Contract
-// - Frames. Each frame goes to all viewers. A slow viewer loses old frames and delays nobody.
+// - Frames. Each frame goes to all viewers. A slow viewer loses old frames and does not delay the
+// others.
 // - Time. A frame has the time of its publish() call, unless the argument `time_s` gives another
 //   one. Times have to rise. The impacts of a frame keep their distance to Frame::time_s, which has
 //   no other effect.
