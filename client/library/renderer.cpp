@@ -9,15 +9,14 @@
 
 #include "client/device/device_profile.hpp"
 #include "client/library/renderer_impl.hpp"
+#include "common/library/require.hpp"
 
 namespace hapticast {
 
 namespace {
 
-double requireStiffness(double value_N_mm, const char* name) {
-  if (value_N_mm >= 0.0 && value_N_mm <= 1e3) return value_N_mm;
-  throw std::invalid_argument(std::string(name) + ": " + std::to_string(value_N_mm) +
-                              " is outside 0..1000 N/mm");
+double requireStiffness(double value_N_mm, const char* what) {
+  return requireRange(value_N_mm, 0.0, 1e3, what, " N/mm");
 }
 
 client::RendererSettings importSettings(const RendererSettings& from) {
@@ -28,11 +27,6 @@ client::RendererSettings importSettings(const RendererSettings& from) {
   to.stiffness_N_mm = requireStiffness(from.stiffness_N_mm, "stiffness_N_mm");
   to.stiffness_limit_N_mm = requireStiffness(from.stiffness_limit_N_mm, "stiffness_limit_N_mm");
   return to;
-}
-
-double requireDelay(double delay_s) {
-  if (delay_s >= 0.0 && delay_s <= 2.0) return delay_s;
-  throw std::invalid_argument("delay_s: " + std::to_string(delay_s) + " is outside 0..2 s");
 }
 
 static_assert(static_cast<int>(RendererSettings::Surface::kProxy) ==
@@ -47,7 +41,8 @@ const std::vector<std::string>& listSafetyActions() {
 }
 
 Renderer::Impl::Impl(const RendererSettings& settings)
-    : settings_(importSettings(settings)), delay_s_(requireDelay(settings.delay_s)) {
+    : settings_(importSettings(settings)),
+      delay_s_(requireRange(settings.delay_s, 0.0, 2.0, "delay_s", " s")) {
   renderer_.emplace(settings_, feed_->pool, feed_->timing, user_, nullptr);
 }
 

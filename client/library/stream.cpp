@@ -19,6 +19,7 @@
 #include "client/net/receiver.hpp"
 #include "client/server_trust.hpp"
 #include "common/library/require.hpp"
+#include "common/mdns.hpp"
 #include "common/wire_limits.hpp"
 
 namespace hapticast {
@@ -32,6 +33,7 @@ client::Settings importServer(const std::string& address, const StreamSettings& 
   to.tls_ca_file = from.tls_ca_file;
   if (address.starts_with(kAnnounced)) {
     to.announced = address.substr(kAnnounced.size());
+    require(isServiceName(to.announced), "address: '" + address + "' names no server after mdns:");
     return to;
   }
   const std::string place = client::removeScheme(address, to.tls);

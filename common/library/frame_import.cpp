@@ -14,14 +14,6 @@ namespace hapticast {
 
 namespace {
 
-/// Throws unless low <= value <= high. A NaN is outside every range.
-double requireRange(double value, double low, double high, const char* what) {
-  require(value >= low && value <= high, std::string(what) + ": " + std::to_string(value) +
-                                             " is outside " + std::to_string(low) + ".." +
-                                             std::to_string(high));
-  return value;
-}
-
 MediaTime importTime(double time_s, const char* what) {
   constexpr double kMost_s = 1e-9 * static_cast<double>(limits::kTime_ns);
   return mediaTime(requireRange(time_s, -kMost_s, kMost_s, what));

@@ -24,6 +24,7 @@ void check() {
 }
 }  // namespace
 
+#pragma GCC visibility push(default)  // libstdc++ calls these functions, not glibc's
 // NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming): glibc's names
 extern "C" {
 void* __libc_malloc(std::size_t);
@@ -63,6 +64,7 @@ void free(void* old) {
   __libc_free(old);
 }
 }
+#pragma GCC visibility pop
 
 namespace hapticast::client {
 namespace {

@@ -14,6 +14,7 @@
 #include "server/library/images.hpp"
 #include "server/vision/vision.hpp"
 #include "tests/scenes/ball_scene.hpp"
+#include "tests/support/expect_frame.hpp"
 
 namespace hapticast {
 namespace {
@@ -49,38 +50,14 @@ std::vector<Frame> runLibrary(Source& source, Vision& vision) {
   return frames;
 }
 
-void expectSameMotion(const Object& a, const Object& b) {
-  EXPECT_EQ(a.position_mm, b.position_mm);
-  EXPECT_EQ(a.velocity_mm_s, b.velocity_mm_s);
-  EXPECT_EQ(a.acceleration_mm_s2, b.acceleration_mm_s2);
-  EXPECT_EQ(a.angle_rad, b.angle_rad);
-  EXPECT_EQ(a.angular_velocity_rad_s, b.angular_velocity_rad_s);
-  EXPECT_EQ(a.quality, b.quality);
-  EXPECT_EQ(a.visible_fraction, b.visible_fraction);
-  ASSERT_EQ(a.cells == nullptr, b.cells == nullptr);
-  if (a.cells) {
-    EXPECT_EQ(a.cells->velocity_mm_s, b.cells->velocity_mm_s);
-    EXPECT_EQ(a.cells->acceleration_mm_s2, b.cells->acceleration_mm_s2);
-  }
-  ASSERT_EQ(a.impacts.size(), b.impacts.size());
-  for (std::size_t i = 0; i < a.impacts.size(); ++i)
-    EXPECT_EQ(a.impacts[i].time_s, b.impacts[i].time_s);
-}
-
 void expectSame(const Frame& a, const Frame& b) {
   EXPECT_EQ(a.id, b.id);
   EXPECT_EQ(a.epoch, b.epoch);
   EXPECT_EQ(a.time_s, b.time_s);
   ASSERT_EQ(a.objects.size(), b.objects.size());
   for (std::size_t i = 0; i < a.objects.size(); ++i) {
-    EXPECT_EQ(a.objects[i].id, b.objects[i].id);
-    EXPECT_EQ(a.objects[i].layer, b.objects[i].layer);
-    expectSameMotion(a.objects[i], b.objects[i]);
     ASSERT_TRUE(a.objects[i].heights && b.objects[i].heights);
-    EXPECT_EQ(a.objects[i].heights->left_px, b.objects[i].heights->left_px);
-    EXPECT_EQ(a.objects[i].heights->top_px, b.objects[i].heights->top_px);
-    EXPECT_EQ(a.objects[i].heights->height_mm, b.objects[i].heights->height_mm);
-    EXPECT_EQ(a.objects[i].heights->mask, b.objects[i].heights->mask);
+    testing::expectSame(a.objects[i], b.objects[i]);
   }
 }
 
