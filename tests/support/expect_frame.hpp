@@ -10,7 +10,7 @@
 
 #include "common/include/hapticast/frame.hpp"
 
-namespace hapticast::testing {
+namespace hapticast {
 
 inline void expectSame(const HeightMap& a, const HeightMap& b) {
   EXPECT_EQ(std::pair(a.left_px, a.top_px), std::pair(b.left_px, b.top_px));
@@ -52,4 +52,4 @@ inline void expectSame(const Object& a, const Object& b) {
   }
 }
 
-}  // namespace hapticast::testing
+}  // namespace hapticast

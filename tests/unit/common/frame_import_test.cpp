@@ -111,7 +111,7 @@ TEST(FrameImport, AnyFrameComesBackUnchanged) {
     EXPECT_NEAR(back.time_s, frame.time_s, 1e-9);
     ASSERT_EQ(back.objects.size(), frame.objects.size());
     for (std::size_t i = 0; i < frame.objects.size(); ++i)
-      testing::expectSame(frame.objects[i], back.objects[i]);
+      expectSame(frame.objects[i], back.objects[i]);
   }
 }
 

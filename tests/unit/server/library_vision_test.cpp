@@ -57,7 +57,7 @@ void expectSame(const Frame& a, const Frame& b) {
   ASSERT_EQ(a.objects.size(), b.objects.size());
   for (std::size_t i = 0; i < a.objects.size(); ++i) {
     ASSERT_TRUE(a.objects[i].heights && b.objects[i].heights);
-    testing::expectSame(a.objects[i], b.objects[i]);
+    expectSame(a.objects[i], b.objects[i]);
   }
 }
 
