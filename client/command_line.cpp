@@ -107,7 +107,8 @@ void addTrust(CLI::App& app, Settings& settings) {
   app.add_option_function<std::string>(
          "--control", set_control,
          "As an operator (--token-file): send this request to the server, and end. pause, play, "
-         "seek=SECONDS, stiffness=, damping=, texture-depth=, mass=, friction=STATIC:DYNAMIC")
+         "seek=SECONDS, speed=FACTOR (0.1..4, of a recording), stiffness=, damping=, "
+         "texture-depth=, mass=, friction=STATIC:DYNAMIC")
       ->type_name("REQUEST[,...]");
   app.add_flag("--insecure", settings.insecure,
                "Send the access token to other machines without TLS, too");

@@ -49,6 +49,10 @@ bool parseItem(std::string_view item, Control& control) {
     control.seek_s = parseNumberInRange<double>(value, 0.0, limits::kClip_s);
     return control.seek_s.has_value();
   }
+  if (name == "speed") {
+    control.speed = parseNumberInRange<double>(value, limits::kLeastSpeed, limits::kMostSpeed);
+    return control.speed.has_value();
+  }
   for (const MaterialName& known : kMaterialNames) {
     if (known.name != name) continue;
     const auto number = parseNumberInRange<double>(value, known.least, known.most);

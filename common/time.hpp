@@ -75,13 +75,13 @@ class MediaClock {
   [[nodiscard]] virtual Duration errorBound() const noexcept { return {}; }
 };
 
-/// Media clock of this machine: local time since the construction.
+/// Media clock of this machine.
 class LocalMediaClock final : public MediaClock {
  public:
-  /// Starts at 0. `clock` must outlive this object.
-  explicit LocalMediaClock(const Clock& clock) : clock_(clock), zero_(clock.now()) {}
+  /// Starts at `start`, which is now. `clock` must outlive this object.
+  explicit LocalMediaClock(const Clock& clock, MediaTime start = {})
+      : clock_(clock), zero_(clock.now() - start.time_since_epoch()) {}
   [[nodiscard]] MediaTime now() const noexcept override { return MediaTime(clock_.now() - zero_); }
-  [[nodiscard]] LocalTime zero() const noexcept { return zero_; }
 
  private:
   const Clock& clock_;

@@ -37,6 +37,8 @@ inline constexpr std::size_t kGroupAddress = 64;
 inline constexpr std::size_t kAccessToken = 256;  ///< bytes
 inline constexpr std::int64_t kKeyGrace_ms = 60'000;
 inline constexpr double kClip_s = 1e6;
+/// Speeds of playback, recorded seconds a second.
+inline constexpr double kLeastSpeed = 0.1, kMostSpeed = 4.0;
 /// Largest number of times that a datagram is sent.
 inline constexpr std::uint32_t kMostCopies = 4;
 inline constexpr std::size_t kJpeg = 4U << 20U;

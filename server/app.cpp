@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/origin.hpp"
 #include "server/pipeline/clip_scan.hpp"
 #include "server/pipeline/encoder_thread.hpp"
 #include "server/pipeline/frame_pump.hpp"
@@ -20,11 +21,8 @@
 #include "server/pipeline/operator_requests.hpp"
 #include "server/pipeline/pipeline_counter.hpp"
 #include "server/pipeline/plan_log.hpp"
-#include "server/relay/relay_publisher.hpp"
 #include "server/source/folder/key_mask_source.hpp"
 #include "server/source/stream_url.hpp"
-#include "server/stream/signing_key_file.hpp"
-#include "server/stream_service.hpp"
 #include "server/vision/vision.hpp"
 
 namespace hapticast::server {
@@ -52,15 +50,6 @@ std::unique_ptr<RgbdSource> openFor(const Settings& settings) {
       settings.key_masks);
 }
 
-/// Returns the keys of origins that this one makes room for: all, unless the user named keys or has
-/// a key of its own.
-std::vector<KeyBytes> trustedOrigins(const Settings& settings, const FrameSigner& signer) {
-  std::vector<KeyBytes> keys = settings.origin_keys;
-  if (!keys.empty() || !settings.signing_key_file.empty())
-    keys.push_back(signer.identity().verifying_key);
-  return keys;
-}
-
 }  // namespace
 
 class App::Impl {
@@ -82,13 +71,12 @@ class App::Impl {
   LocalMediaClock media_clock_;
   std::unique_ptr<RgbdSource> source_;
   Vision vision_;
-  FrameSigner signer_;  // outlives all encoded frames
-  Reloader reloader_;   // used by the network thread only
+  Reloader reloader_;  // used by the network thread only
   OperatorRequests requests_;
   const Clock& clock_;
   PipelineCounter counter_;
-  std::optional<RelayPublisher> relay_;
-  StreamService service_;  // after what its port for operators reads
+  Origin origin_;  // after what its port for operators reads
+  StreamService& service_ = origin_.service();
   PlanLog plan_log_;
   DepthRangeLog range_log_;
   std::atomic<bool> stop_{false};
@@ -101,43 +89,27 @@ App::Impl::Impl(Settings settings, const Clock& clock, ReadSettings reread)
       source_(openFor(settings_)),
       vision_(describeSource(*source_, settings_.name),
               settings_.vision = preparePoints(settings_.vision, source_->info()), &clock),
-      signer_(settings_.signing_key_file.empty() ? SigningKey()
-                                                 : loadSigningKey(settings_.signing_key_file),
-              settings_.tls.wanted() ? std::make_unique<DatagramSealer>(clock) : nullptr),
       reloader_(settings_, std::move(reread), clock),
       requests_(clock),
       clock_(clock),
       counter_(clock),
-      service_(settings_, clock, media_clock_, vision_.description(), signer_.identity()) {
-  // Viewers of relays need the key: a relay could show another one.
-  if (settings_.publish || !settings_.signing_key_file.empty())
-    spdlog::info("origin key: {}", toHex(signer_.identity().verifying_key));
-  if (settings_.publish)
-    relay_.emplace(*settings_.publish, settings_.nats, clock, media_clock_, signer_,
-                   trustedOrigins(settings_, signer_));
-  if (settings_.http) signer_.measure(clock);
-  service_.watch([this](Metrics& metrics) {
-    metrics.pipeline = counter_.counts();
-    if (relay_) metrics.relay = relay_->counts();
-  });
-}
+      origin_(settings_, clock, media_clock_, vision_.description()) {}
 
 void App::Impl::run() {
-  service_.broadcaster().onRemoved([this] { signer_.revokeKey(); });
-  service_.broadcaster().onControl([this](const Control& control, std::function<void()> confirm) {
-    requests_.push(control, std::move(confirm));
-  });
-  service_.start([this] { stop(); },
-                 [this] {
-                   if (auto vision = reloader_.reload()) requests_.pushReload(std::move(*vision));
-                 });
+  origin_.start([this] { stop(); },
+                [this] {
+                  if (auto vision = reloader_.reload()) requests_.pushReload(std::move(*vision));
+                },
+                [this](const Control& control, std::function<void()> confirm) {
+                  requests_.push(control, std::move(confirm));
+                },
+                [this](Metrics& metrics) { metrics.pipeline = counter_.counts(); });
   browse();
   const SliceSettings slices{.error_mm = computeHeightError_mm(settings_.vision)};
   if (settings_.vision.explain)
     spdlog::info("heights on the wire are exact to {:.3g} mm", slices.error_mm);
-  std::vector<StreamSink*> sinks{&service_.broadcaster()};
-  if (relay_) sinks.push_back(&*relay_);
-  EncoderThread encoder(std::move(sinks), &signer_, slices, settings_.http ? &clock_ : nullptr);
+  EncoderThread encoder(origin_.sinks(), &origin_.signer(), slices,
+                        settings_.http ? &clock_ : nullptr);
   if (!stop_) play(encoder);
   encoder.finish();
   service_.end();
@@ -198,7 +170,8 @@ void App::Impl::play(EncoderThread& encoder) {
     if (step == PumpStep::kEnd) break;
     if (step == PumpStep::kSilence) continue;
     ++frames;
-    if (settings_.http) counter_.set(pump.skipped(), encoder.times(), signer_.signingTime());
+    if (settings_.http)
+      counter_.set(pump.skipped(), encoder.times(), origin_.signer().signingTime());
     range_log_.log(vision_.mapped());
     if (settings_.vision.explain)
       plan_log_.log(vision_.plan(), encoder.reliefBytes(), media_clock_.now());

@@ -17,6 +17,8 @@ namespace hapticast::server {
 
 namespace {
 
+constexpr std::string_view kRecordingEnding = ".mcap";
+
 const std::map<std::string, bool> kTransports{{"udp", true}, {"tcp", false}};
 
 const std::map<std::string, Layout> kLayouts{{"separate", Layout::kSeparate},
@@ -68,7 +70,7 @@ void addSourceOptions(CLI::App& app, Settings& settings) {
          "http, "
          "https, udp, tcp or rtp), or nats://HOST[:PORT][,HOST2]/CHANNEL (an edge: it forwards the "
          "stream that an origin "
-         "publishes)")
+         "publishes), or FILE.mcap (a recording that --record has made)")
       ->required();
   addNumber(app, "--fps", settings.fps, 1.0, 240.0, "1..240",
             "Frames a second; default: the source's own");
@@ -99,6 +101,18 @@ void addPreview(CLI::App& app, std::string& preview) {
          "Stream nothing: write the server's result (outline, relief, advice) to a picture, or "
          "with the whole clip's outlines into a folder")
       ->type_name("FILE.png|FOLDER");
+}
+
+void addRecord(CLI::App& app, std::string& record) {
+  const auto set = [&record](const std::string& text) {
+    if (!hasEnding(text, kRecordingEnding))
+      throw CLI::ValidationError("--record", quote(text) + " is not FILE.mcap");
+    record = text;
+  };
+  app.add_option_function<std::string>(
+         "--record", set,
+         "Record the stream with its pictures in a new file; --source FILE.mcap plays it")
+      ->type_name("FILE.mcap");
 }
 
 void addMulticast(CLI::App& app, std::optional<MulticastChoice>& multicast) {
@@ -238,6 +252,12 @@ void addRelayOptions(CLI::App& app, Settings& settings) {
       ->type_name("FILE");
 }
 
+void addExplain(CLI::App& app, bool& explain) {
+  app.add_flag("--explain", explain,
+               "Log the stages that the server leaves out for each object, with reason, saving "
+               "and cost. Log the candidates for the first mask, with their scores");
+}
+
 /// Returns the flags that were set.
 FlagTexts listFlags(const CLI::App& app) {
   FlagTexts flags;
@@ -258,8 +278,9 @@ void addOriginKey(CLI::App& app, std::vector<KeyBytes>& keys) {
       "KEY (64 hex digits of the origin's public key)");
 }
 
-/// Refuses each flag that only a server with a source of its own can obey.
-void requireEdgeFlags(const CLI::App& app) {
+/// Returns the first flag that was set and that a server without vision cannot obey; empty if there
+/// is none. `more`: flags that this server can obey besides those of every server.
+std::string findVisionFlag(const CLI::App& app, const std::vector<std::string>& more) {
   const std::vector<std::string> allowed{
       "--source",      "--listen",   "--transport",  "--multicast", "--multicast-ttl",
       "--max-clients", "--announce", "--tls-cert",   "--tls-key",   "--tls",
@@ -267,13 +288,32 @@ void requireEdgeFlags(const CLI::App& app) {
       "--config",      "--http",     "--host-name",  "--origin-key"};
   for (const CLI::Option* option : app.get_options()) {
     const std::string name = option->get_name();
-    if (option->count() == 0 || std::find(allowed.begin(), allowed.end(), name) != allowed.end())
-      continue;
-    throw CLI::ValidationError(
-        name, name == "--publish"
-                  ? "an edge publishes nothing; clusters and leaf nodes of NATS pass streams on"
-                  : "an edge forwards an origin's stream; give this flag to the origin");
+    const auto isName = [&name](const std::string& each) { return each == name; };
+    if (option->count() > 0 && std::none_of(allowed.begin(), allowed.end(), isName) &&
+        std::none_of(more.begin(), more.end(), isName))
+      return name;
   }
+  return "";
+}
+
+/// Refuses each flag that only a server with a stream of its own can obey.
+void requireEdgeFlags(const CLI::App& app) {
+  const std::string name = findVisionFlag(app, {});
+  if (name.empty()) return;
+  throw CLI::ValidationError(
+      name, name == "--publish"
+                ? "an edge publishes nothing; clusters and leaf nodes of NATS pass streams on"
+                : "an edge forwards an origin's stream; give this flag to the origin");
+}
+
+/// Refuses each flag that changes what a recording has already.
+void requireRecordingFlags(const CLI::App& app) {
+  const std::string name = findVisionFlag(app, {"--publish", "--signing-key", "--loop", "--frames",
+                                                "--wait-for-viewer", "--name", "--record"});
+  if (!name.empty())
+    throw CLI::ValidationError(name,
+                               "a recording has its frames already; give this flag to the "
+                               "server that records");
 }
 
 }  // namespace
@@ -297,15 +337,15 @@ std::unique_ptr<CLI::App> commandLine(Settings& settings) {
   addMaterialOptions(*app, settings.vision.material, settings.vision.mass_kg);
   addScene(*app, settings);
   addPreview(*app, settings.preview);
-  app->add_flag("--explain", settings.vision.explain,
-                "Log the stages that the server leaves out for each object, with reason, saving "
-                "and cost. Log "
-                "the candidates for the first mask, with their scores");
+  addRecord(*app, settings.record);
+  addExplain(*app, settings.vision.explain);
   app->add_flag("--quiet", settings.quiet, "Only warnings and errors");
   addConfigFile(*app);
   app->final_callback([&settings, parsed = app.get()] {
     requireNetworkFlags(settings);
-    if (!isEdge(settings)) {
+    if (isRecording(settings)) {
+      requireRecordingFlags(*parsed);
+    } else if (!isEdge(settings)) {
       if (!settings.origin_keys.empty() && !settings.publish)
         throw CLI::ValidationError("--origin-key", "needs --source nats://... or --publish");
       mergeScene(*parsed, settings);
@@ -328,6 +368,8 @@ Result<Settings> rereadCommandLine(int argc, const char* const* argv) {
   if (const auto problem = parseArguments(*app, argc, argv)) return Error{*problem};
   return settings;
 }
+
+bool isRecording(const Settings& settings) { return hasEnding(settings.source, kRecordingEnding); }
 
 bool isEdge(const Settings& settings) { return settings.source.starts_with(kNatsScheme); }
 

@@ -7,10 +7,12 @@
 #include <utility>
 
 #include "common/cli/run_program.hpp"
+#include "common/recording/recorder.hpp"
 #include "common/text.hpp"
 #include "server/app.hpp"
 #include "server/command_line.hpp"
 #include "server/edge.hpp"
+#include "server/play_recording.hpp"
 #include "server/preview/preview.hpp"
 #include "server/source/rgbd_source.hpp"
 #include "server/stream/key_file.hpp"
@@ -34,6 +36,10 @@ int serve(const hapticast::server::Settings& settings, hapticast::server::ReadSe
       hapticast::server::runEdge(settings, clock, std::move(reread));
       return kDone;
     }
+    if (hapticast::server::isRecording(settings)) {
+      hapticast::server::playRecording(settings, clock, std::move(reread));
+      return kDone;
+    }
     app = std::make_unique<hapticast::server::App>(settings, clock, std::move(reread));
     app->run();
   } catch (const hapticast::server::SourceError& error) {
@@ -45,6 +51,9 @@ int serve(const hapticast::server::Settings& settings, hapticast::server::ReadSe
     spdlog::error("{}", hapticast::sanitizeUtf8(error.what()));
     return kWrongInput;
   } catch (const hapticast::server::KeyFileError& error) {
+    spdlog::error("{}", hapticast::sanitizeUtf8(error.what()));
+    return kWrongInput;
+  } catch (const hapticast::RecordingError& error) {
     spdlog::error("{}", hapticast::sanitizeUtf8(error.what()));
     return kWrongInput;
   }

@@ -48,11 +48,15 @@ struct Settings {
   Scene scene;                         ///< the author's work, from the scene file and from flags
   std::vector<KeyMaskFile> key_masks;  ///< those of the scene file
   std::string preview;  ///< output of the preview: FILE.png or a folder; empty: no preview
+  std::string record;   ///< recording of the stream; empty: none
   bool quiet = false;
   FlagTexts flags;  ///< all flags that were set, in any way, with their texts
 };
 
 /// Returns whether the source is the channel of an origin, so that this server is an edge.
 [[nodiscard]] bool isEdge(const Settings& settings);
+
+/// Returns whether the source is a recording, which is played without vision.
+[[nodiscard]] bool isRecording(const Settings& settings);
 
 }  // namespace hapticast::server

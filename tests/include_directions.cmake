@@ -13,6 +13,7 @@ set(rules
   "common/codec/.*"    "^common/([^/]*$|codec/|relief/)"
   "common/transport/.*" "^common/([^/]*$|transport/)"
   "common/protocol/.*" "^common/([^/]*$|codec/|transport/|protocol/)"
+  "common/recording/.*" "^common/([^/]*$|recording/)"
   "common/cli/.*"      "^common/([^/]*$|cli/)"
   "common/library/.*"  "^common/([^/]*$|library/|include/)"
   "server/source/[a-z_]+\\.hpp"  "^(common/|server/source/[a-z_]+\\.hpp$)"
@@ -31,6 +32,7 @@ set(rules
   "server/stream/.*"   "^(common|server/stream)/"
   "server/library/(publisher|member_names)\\..*" "^(common/|server/(stream|library|include)/)"
   "server/library/.*"  "^(common/|server/(source|vision|library|include)/)"
+  "server/recording/.*" "^(common/|server/(stream/|recording/))"
   "server/relay/.*"    "^(common/|server/(nats_address\\.hpp$|stream/|relay/))"
   "server/pipeline/pipeline_counts\\.hpp" "^(common/|server/(stream/|vision/vision_settings\\.hpp$))"
   "server/http/.*"     "^(common/|server/(stream/|relay/relay_counts\\.hpp$|pipeline/pipeline_counts\\.hpp$|vision/vision_settings\\.hpp$|http/))"
@@ -55,8 +57,9 @@ set(rules
 set(doors
   "^boost/"                          "^(common/transport/asio\\.hpp|client/device/inverse3/websocket\\.cpp|server/http/http_(response|server)\\.[ch]pp|tests/.*)$"
   "^common/transport/asio\\.hpp$"              "^(server/library/publisher\\.cpp$|(common/transport|server/stream|server/relay|server/http|client/net|client/discovery|tests)/|(server|client)/[^/]*$)"
-  "\\.pb\\.h$"                       "^common/protocol/(decode|encode|read_frame|write_frame|fragment|relay)\\.[ch]pp$"
+  "\\.pb\\.h$"                       "^common/protocol/(decode|encode|read_frame|write_frame|fragment|relay|recorded)\\.[ch]pp$"
   "^google/protobuf"                 "^common/protocol/(decode|encode|scan)\\.cpp$"
+  "^(zlib|zstd|lz4frame)\\.h$"        "^(common/recording/mcap_(records|chunk)\\.cpp|tests/.*)$"
   "^openssl/"                        "^(common/transport/(signature|tls|seal)\\.cpp|server/stream/access_list\\.cpp)$"
   "^opencv2/"                        "^((server/(source|vision|library)|client/view|tests)/|server/preview)"
   "^lib(av[a-z]+|swscale)/"           "^server/source/video/(video_(file\\.cpp|format\\.[ch]pp)|display_matrix\\.hpp)$"
@@ -69,7 +72,7 @@ set(doors
   "^OpenNI\\.h$"                     "^server/source/live/openni_camera\\.cpp$"
   "^systemd/"                        "^server/service_manager\\.cpp$"
   "^libusb"                          "^client/device/falcon/usb\\.cpp$"
-  "^common/(codec|protocol|transport)/" "^(common/(codec|protocol|transport)/|server/(library/publisher\\.cpp$|stream/|relay/|pipeline/|http/|[^/]*$)|client/(net/|discovery/|report/|library/|[^/]*$)|tests/)"
+  "^common/(codec|protocol|transport)/" "^(common/(codec|protocol|transport)/|server/(library/publisher\\.cpp$|stream/|recording/|relay/|pipeline/|http/|[^/]*$)|client/(net/|discovery/|report/|library/|[^/]*$)|tests/)"
 )
 
 file(GLOB_RECURSE files RELATIVE ${ROOT} ${ROOT}/common/*.?pp ${ROOT}/server/*.?pp ${ROOT}/client/*.?pp

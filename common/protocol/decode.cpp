@@ -54,6 +54,10 @@ Control read(const proto::Control& from, Check& check) {
   if (from.has_paused()) to.paused = from.paused();
   if (from.has_seek_s())
     to.seek_s = check.number(from.seek_s(), 0.0, limits::kClip_s, "a seek is not 0..1e6 s");
+  if (from.has_speed()) {
+    to.speed = check.number(from.speed(), limits::kLeastSpeed, limits::kMostSpeed,
+                            "a speed is not 0.1..4");
+  }
   if (from.has_material()) to.material = readMaterial(from.material(), check);
   return to;
 }

@@ -34,6 +34,7 @@ void write(const Control& from, proto::Message& message) {
   auto& to = *message.mutable_control();
   if (from.paused) to.set_paused(*from.paused);
   if (from.seek_s) to.set_seek_s(*from.seek_s);
+  if (from.speed) to.set_speed(*from.speed);
   if (from.material != Material{}) writeMaterial(from.material, *to.mutable_material());
 }
 

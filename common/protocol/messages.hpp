@@ -66,6 +66,8 @@ struct Control {
   std::optional<bool> paused;
   std::optional<double> seek_s;  ///< time in the clip, s
   Material material;             ///< its values replace those of all objects
+  /// Speed of a recording, limits::kLeastSpeed..kMostSpeed; other sources ignore it.
+  std::optional<double> speed = std::nullopt;
   bool operator==(const Control&) const = default;
 };
 /// Request of a client: transport and redundancy of its frames from now on.

@@ -7,36 +7,9 @@
 
 namespace hapticast::server {
 
-namespace {
-
-/// Replaces the values of `material` by those that `change` has.
-void changeMaterial(const Material& change, Material& material) {
-  for (const auto field :
-       {&Material::stiffness_N_mm, &Material::damping_Ns_m, &Material::static_friction,
-        &Material::dynamic_friction, &Material::texture_K_mm, &Material::mass_kg}) {
-    if (change.*field) material.*field = change.*field;
-  }
-}
-
-}  // namespace
-
-void OperatorRequests::push(const Control& request, std::function<void()> confirm) {
-  const std::lock_guard lock(mutex_);
-  Control& merged = waiting_.request;
-  if (request.paused) merged.paused = request.paused;
-  if (request.seek_s) merged.seek_s = request.seek_s;
-  changeMaterial(request.material, merged.material);
-  waiting_.confirm.push_back(std::move(confirm));
-}
-
 void OperatorRequests::pushReload(VisionSettings reloaded) {
   const std::lock_guard lock(mutex_);
   reloaded_ = std::move(reloaded);
-}
-
-bool OperatorRequests::newerSeekWaits() {
-  const std::lock_guard lock(mutex_);
-  return waiting_.request.seek_s.has_value();
 }
 
 void OperatorRequests::applyReload(FramePump& pump, VisionSettings& settings) {
@@ -55,14 +28,10 @@ void OperatorRequests::applyReload(FramePump& pump, VisionSettings& settings) {
 bool OperatorRequests::carryOut(FramePump& pump, PipelineCounter& counter,
                                 VisionSettings& settings) {
   applyReload(pump, settings);
-  Waiting carried_out;
-  {
-    const std::lock_guard lock(mutex_);
-    carried_out = std::exchange(waiting_, {});
-  }
-  if (carried_out.confirm.empty()) return false;
-  carryOut(carried_out.request, pump, counter, settings);
-  for (const auto& confirm : carried_out.confirm) confirm();
+  const auto merged = queue_.take();
+  if (!merged) return false;
+  carryOut(merged->request, pump, counter, settings);
+  merged->confirmAll();
   return true;
 }
 
@@ -87,11 +56,9 @@ void OperatorRequests::seek(double time_s, FramePump& pump, PipelineCounter& cou
   const LocalTime begin = clock_.now();
   for (std::optional<double> next_s = time_s; next_s;) {
     log_.info(fmt::format("an operator seeks to {:g} s", *next_s));
-    pump.seek(*next_s, [&] { return clock_.now() - begin < kNewerSeeks && newerSeekWaits(); });
-    next_s.reset();
+    pump.seek(*next_s, [&] { return clock_.now() - begin < kNewerSeeks && queue_.seekWaits(); });
     if (clock_.now() - begin >= kNewerSeeks) return;
-    const std::lock_guard lock(mutex_);
-    next_s.swap(waiting_.request.seek_s);
+    next_s = queue_.takeSeek();
   }
 }
 

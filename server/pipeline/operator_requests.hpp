@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: MIT
 // Changes to a running stream that wait for the pipeline. Operators pause, seek and set the
-// material. A reload of the settings changes materials too. All waiting requests are merged into
-// one: of each field the last value counts. So a flood of requests costs one seek. The network
-// thread adds the changes, and the pipeline's thread applies them between two frames. Thread: see
-// each function.
+// material (ControlQueue). A reload of the settings changes materials too. The network thread adds
+// the changes, and the pipeline's thread applies them between two frames. Thread: see each
+// function.
 #pragma once
 
 #include <functional>
 #include <mutex>
 #include <optional>
-#include <vector>
+#include <utility>
 
 #include "common/protocol/messages.hpp"
+#include "server/pipeline/control_queue.hpp"
 #include "server/pipeline/frame_pump.hpp"
 #include "server/pipeline/pipeline_counter.hpp"
 #include "server/stream/limited_log.hpp"
@@ -31,7 +31,9 @@ class OperatorRequests {
 
   /// Adds a request of an operator. carryOut() calls `confirm` once the request is carried out, or
   /// newer values have replaced all of its own. Thread: any.
-  void push(const Control& request, std::function<void()> confirm);
+  void push(const Control& request, std::function<void()> confirm) {
+    queue_.push(request, std::move(confirm));
+  }
   /// Stores the settings that a reload has read. The next carryOut() applies their materials and
   /// masses only. Thread: any.
   void pushReload(VisionSettings reloaded);
@@ -44,20 +46,14 @@ class OperatorRequests {
   [[nodiscard]] bool paused() const { return paused_; }
 
  private:
-  /// The merged request.
-  struct Waiting {
-    Control request;
-    std::vector<std::function<void()>> confirm;
-  };
   void applyReload(FramePump& pump, VisionSettings& settings);
   void carryOut(const Control& request, FramePump& pump, PipelineCounter& counter,
                 VisionSettings& settings);
   void seek(double time_s, FramePump& pump, PipelineCounter& counter);
-  [[nodiscard]] bool newerSeekWaits();
 
   const Clock& clock_;
+  ControlQueue queue_;
   std::mutex mutex_;
-  Waiting waiting_;                         // guarded by mutex_
   std::optional<VisionSettings> reloaded_;  // guarded by mutex_
   bool paused_ = false;
   LimitedLog log_;

@@ -25,9 +25,12 @@ SharedBytes LazyKeyFrame::payload() {
   return payload_;
 }
 
-EncodedFrame FrameEncoder::encode(const HapticFrame& made, const SliceSettings& slices,
+EncodedFrame FrameEncoder::encode(const HapticFrame& frame, const SliceSettings& slices,
                                   FrameSigner* signer, bool datagrams) {
-  CodedFrame frame = coder_.code(made, slices);
+  return encode(coder_.code(frame, slices), signer, datagrams);
+}
+
+EncodedFrame FrameEncoder::encode(CodedFrame frame, FrameSigner* signer, bool datagrams) {
   relief_bytes_.clear();
   for (const CodedObject& object : frame.objects)
     relief_bytes_[object.id] += object.relief ? object.relief->bytes() : 0;

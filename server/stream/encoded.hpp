@@ -75,6 +75,9 @@ class FrameEncoder {
   /// datagrams. `datagrams`: if true, the result also has datagrams.
   [[nodiscard]] EncodedFrame encode(const HapticFrame& frame, const SliceSettings& slices = {},
                                     FrameSigner* signer = nullptr, bool datagrams = true);
+  /// Does the same with a frame whose reliefs are coded.
+  [[nodiscard]] EncodedFrame encode(CodedFrame frame, FrameSigner* signer = nullptr,
+                                    bool datagrams = true);
   [[nodiscard]] const ReliefBytes& reliefBytes() const { return relief_bytes_; }
 
  private:

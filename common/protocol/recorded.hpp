@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+// Messages as recordings have them (proto/recording.md). A recording has the content of a message
+// of the wire: the bytes of a HapticFrame in place of a Message with a frame. Thread: any.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/protocol/messages.hpp"
+
+namespace hapticast {
+
+/// Returns the bytes of the content of an encoded message, for example of a HapticFrame; empty if
+/// it has none. Valid as long as `message`.
+[[nodiscard]] std::span<const std::uint8_t> findContent(std::span<const std::uint8_t> message);
+
+/// Decode the contents of recorded messages, as decode() does.
+[[nodiscard]] Result<CodedFrame, WireError> decodeFrameContent(std::span<const std::uint8_t> bytes);
+[[nodiscard]] Result<StreamDescription, WireError> decodeDescriptionContent(
+    std::span<const std::uint8_t> bytes);
+
+/// Returns the bytes of a foxglove.CompressedImage with the picture of an encoded message; empty if
+/// the message has no picture.
+[[nodiscard]] std::vector<std::uint8_t> encodePictureContent(std::span<const std::uint8_t> message);
+/// Decodes a foxglove.CompressedImage with a JPEG. Returns it with epoch and id 0.
+[[nodiscard]] Result<VideoFrame, WireError> decodePictureContent(
+    std::span<const std::uint8_t> bytes);
+
+}  // namespace hapticast

@@ -1,0 +1,302 @@
+// SPDX-License-Identifier: MIT
+#include "common/recording/mcap_reader.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <limits>
+#include <system_error>
+#include <utility>
+
+#include "common/recording/mcap_chunk.hpp"
+
+namespace hapticast {
+
+namespace {
+
+/// Bytes of a run of records outside of chunks.
+constexpr std::uint64_t kRunBytes = 1U << 20U;
+/// Largest summary, bytes: that of a year with a chunk a second has 4 GiB, that of a day 10 MB.
+constexpr std::uint64_t kMostSummaryBytes = 256U << 20U;
+constexpr std::size_t kHeadBytes = kMcapMagic.size() + kMcapRecordHeadBytes;
+
+std::optional<McapMessage> readMessage(const McapRecord& record) {
+  if (record.code != McapCode::kMessage) return std::nullopt;
+  McapIn in(record.content);
+  McapMessage message;
+  message.channel = in.number<std::uint16_t>();
+  (void)in.number<std::uint32_t>();
+  message.time_ns = in.number<std::uint64_t>();
+  (void)in.number<std::uint64_t>();
+  message.data = in.rest();
+  return in.ok() ? std::optional(message) : std::nullopt;
+}
+
+}  // namespace
+
+Result<McapReader> McapReader::open(const std::string& file) {
+  const int opened = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
+  struct stat facts {};
+  if (opened < 0 || ::fstat(opened, &facts) != 0) {
+    const std::string why = std::system_category().message(errno);
+    if (opened >= 0) ::close(opened);
+    return Error{"cannot be read (" + why + ")"};
+  }
+  McapReader reader(opened, static_cast<std::uint64_t>(facts.st_size));
+  const auto head = reader.readBytes(0, kHeadBytes);
+  if (!S_ISREG(facts.st_mode) || head.size() < kHeadBytes ||
+      !std::equal(kMcapMagic.begin(), kMcapMagic.end(), head.begin()))
+    return Error{"is no MCAP file"};
+  if (!reader.readSummary()) reader.scan();
+  if (reader.blocks_.empty())
+    return Error{reader.damage_.empty() ? "has no messages"
+                                        : "has no messages: it " + reader.damage_};
+  reader.begin_ns_ = std::numeric_limits<std::uint64_t>::max();
+  for (const Block& block : reader.blocks_) {
+    reader.begin_ns_ = std::min(reader.begin_ns_, block.begin_ns);
+    reader.end_ns_ = std::max(reader.end_ns_, block.end_ns);
+  }
+  reader.block_.clear();
+  return reader;
+}
+
+McapReader::~McapReader() {
+  if (file_ >= 0) ::close(file_);
+}
+
+McapReader::McapReader(McapReader&& from) noexcept : file_(-1), size_(0) {
+  *this = std::move(from);
+}
+
+McapReader& McapReader::operator=(McapReader&& from) noexcept {
+  std::swap(file_, from.file_);
+  size_ = from.size_;
+  schemas_ = std::move(from.schemas_);
+  channels_ = std::move(from.channels_);
+  blocks_ = std::move(from.blocks_);
+  begin_ns_ = from.begin_ns_;
+  end_ns_ = from.end_ns_;
+  damage_ = std::move(from.damage_);
+  problem_ = std::move(from.problem_);
+  next_block_ = from.next_block_;
+  block_ = std::move(from.block_);
+  at_ = from.at_;
+  return *this;
+}
+
+std::vector<std::uint8_t> McapReader::readBytes(std::uint64_t offset, std::uint64_t bytes) const {
+  if (offset > size_) return {};
+  std::vector<std::uint8_t> read(static_cast<std::size_t>(std::min(bytes, size_ - offset)));
+  std::size_t done = 0;
+  while (done < read.size()) {
+    const ::ssize_t count =
+        ::pread(file_, read.data() + done, read.size() - done, static_cast<::off_t>(offset + done));
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) break;
+    done += static_cast<std::size_t>(count);
+  }
+  read.resize(done);
+  return read;
+}
+
+bool McapReader::readSummary() {
+  const auto summary = readSummaryBytes();
+  McapIn in(summary);
+  while (!in.rest().empty()) {
+    const auto record = readRecord(in);
+    if (!record) break;
+    readDefinition(*record);
+    if (record->code == McapCode::kChunkIndex && !readChunkIndex(record->content)) break;
+  }
+  if (in.rest().empty() && !blocks_.empty()) return true;
+  blocks_.clear();
+  return false;
+}
+
+std::vector<std::uint8_t> McapReader::readSummaryBytes() const {
+  constexpr std::uint64_t kEndBytes = kMcapFooterBytes + kMcapMagic.size();
+  if (size_ < kHeadBytes + kEndBytes) return {};
+  const std::uint64_t footer_place = size_ - kEndBytes;
+  const auto end = readBytes(footer_place, kEndBytes);
+  if (end.size() != kEndBytes ||
+      !std::equal(kMcapMagic.begin(), kMcapMagic.end(), end.begin() + kMcapFooterBytes))
+    return {};
+  McapIn tail(end);
+  const auto footer = readRecord(tail);
+  if (!footer || footer->code != McapCode::kFooter) return {};
+  McapIn content(footer->content);
+  const auto begin = content.number<std::uint64_t>();
+  (void)content.number<std::uint64_t>();
+  const auto crc = content.number<std::uint32_t>();
+  if (!content.ok() || begin < kHeadBytes || begin >= footer_place ||
+      footer_place - begin > kMostSummaryBytes)
+    return {};
+  auto summary = readBytes(begin, footer_place - begin);
+  // The CRC covers the footer up to its own place.
+  const std::uint32_t actual =
+      computeCrc32(std::span(end).first(kMcapFooterBytes - 4), computeCrc32(summary));
+  if (crc != 0 && crc != actual) return {};
+  return summary;
+}
+
+bool McapReader::readChunkIndex(std::span<const std::uint8_t> content) {
+  McapIn in(content);
+  Block block{};
+  block.begin_ns = in.number<std::uint64_t>();
+  block.end_ns = in.number<std::uint64_t>();
+  block.offset = in.number<std::uint64_t>();
+  block.bytes = in.number<std::uint64_t>();
+  block.is_chunk = true;
+  if (!in.ok() || block.offset < kHeadBytes || block.offset > size_ ||
+      block.bytes > size_ - block.offset || block.begin_ns > block.end_ns)
+    return false;
+  blocks_.push_back(block);
+  return true;
+}
+
+void McapReader::scan() {
+  std::uint64_t offset = kMcapMagic.size();
+  std::uint64_t run = offset;  // begin of the records outside of chunks
+  while (damage_.empty()) {
+    const auto head = readBytes(offset, kMcapRecordHeadBytes);
+    McapIn in(head);
+    const auto code = static_cast<McapCode>(in.number<std::uint8_t>());
+    const auto length = in.number<std::uint64_t>();
+    if (!in.ok() || length > size_ - offset - kMcapRecordHeadBytes) {
+      damage_ = "is cut off";
+      break;
+    }
+    const std::uint64_t end = offset + kMcapRecordHeadBytes + length;
+    const bool is_last = code == McapCode::kDataEnd || code == McapCode::kFooter;
+    if (is_last || code == McapCode::kChunk || end - run > kRunBytes) {
+      scanRun(run, offset);
+      run = offset;
+    }
+    if (is_last) return;
+    if (code == McapCode::kChunk) {
+      scanChunk(offset, end);
+      run = end;
+    }
+    offset = end;
+  }
+  scanRun(run, offset);
+}
+
+void McapReader::scanRun(std::uint64_t begin, std::uint64_t end) {
+  if (end - begin > kMostChunkBytes) {
+    damage_ = "has a record of more than 256 MiB";
+    return;
+  }
+  block_ = readBytes(begin, end - begin);
+  addBlock(begin, end - begin, false);
+}
+
+void McapReader::scanChunk(std::uint64_t begin, std::uint64_t end) {
+  const std::uint64_t content = begin + kMcapRecordHeadBytes;
+  if (end - content > kMostChunkBytes) {
+    damage_ = "has a chunk of more than 256 MiB";
+    return;
+  }
+  McapChunk chunk = readChunk(readBytes(content, end - content));
+  damage_ = chunk.problem;
+  if (!damage_.empty()) return;
+  block_ = std::move(chunk.records);
+  addBlock(begin, end - begin, true);
+}
+
+void McapReader::addBlock(std::uint64_t offset, std::uint64_t bytes, bool is_chunk) {
+  Block block{offset, bytes, std::numeric_limits<std::uint64_t>::max(), 0, is_chunk};
+  bool any = false;
+  McapIn in(block_);
+  while (const auto record = readRecord(in)) {
+    readDefinition(*record);
+    const auto message = readMessage(*record);
+    if (!message) continue;
+    block.begin_ns = std::min(block.begin_ns, message->time_ns);
+    block.end_ns = std::max(block.end_ns, message->time_ns);
+    any = true;
+  }
+  if (any) blocks_.push_back(block);
+}
+
+void McapReader::readDefinition(const McapRecord& record) {
+  if (record.code != McapCode::kSchema && record.code != McapCode::kChannel) return;
+  McapIn in(record.content);
+  const auto id = in.number<std::uint16_t>();
+  if (record.code == McapCode::kSchema) {
+    McapSchema schema;
+    schema.name = in.text();
+    schema.encoding = in.text();
+    schema.data = in.text();
+    if (in.ok()) schemas_.emplace(id, std::move(schema));
+    return;
+  }
+  McapChannel channel;
+  const auto schema_id = in.number<std::uint16_t>();
+  channel.topic = in.text();
+  channel.message_encoding = in.text();
+  if (!in.ok()) return;
+  if (const auto schema = schemas_.find(schema_id); schema != schemas_.end())
+    channel.schema = schema->second;
+  channels_.emplace(id, std::move(channel));
+}
+
+bool McapReader::load(std::size_t index) {
+  const Block& block = blocks_[index];
+  at_ = 0;
+  block_ = readBytes(block.offset, block.bytes);
+  if (block_.size() != block.bytes) {
+    problem_ = "cannot be read to its end";
+    block_.clear();
+    return false;
+  }
+  if (!block.is_chunk) return true;
+  McapIn in(block_);
+  const auto record = readRecord(in);
+  if (!record || record->code != McapCode::kChunk || !in.rest().empty()) {
+    problem_ = "has an index that names no chunk";
+    block_.clear();
+    return false;
+  }
+  McapChunk chunk = readChunk(record->content);
+  problem_ = chunk.problem;
+  block_ = std::move(chunk.records);
+  return problem_.empty();
+}
+
+std::optional<McapMessage> McapReader::next() {
+  while (problem_.empty()) {
+    McapIn in(std::span(std::as_const(block_)).subspan(at_));
+    const std::size_t before = in.rest().size();
+    if (const auto record = readRecord(in)) {
+      at_ += before - in.rest().size();
+      readDefinition(*record);
+      const auto message = readMessage(*record);
+      if (message && channels_.contains(message->channel)) return message;
+      continue;
+    }
+    if (at_ < block_.size()) {
+      problem_ = "has a damaged chunk";
+    } else if (next_block_ == blocks_.size()) {
+      problem_ = damage_;
+      return std::nullopt;
+    } else if (!load(next_block_++)) {
+      return std::nullopt;
+    }
+  }
+  return std::nullopt;
+}
+
+void McapReader::seek(std::uint64_t time_ns) {
+  const auto found = std::find_if(blocks_.begin(), blocks_.end(),
+                                  [&](const Block& block) { return block.end_ns >= time_ns; });
+  next_block_ = static_cast<std::size_t>(found - blocks_.begin());
+  block_.clear();
+  at_ = 0;
+  problem_.clear();
+}
+
+}  // namespace hapticast

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: MIT
+// Reads a file in the format MCAP (mcap_records.hpp), whose bytes are not trusted. The places of
+// the chunks come from the summary at the end of the file. A file without a summary, such as one
+// that was cut off, is scanned: all its chunks up to the first damage count. Messages come in the
+// order of the file, one chunk in memory at a time. Messages outside of chunks count as chunks,
+// too. Thread: one.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/recording/mcap_records.hpp"
+#include "common/result.hpp"
+
+namespace hapticast {
+
+/// A message of a file. `data` is valid until the next call of the reader.
+struct McapMessage {
+  std::uint16_t channel = 0;
+  std::uint64_t time_ns = 0;
+  std::span<const std::uint8_t> data;
+};
+
+/// An MCAP file that is open for reading.
+class McapReader {
+ public:
+  /// Opens `file`. Returns an error without the file's name ("is no MCAP file") if it cannot be
+  /// read, or has no whole message.
+  [[nodiscard]] static Result<McapReader> open(const std::string& file);
+  ~McapReader();
+  McapReader(McapReader&& from) noexcept;
+  McapReader& operator=(McapReader&& from) noexcept;
+
+  /// Returns the channels, by their number in messages.
+  [[nodiscard]] const std::map<std::uint16_t, McapChannel>& channels() const { return channels_; }
+  /// Returns the times of the first and the last message.
+  [[nodiscard]] std::uint64_t begin_ns() const { return begin_ns_; }
+  [[nodiscard]] std::uint64_t end_ns() const { return end_ns_; }
+
+  /// Returns the next message. Returns nullopt at the end, and at the first damage (problem()).
+  [[nodiscard]] std::optional<McapMessage> next();
+  /// Continues with the first chunk that has a message of `time_ns` or later. Earlier messages of
+  /// that chunk come, too.
+  void seek(std::uint64_t time_ns);
+  /// Returns why the messages end before the end of the file, as a phrase such as "is cut off";
+  /// empty: they do not, or the end was not reached.
+  [[nodiscard]] const std::string& problem() const { return problem_; }
+
+ private:
+  /// A chunk, or a run of records outside of chunks.
+  struct Block {
+    std::uint64_t offset;  ///< of its record, or of its first record
+    std::uint64_t bytes;
+    std::uint64_t begin_ns, end_ns;
+    bool is_chunk;
+  };
+  explicit McapReader(int file, std::uint64_t size) : file_(file), size_(size) {}
+  [[nodiscard]] std::vector<std::uint8_t> readBytes(std::uint64_t offset,
+                                                    std::uint64_t bytes) const;
+  /// Reads the summary. Returns false if there is none that can be used.
+  [[nodiscard]] bool readSummary();
+  [[nodiscard]] bool readChunkIndex(std::span<const std::uint8_t> content);
+  /// Returns the records of the summary, or nothing if there is none with a correct checksum.
+  [[nodiscard]] std::vector<std::uint8_t> readSummaryBytes() const;
+  /// Finds the blocks without a summary, and the damage that ends them.
+  void scan();
+  void scanRun(std::uint64_t begin, std::uint64_t end);
+  void scanChunk(std::uint64_t begin, std::uint64_t end);
+  /// Adds the block, whose records are in block_. Its times are those of its messages.
+  void addBlock(std::uint64_t offset, std::uint64_t bytes, bool is_chunk);
+  void readDefinition(const McapRecord& record);
+  /// Reads the block `index` into block_. Returns success.
+  bool load(std::size_t index);
+
+  int file_;
+  std::uint64_t size_;
+  std::map<std::uint16_t, McapSchema> schemas_;
+  std::map<std::uint16_t, McapChannel> channels_;
+  std::vector<Block> blocks_;
+  std::uint64_t begin_ns_ = 0, end_ns_ = 0;
+  std::string damage_;  // found by scan(), behind the last block
+  std::string problem_;
+  std::size_t next_block_ = 0;
+  std::vector<std::uint8_t> block_;  // records of the present block
+  std::size_t at_ = 0;               // place of the next record in block_
+};
+
+}  // namespace hapticast

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: MIT
+// Writes a recording from a thread of its own, so that no other thread waits for the disk. Messages
+// wait in memory, at most kMostWaitingBytes. If the disk is slower, the recorder drops new messages
+// and counts them. It writes all messages that wait to the file once a second. Thread: see each
+// function.
+#pragma once
+
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "common/recording/mcap_writer.hpp"
+
+namespace hapticast {
+
+/// A recording that cannot be written or read. The message has one line with the flag, the file and
+/// the remedy.
+struct RecordingError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// Number of messages of a recording.
+struct RecorderCounts {
+  std::uint64_t written = 0;
+  std::uint64_t lost = 0;  ///< the disk was full or too slow
+};
+
+/// A recording that grows.
+class Recorder {
+ public:
+  /// Memory for messages that wait. Chosen: 20 s of a stream with pictures.
+  static constexpr std::size_t kMostWaitingBytes = 16U << 20U;
+
+  /// Creates `file` as McapWriter does. `report` receives one line each time messages were lost, at
+  /// most once a minute, from the recorder's thread.
+  Recorder(const std::string& file, const std::vector<McapChannel>& channels,
+           std::function<void(const std::string&)> report);
+  /// Writes what waits, and completes the file.
+  ~Recorder();
+  Recorder(const Recorder&) = delete;
+  Recorder& operator=(const Recorder&) = delete;
+
+  /// Adds a message as McapWriter::write() does. Never waits for the disk. Thread: any.
+  void push(std::size_t channel, std::uint64_t time_ns, std::span<const std::uint8_t> data);
+  /// Thread: any.
+  [[nodiscard]] RecorderCounts counts() const;
+
+ private:
+  /// A message that waits; its data end at `end` of the bytes.
+  struct Waiting {
+    std::size_t channel;
+    std::uint64_t time_ns;
+    std::size_t end;
+  };
+  struct Batch {
+    std::vector<Waiting> messages;
+    std::vector<std::uint8_t> bytes;
+  };
+  void run();
+  void reportLost();
+
+  std::string file_;
+  std::function<void(const std::string&)> report_;
+  McapWriter writer_;  // used by the thread only
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  Batch waiting_;               // guarded by mutex_
+  RecorderCounts counts_;       // guarded by mutex_
+  std::uint64_t dropped_ = 0;   // guarded by mutex_
+  std::uint64_t reported_ = 0;  // used by the thread only
+  bool ended_ = false;          // guarded by mutex_
+  std::jthread thread_;         // last member: it uses all others
+};
+
+}  // namespace hapticast

@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: MIT
+#include "server/play_recording.hpp"
+
+#include <fmt/core.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <atomic>
+#include <optional>
+#include <string>
+#include <thread>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "server/origin.hpp"
+#include "server/pipeline/control_queue.hpp"
+#include "server/recording/recording_player.hpp"
+#include "server/stream/limited_log.hpp"
+
+namespace hapticast::server {
+
+namespace {
+
+// Interval in which waiting code checks for a signal; chosen.
+constexpr Duration kSlice = std::chrono::milliseconds(20);
+// Time for viewers to play the end of the recording before the goodbye.
+constexpr Duration kPlayout = std::chrono::milliseconds(500);
+
+StreamReader openRecording(const std::string& file) {
+  auto opened = StreamReader::open(file);
+  if (!opened.ok()) throw RecordingError("--source " + file + ": " + opened.error().message);
+  return std::move(opened).value();
+}
+
+StreamDescription describe(const StreamReader& reader, const std::string& name) {
+  StreamDescription description = reader.description();
+  if (!name.empty()) description.name = name;
+  return description;
+}
+
+/// Plays one recording to one origin.
+class Playback {
+ public:
+  Playback(const Settings& settings, const Clock& clock, ReadSettings reread);
+  void run();
+
+ private:
+  void waitForViewer();
+  void playAll();
+  void carryOutRequests();
+  void publish(RecordedItem item);
+  void logEnd();
+  /// Waits until `due`, a signal or a request. Returns whether it waited until `due`.
+  bool waitUntil(MediaTime due);
+
+  const Settings& settings_;
+  RecordingPlayer player_;
+  LocalMediaClock media_clock_;
+  Reloader reloader_;
+  ControlQueue requests_;
+  LimitedLog log_;
+  StreamDescription description_;
+  Origin origin_;
+  FrameEncoder encoder_;
+  Material material_;  // operators' values
+  std::atomic<bool> stop_{false};
+  bool paused_ = false;
+  std::uint64_t frames_ = 0;
+};
+
+Playback::Playback(const Settings& settings, const Clock& clock, ReadSettings reread)
+    : settings_(settings),
+      player_(openRecording(settings.source), settings.loop),
+      media_clock_(clock, player_.reader().begin()),
+      reloader_(settings, std::move(reread), clock),
+      log_(clock),
+      description_(describe(player_.reader(), settings.name)),
+      origin_(settings, clock, media_clock_, description_) {}
+
+void Playback::run() {
+  origin_.start([this] { stop_ = true; }, [this] { (void)reloader_.reload(); },
+                [this](const Control& control, std::function<void()> confirm) {
+                  requests_.push(control, std::move(confirm));
+                },
+                [](Metrics&) {});
+  StreamService& service = origin_.service();
+  service.open(description_.name);
+  if (settings_.wait_for_viewer) waitForViewer();
+  const StreamReader& reader = player_.reader();
+  spdlog::info("streaming {} ({} x {}, {:g} frames/s, {:.1f} s)", settings_.source,
+               description_.workspace.width_px, description_.workspace.height_px, description_.fps,
+               toSeconds(reader.length()));
+  for (StreamSink* sink : origin_.sinks()) sink->describe(description_);
+  playAll();
+  logEnd();
+  waitUntil(media_clock_.now() + description_.pipeline_latency + kPlayout);
+  service.end();
+}
+
+void Playback::waitForViewer() {
+  if (origin_.service().broadcaster().viewers() > 0) return;
+  spdlog::info("waiting for the first viewer");
+  while (!stop_ && origin_.service().broadcaster().viewers() == 0)
+    waitUntil(media_clock_.now() + kSlice);
+}
+
+void Playback::playAll() {
+  while (!stop_ && (settings_.frames == 0 || frames_ < settings_.frames)) {
+    origin_.service().manager().reportAlive();
+    carryOutRequests();
+    if (paused_) {
+      waitUntil(media_clock_.now() + kSlice);
+      continue;
+    }
+    const auto due = player_.prepare(media_clock_.now());
+    if (!due) return;
+    if (waitUntil(*due)) publish(player_.take());
+  }
+}
+
+bool Playback::waitUntil(MediaTime due) {
+  while (!stop_) {
+    origin_.service().manager().reportAlive();
+    const Duration left = due - media_clock_.now();
+    if (left <= Duration::zero()) return true;
+    if (requests_.waits()) return false;
+    std::this_thread::sleep_for(std::min(left, kSlice));
+  }
+  return false;
+}
+
+void Playback::carryOutRequests() {
+  const auto merged = requests_.take();
+  if (!merged) return;
+  const Control& request = merged->request;
+  if (request.paused && *request.paused != paused_) {
+    paused_ = *request.paused;
+    log_.info(fmt::format("an operator {} the stream", paused_ ? "pauses" : "continues"));
+    if (!paused_) player_.resume();
+  }
+  if (request.seek_s) {
+    player_.seek(*request.seek_s);
+    log_.info(fmt::format("an operator seeks to {:g} s", *request.seek_s));
+  }
+  if (request.speed) {
+    player_.setSpeed(*request.speed);
+    log_.info(fmt::format("an operator sets the speed to {:g}", *request.speed));
+  }
+  if (request.material != Material{}) {
+    changeMaterial(request.material, material_);
+    log_.info("an operator changes the material");
+  }
+  merged->confirmAll();
+}
+
+void Playback::publish(RecordedItem item) {
+  const std::vector<StreamSink*> sinks = origin_.sinks();
+  if (auto* const description = std::get_if<StreamDescription>(&item)) {
+    if (!settings_.name.empty()) description->name = settings_.name;
+    if (*description == description_) return;
+    description_ = *description;
+    for (StreamSink* sink : sinks) sink->describe(description_);
+  } else if (auto* const frame = std::get_if<CodedFrame>(&item)) {
+    ++frames_;
+    for (CodedObject& object : frame->objects) changeMaterial(material_, object.material);
+    if (const auto key = origin_.signer().rotateKey())
+      for (StreamSink* sink : sinks) sink->changeKey(*key);
+    const bool datagrams =
+        std::any_of(sinks.begin(), sinks.end(), [](auto* sink) { return sink->datagramsWanted(); });
+    const EncodedFrame encoded = encoder_.encode(std::move(*frame), &origin_.signer(), datagrams);
+    for (StreamSink* sink : sinks) sink->publish(encoded);
+  } else if (std::any_of(sinks.begin(), sinks.end(),
+                         [](auto* sink) { return sink->videoWanted(); })) {
+    const EncodedVideo video = encodeVideo(std::move(std::get<VideoFrame>(item)));
+    for (StreamSink* sink : sinks) sink->publish(video);
+  }
+}
+
+void Playback::logEnd() {
+  const StreamReader& reader = player_.reader();
+  if (!reader.problem().empty())
+    spdlog::warn("{} {}: it plays for {:.1f} s", settings_.source, reader.problem(),
+                 toSeconds(reader.length()));
+  if (reader.leftOut() > 0)
+    spdlog::warn("{}: {} frames are left out, because their times run back", settings_.source,
+                 reader.leftOut());
+}
+
+}  // namespace
+
+void playRecording(const Settings& settings, const Clock& clock, ReadSettings reread) {
+  Playback(settings, clock, std::move(reread)).run();
+}
+
+}  // namespace hapticast::server

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: MIT
+#include "server/recording/recording_player.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "common/wire_limits.hpp"
+
+namespace hapticast::server {
+
+namespace {
+
+/// Converts the motion of `object` to that at `speed`.
+void changeSpeed(CodedObject& object, double speed) {
+  Motion& motion = object.motion;
+  motion.velocity_mm_s *= speed;
+  motion.acceleration_mm_s2 *= speed * speed;
+  motion.angular_velocity_rad_s *= speed;
+  for (Impact& impact : object.impacts) impact.delta_velocity_mm_s *= speed;
+  if (!object.grid) return;
+  auto grid = std::make_shared<MotionGrid>(*object.grid);
+  for (auto& cell : grid->velocity_mm_s) cell *= static_cast<float>(speed);
+  for (auto& cell : grid->acceleration_mm_s2) cell *= static_cast<float>(speed * speed);
+  object.grid = std::move(grid);
+}
+
+}  // namespace
+
+RecordingPlayer::RecordingPlayer(StreamReader reader, bool loop)
+    : reader_(std::move(reader)), loop_(loop) {}
+
+std::optional<MediaTime> RecordingPlayer::prepare(MediaTime now) {
+  while (!item_) {
+    item_ = read();
+    if (!item_) return std::nullopt;
+    // A picture belongs to the frame before it.
+    const auto* const picture = std::get_if<VideoFrame>(&*item_);
+    if (picture != nullptr && (!last_ || picture->media_time != last_->recorded)) item_.reset();
+  }
+  const auto* const frame = std::get_if<CodedFrame>(&*item_);
+  if (frame != nullptr && !is_planned_) plan(*frame, now);
+  return due_;
+}
+
+std::optional<RecordedItem> RecordingPlayer::read() {
+  if (auto item = reader_.next()) return item;
+  if (!loop_) return std::nullopt;
+  reader_.seek(reader_.begin());
+  is_continuous_ = false;
+  return reader_.next();
+}
+
+void RecordingPlayer::plan(const CodedFrame& frame, MediaTime now) {
+  const bool follows = last_ && is_continuous_ && frame.media_time > last_->recorded &&
+                       frame.media_time - last_->recorded <= kLongestGap &&
+                       now - toPlayed(frame.media_time) <= kLatest;
+  if (!last_ && now - frame.media_time <= kLatest) {  // the first pass
+    origin_ = start_ = frame.media_time;
+  } else if (!follows) {
+    origin_ = frame.media_time;
+    start_ = last_ ? std::max(now, last_->time + kTickPeriod) : now;
+    recorded_first_id_ = frame.id;
+    first_id_ = last_ ? last_->id + 1 : frame.id;
+    epoch_shift_ = last_ ? last_->epoch + 1 - frame.epoch : 0;
+  }
+  is_continuous_ = is_planned_ = true;
+  due_ = toPlayed(frame.media_time);
+}
+
+RecordedItem RecordingPlayer::take() {
+  RecordedItem item = std::move(*std::exchange(item_, std::nullopt));
+  is_planned_ = false;
+  if (auto* const frame = std::get_if<CodedFrame>(&item)) {
+    const MediaTime recorded = frame->media_time;
+    change(*frame);
+    last_ = Last{recorded, frame->media_time, frame->id, frame->epoch};
+  } else if (auto* const picture = std::get_if<VideoFrame>(&item)) {
+    picture->media_time = last_->time;
+    picture->id = last_->id;
+    picture->epoch = last_->epoch;
+  }
+  return item;
+}
+
+void RecordingPlayer::change(CodedFrame& frame) const {
+  const auto toId = [this](std::uint64_t recorded) {
+    // A relief from before the discontinuity is new, since other frames may have had its number.
+    return recorded < recorded_first_id_ ? first_id_ : recorded - recorded_first_id_ + first_id_;
+  };
+  frame.media_time = toPlayed(frame.media_time);
+  frame.id = toId(frame.id);
+  frame.epoch += epoch_shift_;
+  for (CodedObject& object : frame.objects) {
+    object.changed_in_frame = std::min(toId(object.changed_in_frame), frame.id);
+    for (Impact& impact : object.impacts) impact.time = toPlayed(impact.time);
+    if (speed_ != 1.0) changeSpeed(object, speed_);
+  }
+}
+
+MediaTime RecordingPlayer::toPlayed(MediaTime recorded) const {
+  const Duration since = recorded - origin_;
+  if (speed_ == 1.0) return start_ + since;
+  return start_ + Duration(std::llround(static_cast<double>(since.count()) / speed_));
+}
+
+void RecordingPlayer::seek(double time_s) {
+  const double most_s = toSeconds(reader_.length());
+  reader_.seek(reader_.begin() + fromSeconds(std::clamp(time_s, 0.0, most_s)));
+  item_.reset();
+  resume();
+}
+
+void RecordingPlayer::setSpeed(double speed) {
+  speed_ = std::clamp(speed, limits::kLeastSpeed, limits::kMostSpeed);
+  resume();
+}
+
+}  // namespace hapticast::server

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+// Reads the stream of a recording (proto/recording.md): descriptions, frames and pictures. The
+// bytes are not trusted; the decoder of the wire checks them. A recorded frame leaves out the
+// reliefs that did not change. The reader adds them, so its frames have all reliefs. Thread: one.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <variant>
+
+#include "common/codec/coded_frame.hpp"
+#include "common/protocol/messages.hpp"
+#include "common/recording/mcap_reader.hpp"
+#include "common/result.hpp"
+
+namespace hapticast::server {
+
+/// An item of a recorded stream. Of a picture only media time and JPEG are known.
+using RecordedItem = std::variant<StreamDescription, CodedFrame, VideoFrame>;
+
+/// A recorded stream.
+class StreamReader {
+ public:
+  /// Opens `file`. Returns an error without the file's name ("is no MCAP file") if it is no
+  /// recording of a stream, or has no frame.
+  [[nodiscard]] static Result<StreamReader> open(const std::string& file);
+
+  /// Returns the description of the first frame.
+  [[nodiscard]] const StreamDescription& description() const { return first_description_; }
+  /// Returns the media time of the first frame.
+  [[nodiscard]] MediaTime begin() const { return begin_; }
+  /// Returns the time from the first frame to the end of the recording.
+  [[nodiscard]] Duration length() const;
+
+  /// Returns the next item; nullopt at the end, or at the first damage (problem()). Frames rise in
+  /// media time. A description comes only if it differs from the one before.
+  [[nodiscard]] std::optional<RecordedItem> next();
+  /// Continues with the first frame at `time` or later.
+  void seek(MediaTime time);
+  /// Returns why the items end early, as a phrase; empty: they do not.
+  [[nodiscard]] const std::string& problem() const { return problem_; }
+  /// Returns the number of frames that were left out because their times run back.
+  [[nodiscard]] std::uint64_t leftOut() const { return left_out_; }
+
+ private:
+  explicit StreamReader(McapReader file) : file_(std::move(file)) {}
+  /// Finds the channels. Returns whether there are frames.
+  [[nodiscard]] bool findChannels();
+  /// Returns the item in a message. Returns nullopt if it is none to return, and sets problem_ if
+  /// the message is invalid.
+  [[nodiscard]] std::optional<RecordedItem> read(const McapMessage& message);
+  [[nodiscard]] std::optional<RecordedItem> readFrame(std::span<const std::uint8_t> data);
+  /// Adds the reliefs that the frame leaves out, where they are known.
+  void complete(CodedFrame& frame);
+
+  McapReader file_;
+  std::uint16_t frames_ = 0, descriptions_ = 0, pictures_ = 0;  // numbers of channels; 0: none
+  StreamDescription first_description_;
+  std::optional<StreamDescription> description_;
+  MediaTime begin_{};
+  std::optional<MediaTime> last_;  // of the last frame
+  std::optional<MediaTime> from_;  // items before it only complete the frames
+  struct Known {
+    std::uint64_t changed_in_frame;
+    std::shared_ptr<const CodedRelief> relief;
+  };
+  std::map<ObjectKey, Known> reliefs_;
+  std::uint64_t left_out_ = 0;
+  std::string problem_;
+};
+
+}  // namespace hapticast::server

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: MIT
+// The server records its stream and plays the recording; a client touches what it plays, an
+// operator changes it, and a script that shares no code reads it.
+#include <nlohmann/json.hpp>
+
+#include "tests/integration/programs_fixture.hpp"
+
+namespace hapticast::testing {
+namespace {
+
+class ProgramsRecordingTest : public ProgramsTest {
+ protected:
+  /// Returns the recording of the bouncing ball.
+  [[nodiscard]] std::string record(const std::string& name, int frames) const {
+    const auto server = startServer({"--source", "synthetic:bounce", "--map-range", "520,620",
+                                     "--frames", std::to_string(frames), "--record", path(name)});
+    EXPECT_EQ(server->wait(kStart), 0) << server->output();
+    EXPECT_NE(server->output().find(path(name) + " is complete"), std::string::npos)
+        << server->output();
+    return path(name);
+  }
+  [[nodiscard]] nlohmann::json touch(const std::string& address, const std::string& name) const {
+    const auto client = startClient({address, "--device", "virtual", "--hand", "press", "--view",
+                                     "off", "--seconds", "4", "--summary", path(name)});
+    EXPECT_EQ(client->wait(kSoon), 0) << client->output();
+    std::ifstream in(path(name));
+    return nlohmann::json::parse(in);
+  }
+};
+
+TEST_F(ProgramsRecordingTest, ARecordingIsTouchedAsItsStreamWas) {
+  const std::string file = record("bounce.mcap", 100);
+  const auto server = startServer({"--source", file, "--loop"});
+  const auto summary = touch(addressOf(*server), "summary.json");
+  EXPECT_GT(summary.at("contact_ticks"), 500);
+  EXPECT_LT(summary.at("max_force_N"), 3.31);
+  interrupt(*server);
+}
+
+TEST_F(ProgramsRecordingTest, AScriptReadsTheRecording) {
+  if (!std::filesystem::exists(HAPTICAST_PYTHON)) GTEST_SKIP() << "no Python";
+  Process script({HAPTICAST_PYTHON, std::string(HAPTICAST_EXAMPLES) + "/read_recording.py",
+                  record("bounce.mcap", 60), "--pictures", path("pictures")});
+  const auto exit_code = script.wait(kSoon);
+  if (exit_code == 77) GTEST_SKIP() << script.output();
+  ASSERT_EQ(exit_code, 0) << script.output();
+  EXPECT_NE(script.output().find("/frame: 60 messages"), std::string::npos) << script.output();
+  EXPECT_NE(script.output().find("object 1: 60 frames"), std::string::npos) << script.output();
+  const cv::Mat picture = cv::imread(path("pictures/000059.jpg"));
+  EXPECT_EQ(picture.size(), cv::Size(640, 480));
+}
+
+TEST_F(ProgramsRecordingTest, AKilledServerLeavesARecordingThatPlays) {
+  const auto server = startServer({"--source", "synthetic:bounce", "--map-range", "520,620",
+                                   "--loop", "--http", "127.0.0.1:0", "--record", path("a.mcap")});
+  ASSERT_TRUE(server->says("streaming synthetic:bounce", kStart)) << server->output();
+  const auto deadline = std::chrono::steady_clock::now() + kSoon;
+  while (std::filesystem::file_size(path("a.mcap")) < 1'000'000 &&
+         std::chrono::steady_clock::now() < deadline)
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  server->signal(SIGKILL);
+  (void)server->wait(kSoon);
+  const auto player = startServer({"--source", path("a.mcap"), "--frames", "10"});
+  EXPECT_EQ(player->wait(kStart), 0) << player->output();
+  const auto whole = startServer({"--source", path("a.mcap")});
+  EXPECT_EQ(whole->wait(kSoon), 0) << whole->output();
+  EXPECT_NE(whole->output().find("a.mcap is cut off: it plays for "), std::string::npos)
+      << whole->output();
+}
+
+}  // namespace
+}  // namespace hapticast::testing

@@ -1,0 +1,393 @@
+// SPDX-License-Identifier: MIT
+// Files in the format MCAP: what the writer writes, the reader reads; damage ends the reading with
+// a sentence and never with wrong messages.
+#include <gtest/gtest.h>
+#include <lz4frame.h>
+#include <sys/resource.h>
+#include <zstd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <random>
+
+#include "common/recording/mcap_reader.hpp"
+#include "common/recording/mcap_writer.hpp"
+#include "common/recording/recorder.hpp"
+#include "common/recording/schemas.hpp"
+#include "tests/support/temp_folder.hpp"
+
+namespace hapticast {
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+
+struct Kept {
+  std::uint16_t channel;
+  std::uint64_t time_ns;
+  Bytes data;
+  bool operator==(const Kept&) const = default;
+};
+
+std::vector<Kept> drawMessages(unsigned seed, std::size_t count, std::size_t most_bytes) {
+  std::mt19937 random(seed);
+  std::vector<Kept> messages;
+  std::uint64_t time_ns = 1000;
+  for (std::size_t i = 0; i < count; ++i) {
+    time_ns += random() % 2'000'000;
+    Bytes data(random() % most_bytes);
+    std::generate(data.begin(), data.end(), [&] { return static_cast<std::uint8_t>(random()); });
+    messages.push_back({static_cast<std::uint16_t>(1 + random() % 3), time_ns, std::move(data)});
+  }
+  return messages;
+}
+
+std::vector<McapChannel> threeChannels() {
+  return {makeChannel("/frame", "hapticast.proto.HapticFrame"),
+          makeChannel("/picture", "foxglove.CompressedImage"),
+          {"/text", "json", {}}};
+}
+
+void writeAll(McapWriter& writer, const std::vector<Kept>& messages) {
+  for (const Kept& each : messages)
+    writer.write(each.channel - std::size_t{1}, each.time_ns, each.data);
+}
+
+std::vector<Kept> readAll(McapReader& reader) {
+  std::vector<Kept> messages;
+  while (const auto message = reader.next())
+    messages.push_back(
+        {message->channel, message->time_ns, Bytes(message->data.begin(), message->data.end())});
+  return messages;
+}
+
+Bytes readBytes(const std::string& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+void writeBytes(const std::string& file, const Bytes& bytes) {
+  std::ofstream(file, std::ios::binary)
+      .write(reinterpret_cast<const char*>(bytes.data()),
+             static_cast<std::streamsize>(bytes.size()));
+}
+
+/// Expects that `messages` are the first of `all`.
+void expectPrefix(const std::vector<Kept>& messages, const std::vector<Kept>& all) {
+  ASSERT_LE(messages.size(), all.size());
+  EXPECT_TRUE(std::equal(messages.begin(), messages.end(), all.begin()));
+}
+
+class Mcap : public ::testing::Test {
+ protected:
+  /// Returns a file with a chunk for each 20 of the messages.
+  std::string makeFile(const std::vector<Kept>& messages) const {
+    const std::string file = (folder_ / "a.mcap").string();
+    std::filesystem::remove(file);
+    McapWriter writer(file, threeChannels());
+    for (std::size_t i = 0; i < messages.size(); ++i) {
+      writeAll(writer, {messages[i]});
+      if (i % 20 == 19) writer.flush();
+    }
+    return file;
+  }
+  [[nodiscard]] std::string changed(const Bytes& bytes) const {
+    const std::string file = (folder_ / "changed.mcap").string();
+    writeBytes(file, bytes);
+    return file;
+  }
+
+  TempFolder folder_;
+};
+
+TEST_F(Mcap, TheReaderReturnsWhatTheWriterWrote) {
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    const auto messages = drawMessages(seed, 3000, seed == 1 ? 5000 : 300);
+    const std::string file = (folder_ / ("a" + std::to_string(seed))).string();
+    {
+      McapWriter writer(file, threeChannels());
+      writeAll(writer, messages);
+      writer.finish();
+      EXPECT_EQ(writer.written(), messages.size());
+      EXPECT_EQ(writer.lost(), 0U);
+    }
+    auto opened = McapReader::open(file);
+    ASSERT_TRUE(opened.ok()) << opened.error().message;
+    McapReader reader = std::move(opened).value();
+    ASSERT_EQ(reader.channels().size(), 3U);
+    EXPECT_EQ(reader.channels().at(1).topic, "/frame");
+    EXPECT_EQ(reader.channels().at(1).schema.name, "hapticast.proto.HapticFrame");
+    EXPECT_EQ(reader.channels().at(3).message_encoding, "json");
+    EXPECT_EQ(reader.begin_ns(), messages.front().time_ns);
+    EXPECT_EQ(reader.end_ns(), messages.back().time_ns);
+    EXPECT_EQ(readAll(reader), messages);
+    EXPECT_EQ(reader.problem(), "");
+  }
+}
+
+TEST_F(Mcap, SeekContinuesWithTheChunkOfTheTime) {
+  const auto messages = drawMessages(6, 1000, 100);
+  auto opened = McapReader::open(makeFile(messages));
+  ASSERT_TRUE(opened.ok());
+  McapReader reader = std::move(opened).value();
+  for (const std::size_t wanted : {500U, 0U, 999U, 20U, 19U}) {
+    reader.seek(messages[wanted].time_ns);
+    const auto rest = readAll(reader);
+    ASSERT_LE(rest.size(), messages.size());
+    const std::size_t first = messages.size() - rest.size();
+    EXPECT_LE(first, wanted);
+    EXPECT_LT(wanted - first, 20U);
+    EXPECT_TRUE(
+        std::equal(rest.begin(), rest.end(), messages.end() - static_cast<long>(rest.size())));
+  }
+  reader.seek(messages.back().time_ns + 1);
+  EXPECT_FALSE(reader.next());
+}
+
+TEST_F(Mcap, ACutFilePlaysUpToItsLastWholeChunk) {
+  const auto messages = drawMessages(7, 200, 100);
+  const Bytes bytes = readBytes(makeFile(messages));
+  std::size_t most = 0;
+  for (std::size_t length = 0; length < bytes.size(); length += 97) {
+    auto opened =
+        McapReader::open(changed({bytes.begin(), bytes.begin() + static_cast<long>(length)}));
+    if (!opened.ok()) continue;
+    McapReader reader = std::move(opened).value();
+    const auto read = readAll(reader);
+    expectPrefix(read, messages);
+    EXPECT_EQ(read.size() % 20, 0U);
+    // Behind the last chunk there is the summary, which can be done without.
+    if (read.size() < messages.size()) {
+      EXPECT_EQ(reader.problem(), "is cut off");
+    }
+    EXPECT_GE(read.size(), most);
+    most = read.size();
+  }
+  EXPECT_EQ(most, messages.size());
+}
+
+TEST_F(Mcap, ADamagedByteNeverGivesAWrongMessage) {
+  const auto messages = drawMessages(8, 100, 60);
+  const Bytes bytes = readBytes(makeFile(messages));
+  std::mt19937 random(8);
+  int problems = 0;
+  for (int i = 0; i < 2000; ++i) {
+    Bytes damaged = bytes;
+    damaged[random() % damaged.size()] ^= static_cast<std::uint8_t>(1 + random() % 255);
+    auto opened = McapReader::open(changed(damaged));
+    if (!opened.ok()) {
+      ++problems;
+      continue;
+    }
+    McapReader reader = std::move(opened).value();
+    const auto read = readAll(reader);
+    problems += reader.problem().empty() ? 0 : 1;
+    // A wrong place in the index may leave out chunks, and a wrong channel its messages.
+    for (const Kept& each : read)
+      EXPECT_NE(std::find(messages.begin(), messages.end(), each), messages.end());
+  }
+  EXPECT_GT(problems, 300) << "the rest of the bytes are schemas";
+}
+
+TEST_F(Mcap, AWrongChecksumEndsTheMessages) {
+  const auto messages = drawMessages(9, 100, 60);
+  Bytes bytes = readBytes(makeFile(messages));
+  const auto place =
+      std::search(bytes.begin(), bytes.end(), messages[50].data.begin(), messages[50].data.end());
+  ASSERT_NE(place, bytes.end());
+  *place ^= 1;
+  auto opened = McapReader::open(changed(bytes));
+  ASSERT_TRUE(opened.ok());
+  McapReader reader = std::move(opened).value();
+  const auto read = readAll(reader);
+  EXPECT_EQ(read.size(), 40U);
+  expectPrefix(read, messages);
+  EXPECT_EQ(reader.problem(), "has a wrong checksum");
+}
+
+/// A file of another program: head, then the records, without a summary.
+Bytes makeForeign(const std::function<void(McapOut&)>& writeRecords) {
+  Bytes bytes(kMcapMagic.begin(), kMcapMagic.end());
+  McapOut out(bytes);
+  const std::size_t place = out.beginRecord(McapCode::kHeader);
+  out.text("ros2").text("other");
+  out.endRecord(place);
+  writeRecords(out);
+  return bytes;
+}
+
+Bytes makeRecords(const std::vector<Kept>& messages) {
+  Bytes bytes;
+  McapOut out(bytes);
+  out.schema(7, {"sensor_msgs/msg/Image", "ros2msg", "uint32 height"});
+  for (std::uint16_t id = 1; id <= 3; ++id)
+    out.channel(id, id == 1 ? std::uint16_t{7} : std::uint16_t{0}, {"/a", "cdr", {}});
+  for (const Kept& each : messages) {
+    const std::size_t place = out.beginRecord(McapCode::kMessage);
+    out.number(each.channel).number(std::uint32_t{0}).number(each.time_ns).number(each.time_ns);
+    out.data(each.data);
+    out.endRecord(place);
+  }
+  return bytes;
+}
+
+void writeChunk(McapOut& out, const std::string& compression, std::uint64_t size, std::uint32_t crc,
+                const Bytes& bytes) {
+  const std::size_t place = out.beginRecord(McapCode::kChunk);
+  out.number(std::uint64_t{0}).number(std::uint64_t{0}).number(size).number(crc);
+  out.text(compression).number(std::uint64_t{bytes.size()}).data(bytes);
+  out.endRecord(place);
+}
+
+Bytes compress(const std::string& compression, const Bytes& bytes) {
+  Bytes out(ZSTD_compressBound(bytes.size()) + LZ4F_compressFrameBound(bytes.size(), nullptr));
+  out.resize(compression == "zstd"
+                 ? ZSTD_compress(out.data(), out.size(), bytes.data(), bytes.size(), 3)
+                 : LZ4F_compressFrame(out.data(), out.size(), bytes.data(), bytes.size(), nullptr));
+  return out;
+}
+
+TEST_F(Mcap, FilesOfOtherProgramsAreRead) {
+  const auto messages = drawMessages(10, 500, 200);
+  const Bytes records = makeRecords(messages);
+  for (const std::string compression : {"", "zstd", "lz4", "none"}) {
+    const std::string file = changed(makeForeign([&](McapOut& out) {
+      if (compression == "none") {  // no chunk at all
+        out.data(records);
+      } else {
+        writeChunk(out, compression, records.size(), computeCrc32(records),
+                   compression.empty() ? records : compress(compression, records));
+      }
+    }));
+    auto opened = McapReader::open(file);
+    ASSERT_TRUE(opened.ok()) << opened.error().message;
+    McapReader reader = std::move(opened).value();
+    EXPECT_EQ(readAll(reader), messages) << compression;
+    EXPECT_EQ(reader.channels().at(1).schema.name, "sensor_msgs/msg/Image");
+  }
+}
+
+TEST_F(Mcap, ChunksThatLieAreRefused) {
+  const Bytes records = makeRecords(drawMessages(11, 20, 200));
+  const Bytes large(10U << 20U, 0);
+  const auto refuse = [&](const std::string& compression, std::uint64_t size, const Bytes& bytes) {
+    auto opened = McapReader::open(
+        changed(makeForeign([&](McapOut& out) { writeChunk(out, compression, size, 0, bytes); })));
+    return opened.ok() ? "" : opened.error().message;
+  };
+  for (const std::string compression : {"zstd", "lz4"}) {
+    const Bytes packed = compress(compression, records);
+    EXPECT_EQ(refuse(compression, std::uint64_t{1} << 63U, packed),
+              "has no messages: it has a chunk of more than 256 MiB");
+    const std::string damaged = "has no messages: it has a damaged chunk";
+    EXPECT_EQ(refuse(compression, records.size() - 1, packed), damaged);
+    EXPECT_EQ(refuse(compression, records.size() + 1, packed), damaged);
+    EXPECT_EQ(refuse(compression, records.size(), records), damaged);
+    EXPECT_EQ(refuse(compression, 100, compress(compression, large)), damaged) << "a bomb";
+  }
+  EXPECT_EQ(refuse("", records.size() + 1, records), "has no messages: it has a damaged chunk");
+  EXPECT_EQ(refuse("brotli", 1, records),
+            "has no messages: it has the unknown compression 'brotli'");
+  const Bytes cut = makeForeign(
+      [&](McapOut& out) { out.number(std::uint8_t{6}).number(std::uint64_t{1} << 63U); });
+  const auto opened = McapReader::open(changed(cut));
+  ASSERT_FALSE(opened.ok());
+  EXPECT_EQ(opened.error().message, "has no messages: it is cut off");
+}
+
+TEST_F(Mcap, OtherFilesAreRefused) {
+  const auto refuse = [](const std::string& file) {
+    const auto opened = McapReader::open(file);
+    return opened.ok() ? "" : opened.error().message;
+  };
+  EXPECT_EQ(refuse("/no/file"), "cannot be read (No such file or directory)");
+  EXPECT_EQ(refuse(folder_.string()), "is no MCAP file");
+  EXPECT_EQ(refuse(folder_.write("empty", "")), "is no MCAP file");
+  EXPECT_EQ(refuse(folder_.write("text", std::string(1000, 'x'))), "is no MCAP file");
+  const std::string file = (folder_ / "made.mcap").string();
+  { const McapWriter writer(file, threeChannels()); }
+  EXPECT_EQ(refuse(file), "has no messages");
+  try {
+    const McapWriter writer(file, threeChannels());
+    ADD_FAILURE() << "it replaces a file";
+  } catch (const std::runtime_error& error) {
+    EXPECT_STREQ(error.what(), "exists already: choose another name, or remove it");
+  }
+}
+
+/// While it lives, files cannot grow beyond a limit.
+class FileLimit {
+ public:
+  explicit FileLimit(rlim_t bytes) {
+    ::getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit limit{bytes, before_.rlim_max};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+    signal_ = std::signal(SIGXFSZ, SIG_IGN);
+  }
+  ~FileLimit() {
+    ::setrlimit(RLIMIT_FSIZE, &before_);
+    (void)std::signal(SIGXFSZ, signal_);
+  }
+  FileLimit(const FileLimit&) = delete;
+  FileLimit& operator=(const FileLimit&) = delete;
+
+ private:
+  rlimit before_{};
+  void (*signal_)(int) = nullptr;
+};
+
+TEST_F(Mcap, AFullDiskLosesChunksAndKeepsTheFile) {
+  const auto messages = drawMessages(12, 100, 2000);
+  const std::string file = (folder_ / "full.mcap").string();
+  McapWriter writer(file, threeChannels());
+  std::vector<Kept> kept;
+  {
+    const FileLimit limit(60'000);
+    for (std::size_t i = 0; i < messages.size(); ++i) {
+      writeAll(writer, {messages[i]});
+      writer.flush();
+      if (writer.written() > kept.size()) kept.push_back(messages[i]);
+    }
+    EXPECT_EQ(writer.problem(), "File too large");
+  }
+  EXPECT_GT(writer.lost(), 30U);
+  EXPECT_EQ(writer.written() + writer.lost(), messages.size());
+  writer.finish();  // there is room again
+  auto opened = McapReader::open(file);
+  ASSERT_TRUE(opened.ok()) << opened.error().message;
+  McapReader reader = std::move(opened).value();
+  EXPECT_EQ(readAll(reader), kept);
+}
+
+TEST_F(Mcap, TheRecorderWritesInOrderAndCountsItsLosses) {
+  const auto messages = drawMessages(13, 2000, 500);
+  const std::string file = (folder_ / "recorded.mcap").string();
+  {
+    Recorder recorder(file, threeChannels(), [](const std::string& line) { FAIL() << line; });
+    for (const Kept& each : messages)
+      recorder.push(each.channel - std::size_t{1}, each.time_ns, each.data);
+  }
+  auto opened = McapReader::open(file);
+  ASSERT_TRUE(opened.ok());
+  McapReader reader = std::move(opened).value();
+  EXPECT_EQ(readAll(reader), messages);
+
+  const std::string flood = (folder_ / "flood.mcap").string();
+  RecorderCounts counts;
+  const int pushed = 64;
+  const Bytes large(1U << 20U, 1);
+  {
+    Recorder recorder(flood, threeChannels(), [](const std::string&) {});
+    for (int i = 0; i < pushed; ++i) recorder.push(0, static_cast<std::uint64_t>(i), large);
+    counts = recorder.counts();
+  }
+  EXPECT_GT(counts.lost, 0U) << "64 MiB do not wait in memory";
+  opened = McapReader::open(flood);
+  ASSERT_TRUE(opened.ok());
+  McapReader kept = std::move(opened).value();
+  EXPECT_EQ(readAll(kept).size() + counts.lost, static_cast<std::size_t>(pushed));
+}
+
+}  // namespace
+}  // namespace hapticast
