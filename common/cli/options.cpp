@@ -125,6 +125,8 @@ class KeyValueConfig : public CLI::ConfigBase {
   explicit KeyValueConfig(const CLI::App& app) : app_(app) {}
 
   [[nodiscard]] std::vector<CLI::ConfigItem> from_config(std::istream& in) const override {
+    // CLI11 2.4 reads several files, one after the other.
+    if (app_.get_config_ptr()->count() > 1) throw CLI::ArgumentMismatch("--config: several files");
     const auto pairs = readKeyValues(in, "");
     if (!pairs.ok()) throw ConfigFileError(pairs.error().message);
     std::vector<CLI::ConfigItem> items;
