@@ -11,6 +11,7 @@
 #include "client/device/open_device.hpp"
 #include "client/first_check.hpp"
 #include "client/haptics/loop.hpp"
+#include "client/recording/run_recorder.hpp"
 #include "client/report/reporter.hpp"
 #include "client/session.hpp"
 #include "client/user_interface.hpp"
@@ -83,6 +84,11 @@ struct LocalDevice {
   std::unique_ptr<HapticRenderer> renderer;  // large: holds the flight recorder
 };
 
+std::unique_ptr<RunRecorder> openRecorder(const Settings& settings, const Clock& clock) {
+  if (settings.record_file.empty()) return nullptr;
+  return std::make_unique<RunRecorder>(settings.record_file, clock);
+}
+
 void logRealtime(const RealtimeGrant& realtime) {
   if (realtime.fifo && realtime.mlock) return;
   spdlog::info("the loop ran without {}: ticks may be late under load (README: real time)",
@@ -113,7 +119,8 @@ class App::Impl {
   UserInterface ui_;
   LocalDevice local_;
   std::atomic<bool> stop_{false};
-  Session session_;  // its network thread uses everything above
+  std::unique_ptr<RunRecorder> recorder_;  // null: no recording
+  Session session_;                        // its network thread uses everything above
   Reporter reporter_;
   TickReport last_report_;  // of those read from local_.reports
   bool sent_contact_ = false;
@@ -126,12 +133,14 @@ App::Impl::Impl(Settings settings, const Clock& clock, Views views)
       clock_(clock),
       ui_(settings_, std::move(views)),
       local_(settings_, clock, ui_),
+      recorder_(openRecorder(settings_, clock)),
       session_(
-          settings_, clock, local_.pool, local_.stream, ui_.wantsVideo(),
+          settings_, clock, local_.pool, local_.stream, ui_.wantsVideo() || recorder_ != nullptr,
           {.picture = [this](const VideoFrame& picture,
                              const Workspace& workspace) { ui_.onPicture(picture, workspace); },
            .frame = [this](const PlayableReliefs& frame) { ui_.onFrame(frame); },
-           .ended = [this] { stop(); }}),
+           .ended = [this] { stop(); }},
+          recorder_.get()),
       reporter_({settings_.log_file, settings_.fault_folder, settings_.summary_file}) {
   requireWritable("--summary", settings_.summary_file);
 }
@@ -148,6 +157,10 @@ bool App::Impl::run() {
     spdlog::info("the client renders only the {} force (--forces)",
                  settings_.forces == Forces::kStatic ? "static" : "dynamic");
   local_.createRenderer(settings_, ui_);
+  if (recorder_) {
+    recorder_->onSettings(local_.renderer_settings);
+    ui_.onControls([this](const UserControls& controls) { recorder_->onControls(controls); });
+  }
   session_.connect();
   LoopThread loop(device(), *local_.renderer, clock_);
   runEvents();
@@ -190,6 +203,7 @@ void App::Impl::runEvents() {
 
 void App::Impl::readReports() {
   while (local_.reports.tryPop(last_report_)) {
+    if (recorder_) recorder_->onTick(last_report_);
     reporter_.onReport(last_report_, ui_.rearm());
     ui_.onReport(last_report_);
   }

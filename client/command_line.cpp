@@ -295,10 +295,30 @@ void addOutputOptions(CLI::App& app, Settings& settings) {
                  "The folder for the ticks before a fault; default: hapticast in $XDG_STATE_HOME, "
                  "else in ~/.local/state")
       ->type_name("DIR");
+  addFile(app, "--record", settings.record_file, ".mcap",
+          "Record the run in a new file: every tick, the received frames and pictures");
   addNumber(app, "--seconds", settings.seconds, 0.001, 1e9, "S",
             "Stop S seconds after the first frame, or if none arrives for S seconds; default: at "
             "Ctrl-C");
   app.add_flag("--quiet", settings.quiet, "Only warnings and errors");
+}
+
+/// Adds --replay and --stiffness. Sets the settings that replace the recorded ones.
+void addReplayOptions(CLI::App& app, Settings& settings) {
+  addFile(app, "--replay", settings.replay_file, ".mcap",
+          "Render a recorded run again, as fast as it can be, and end. The forces have the same "
+          "bits; --stiffness, --method, --surface and --stiffness-limit change them. --log writes "
+          "a row per tick");
+  addNumber(app, "--stiffness", settings.stiffness_N_mm, 0.01, 10.0, "N/mm",
+            "With --replay: the stiffness of all surfaces; default: as recorded");
+  app.final_callback([&settings, parsed = &app] {
+    if (!settings.replay_file.empty() && !settings.record_file.empty())
+      throw CLI::ValidationError("--record", "--replay has no new readings; leave one flag out");
+    if (settings.replay_file.empty() && settings.stiffness_N_mm > 0.0)
+      throw CLI::ValidationError("--stiffness", "needs --replay");
+    settings.method_given = parsed->count("--method") > 0;
+    settings.surface_given = parsed->count("--surface") > 0;
+  });
 }
 
 }  // namespace
@@ -323,6 +343,7 @@ std::unique_ptr<CLI::App> commandLine(Settings& settings) {
             "interpolated by cubics");
   addViewOptions(*app, settings);
   addOutputOptions(*app, settings);
+  addReplayOptions(*app, settings);
   addConfigFile(*app, kSystemConfig);
   return app;
 }
@@ -341,44 +362,6 @@ void requireVirtualHand(const Settings& settings) {
   throw std::runtime_error("--hand " + settings.hand +
                            ": moves only the virtual device, but --device is " + settings.device +
                            "; remove --hand, or use --device virtual");
-}
-
-void requireWritable(const char* flag, const std::string& file) {
-  if (file.empty() || std::ofstream(file, std::ios::app)) return;
-  throw std::runtime_error(std::string(flag) + " " + file +
-                           ": cannot be written; is its folder there and writable?");
-}
-
-namespace {
-
-/// Returns whether two names are of one file. The files need not exist.
-bool isSameFile(const std::string& a, const std::string& b) {
-  namespace fs = std::filesystem;
-  std::error_code error;
-  if (fs::exists(a, error) && !fs::is_regular_file(a, error)) return false;  // /dev/null
-  if (fs::equivalent(a, b, error)) return true;
-  const auto resolve = [&error](const std::string& file) {
-    return fs::weakly_canonical(fs::absolute(file, error), error);
-  };
-  return resolve(a) == resolve(b);
-}
-
-}  // namespace
-
-void requireDistinctOutputs(const Settings& settings) {
-  const std::array<std::pair<const char*, const std::string*>, 4> outputs{
-      {{"--log", &settings.log_file},
-       {"--summary", &settings.summary_file},
-       {"--screenshot", &settings.screenshot_file},
-       {"--film", &settings.film_file}}};
-  for (const auto& [flag, file] : outputs) {
-    for (const auto& [earlier, other] : outputs) {
-      if (other == file) break;
-      if (file->empty() || other->empty() || !isSameFile(*file, *other)) continue;
-      throw std::runtime_error(std::string(flag) + " " + *file + ": is the file of " + earlier +
-                               ", too; name another file");
-    }
-  }
 }
 
 }  // namespace hapticast::client

@@ -11,6 +11,7 @@
 #include "client/device/open_device.hpp"
 #include "client/device_commands.hpp"
 #include "client/discovery/find_server.hpp"
+#include "client/replay_command.hpp"
 #include "client/user_interface.hpp"
 #include "common/cli/run_program.hpp"
 #include "common/text.hpp"
@@ -48,8 +49,18 @@ int runControl(const hapticast::client::Settings& settings) {
   }
 }
 
+int replayRun(const hapticast::client::Settings& settings) {
+  try {
+    return hapticast::client::runReplay(settings);
+  } catch (const std::exception& error) {
+    spdlog::error("{}", hapticast::sanitizeUtf8(error.what()));
+    return kWrongInput;
+  }
+}
+
 int runCommand(const hapticast::client::Settings& settings) {
   if (settings.control) return runControl(settings);
+  if (!settings.replay_file.empty()) return replayRun(settings);
   if (settings.calibration_g > 0.0) return hapticast::client::runFalconCalibration(settings);
   if (!settings.check_device.empty()) return hapticast::client::runDeviceCheck(settings);
   return runClient(settings);

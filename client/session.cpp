@@ -43,8 +43,9 @@ void logLine(spdlog::level::level_enum level, const std::optional<std::string>& 
 class Session::Impl {
  public:
   Impl(const Settings& settings, const Clock& clock, FramePool& pool,
-       LatestValue<StreamTiming>& stream, bool wants_video, Events events)
+       LatestValue<StreamTiming>& stream, bool wants_video, Events events, RunRecorder* recorder)
       : method(settings.method),
+        recorder(recorder),
         clock(clock),
         events(std::move(events)),
         server_given(settings.server_given),
@@ -58,7 +59,13 @@ class Session::Impl {
         connection(io, clock, connectionSettings(settings, wants_video), receiver,
                    connectionEvents()),
         late_frames(settings.max_delay_ms),
-        connection_log(server) {}
+        connection_log(server) {
+    if (recorder == nullptr) return;
+    receiver.onFrame([recorder](const AssembledFrame& frame) { recorder->onFrame(frame); });
+    receiver.onTiming([recorder](const StreamTiming& timing, bool resets_reliefs) {
+      recorder->onTiming(timing, resets_reliefs);
+    });
+  }
 
   ~Impl() {
     io.stop();  // an exception can end the client without stop()
@@ -72,6 +79,7 @@ class Session::Impl {
   void stop();
 
   const Method method;
+  RunRecorder* const recorder;  // null: no recording
   const Clock& clock;
   const Events events;
   const bool server_given;
@@ -93,43 +101,47 @@ class Session::Impl {
 };
 
 ConnectionEvents Session::Impl::connectionEvents() {
-  return {
-      .welcomed =
-          [this](const auto& stream) {
-            scan_share = 1.0;
-            publishStats(true);
-            is_waiting = false;
-            logLine(spdlog::level::info,
-                    connection_log.connected(greeting(stream, method), clock.now()));
-          },
-      .video =
-          [this](const VideoFrame& video) { events.picture(video, receiver.stream().workspace); },
-      .preparing =
-          [this](double share) {
-            scan_share = share;
-            publishStats(true);
-            logLine(spdlog::level::info, connection_log.preparing(share, clock.now()));
-          },
-      .delivery =
-          [this](const std::string& line) {
-            logLine(spdlog::level::info, connection_log.onMessage(line, clock.now()));
-          },
-      .disconnected =
-          [this](const std::string& why) {
-            publishStats(false);
-            is_waiting = !connection_log.everConnected();
-            logLine(spdlog::level::warn, connection_log.logLoss(why, clock.now()));
-          },
-      .failed =
-          [this](const std::string& why) {
-            const bool names_server = why.find(server) != std::string::npos;
-            spdlog::error("{}", names_server ? why : server + ": " + why);
-            failed = true;
-            events.ended();
-          }};
+  return {.welcomed =
+              [this](const auto& stream) {
+                scan_share = 1.0;
+                publishStats(true);
+                if (recorder != nullptr) recorder->onDescription(stream);
+                is_waiting = false;
+                logLine(spdlog::level::info,
+                        connection_log.connected(greeting(stream, method), clock.now()));
+              },
+          .video =
+              [this](const VideoFrame& video) {
+                if (recorder != nullptr) recorder->onPicture(video);
+                events.picture(video, receiver.stream().workspace);
+              },
+          .preparing =
+              [this](double share) {
+                scan_share = share;
+                publishStats(true);
+                logLine(spdlog::level::info, connection_log.preparing(share, clock.now()));
+              },
+          .delivery =
+              [this](const std::string& line) {
+                logLine(spdlog::level::info, connection_log.onMessage(line, clock.now()));
+              },
+          .disconnected =
+              [this](const std::string& why) {
+                publishStats(false);
+                is_waiting = !connection_log.everConnected();
+                logLine(spdlog::level::warn, connection_log.logLoss(why, clock.now()));
+              },
+          .failed =
+              [this](const std::string& why) {
+                const bool names_server = why.find(server) != std::string::npos;
+                spdlog::error("{}", names_server ? why : server + ": " + why);
+                failed = true;
+                events.ended();
+              }};
 }
 
 void Session::Impl::onPrepared(const PreparedFrame& frame) {
+  if (recorder != nullptr) recorder->onPrepared(frame);
   receiver.addPrepared(frame);
   scan_share = 1.0;
   events.frame(frame.playable);
@@ -171,9 +183,10 @@ void Session::Impl::stop() {
 }
 
 Session::Session(const Settings& settings, const Clock& clock, FramePool& pool,
-                 LatestValue<StreamTiming>& stream, bool wants_video, Events events)
-    : impl_(std::make_unique<Impl>(settings, clock, pool, stream, wants_video, std::move(events))) {
-}
+                 LatestValue<StreamTiming>& stream, bool wants_video, Events events,
+                 RunRecorder* recorder)
+    : impl_(std::make_unique<Impl>(settings, clock, pool, stream, wants_video, std::move(events),
+                                   recorder)) {}
 
 Session::~Session() = default;
 

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "client/haptics/playback/frame_pool.hpp"
+#include "client/recording/run_recorder.hpp"
 #include "client/report/summary.hpp"
 #include "client/settings.hpp"
 #include "client/view/view.hpp"
@@ -26,10 +27,12 @@ class Session {
   };
 
   /// Prepares a session that writes frames to `pool` and the timing to `stream`. Both must outlive
-  /// the session. `wants_video` is true if a view needs pictures. Throws std::runtime_error (one
+  /// the session. `wants_video` is true if a view needs pictures. `recorder` records the stream and
+  /// must outlive the session; null: no recording. Throws std::runtime_error (one
   /// line) if a file of `settings` cannot be used.
   Session(const Settings& settings, const Clock& clock, FramePool& pool,
-          LatestValue<StreamTiming>& stream, bool wants_video, Events events);
+          LatestValue<StreamTiming>& stream, bool wants_video, Events events,
+          RunRecorder* recorder = nullptr);
   ~Session();
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;

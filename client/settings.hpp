@@ -53,7 +53,11 @@ struct Settings {
   std::string film_file;
   std::string log_file;
   std::string summary_file;
-  std::string fault_folder;  ///< empty: the state folder
+  std::string record_file;      ///< recording of the run; empty: none
+  std::string replay_file;      ///< recorded run to render again; empty: none
+  double stiffness_N_mm = 0.0;  ///< of all surfaces of a replay; 0: as recorded
+  bool method_given = false, surface_given = false;  ///< the user set --method, --surface
+  std::string fault_folder;                          ///< empty: the state folder
   /// Limit of an author's stiffness; 0: three times the profile's stiffness.
   double stiffness_limit_N_mm = 0.0;
   bool rearm = false;    ///< re-arm automatically after a lost device or a loss of trust

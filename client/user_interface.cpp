@@ -105,7 +105,7 @@ UserInterface::UserInterface(const Settings& settings, Views views)
       has_pointer_(hasPointer(views_)),
       rearm_(settings.rearm, has_pointer_) {
   state_.user = userControls(settings);
-  controls_.store(state_.user);
+  publishControls();
 }
 
 bool UserInterface::wantsVideo() const {
@@ -127,7 +127,7 @@ void UserInterface::onReport(const TickReport& report) {
   handleButtons(report.buttons);
   if (!rearm_.onReport(report)) return;
   ++state_.user.rearm_by_itself;
-  controls_.store(state_.user);
+  publishControls();
 }
 
 void UserInterface::setRequest(const std::string& text) {
@@ -141,8 +141,17 @@ bool UserInterface::update(const ConnectionStats& stats) {
   for (const auto& view : views_) go_on = view->update(state_) && go_on;
   if (state_.record != recording_.has_value()) updateRecording();
   pointer_.store(state_.pointer);
-  controls_.store(state_.user);
+  publishControls();
   return go_on;
+}
+
+void UserInterface::publishControls() {
+  state_.user.number = published_.number;
+  if (state_.user == published_) return;
+  ++state_.user.number;
+  published_ = state_.user;
+  if (on_controls_) on_controls_(published_);
+  controls_.store(published_);
 }
 
 Histogram UserInterface::eyeHand() const {
@@ -182,7 +191,7 @@ void UserInterface::handleButtons(std::uint32_t buttons) {
   const DeviceButtons::ButtonActions actions = buttons_->onButtons(buttons);
   if (actions.pause) state_.user.paused = !state_.user.paused;
   if (actions.rearm) ++state_.user.rearm;
-  if (actions.pause || actions.rearm) controls_.store(state_.user);
+  if (actions.pause || actions.rearm) publishControls();
   if (actions.other) spdlog::info("button {} of the device was pressed", *actions.other);
 }
 

@@ -30,6 +30,12 @@ class UserInterface {
   [[nodiscard]] LatestValue<PointerTarget>* pointer() { return has_pointer_ ? &pointer_ : nullptr; }
   /// Returns true if a window is open, so that a user can confirm a request.
   [[nodiscard]] bool hasWindow() const { return has_pointer_; }
+  /// Sets a function that receives all controls, before the renderer reads them. It receives the
+  /// present ones at once.
+  void onControls(std::function<void(const UserControls&)> on_controls) {
+    on_controls_ = std::move(on_controls);
+    on_controls_(state_.user);
+  }
   /// Returns the controls of the user, which the renderer reads.
   [[nodiscard]] LatestValue<UserControls>& controls() { return controls_; }
   /// Assigns the functions of the device's buttons according to `profile`. `follows_pointer` is
@@ -65,13 +71,17 @@ class UserInterface {
   void finish();
 
  private:
+  /// Passes changed controls on.
+  void publishControls();
   void updateRecording();
   void handleButtons(std::uint32_t buttons);
 
   Views views_;
   bool has_pointer_;
   LatestValue<PointerTarget> pointer_;
+  UserControls published_;  // equal to the renderer's initial value at first
   LatestValue<UserControls> controls_;
+  std::function<void(const UserControls&)> on_controls_;
   UiState state_;
   std::optional<LogFile> recording_;  // started in a view
   RearmPolicy rearm_;

@@ -39,6 +39,7 @@ set(rules
   "server/author/.*"   "^(common/|server/(source/[a-z_]+\\.hpp$|vision/vision_settings\\.hpp$|author/))"
   "server/(pipeline|preview)/.*" "^(common/|server/(settings\\.hpp$|author/scene_file\\.hpp$|source/|vision/|stream/|pipeline/|preview/))"
   "server/[^/]*"       "^(common|server)/"
+  "client/recording/.*" "^(common/|client/(haptics/|net/|device/device_profile\\.hpp$|recording/))"
   "client/library/.*"  "^(common/|client/(haptics|net|device/device_profile\\.hpp|server_trust\\.hpp|settings\\.hpp|library|include))"
   "client/haptics/.*"  "^(common|client/haptics)/"
   "client/device/.*"   "^(common|client/haptics|client/device)/"
@@ -57,7 +58,7 @@ set(rules
 set(doors
   "^boost/"                          "^(common/transport/asio\\.hpp|client/device/inverse3/websocket\\.cpp|server/http/http_(response|server)\\.[ch]pp|tests/.*)$"
   "^common/transport/asio\\.hpp$"              "^(server/library/publisher\\.cpp$|(common/transport|server/stream|server/relay|server/http|client/net|client/discovery|tests)/|(server|client)/[^/]*$)"
-  "\\.pb\\.h$"                       "^common/protocol/(decode|encode|read_frame|write_frame|fragment|relay|recorded)\\.[ch]pp$"
+  "\\.pb\\.h$"                       "^(common/protocol/(decode|encode|read_frame|write_frame|fragment|relay|recorded)\\.[ch]pp|client/recording/run_codec\\.cpp)$"
   "^google/protobuf"                 "^common/protocol/(decode|encode|scan)\\.cpp$"
   "^(zlib|zstd|lz4frame)\\.h$"        "^(common/recording/mcap_(records|chunk)\\.cpp|tests/.*)$"
   "^openssl/"                        "^(common/transport/(signature|tls|seal)\\.cpp|server/stream/access_list\\.cpp)$"
@@ -72,7 +73,7 @@ set(doors
   "^OpenNI\\.h$"                     "^server/source/live/openni_camera\\.cpp$"
   "^systemd/"                        "^server/service_manager\\.cpp$"
   "^libusb"                          "^client/device/falcon/usb\\.cpp$"
-  "^common/(codec|protocol|transport)/" "^(common/(codec|protocol|transport)/|server/(library/publisher\\.cpp$|stream/|recording/|relay/|pipeline/|http/|[^/]*$)|client/(net/|discovery/|report/|library/|[^/]*$)|tests/)"
+  "^common/(codec|protocol|transport)/" "^(common/(codec|protocol|transport)/|server/(library/publisher\\.cpp$|stream/|recording/|relay/|pipeline/|http/|[^/]*$)|client/(net/|discovery/|report/|library/|recording/|[^/]*$)|tests/)"
 )
 
 file(GLOB_RECURSE files RELATIVE ${ROOT} ${ROOT}/common/*.?pp ${ROOT}/server/*.?pp ${ROOT}/client/*.?pp

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <fstream>
+#include <limits>
 #include <set>
 #include <sstream>
 #include <stdexcept>
@@ -158,6 +159,18 @@ PlantProfile readDeviceProfile(std::istream& in, const std::string& file) {
     throw std::runtime_error(file + ": continuous_N is larger than peak_N");
   }
   return profile;
+}
+
+std::string formatDeviceProfile(const DeviceProfile& profile) {
+  PlantProfile all;
+  static_cast<DeviceProfile&>(all) = profile;
+  std::ostringstream out;
+  out.precision(std::numeric_limits<double>::max_digits10);
+  for (const NumberKey& key : kNumberKeys) out << key.name << " = " << all.*key.field << '\n';
+  out << "delay_ticks = " << profile.delay_ticks << '\n';
+  if (profile.enable_button) out << "enable_button = " << *profile.enable_button << '\n';
+  out << "workspace_mm = " << profile.workspace_mm.transpose() << '\n';
+  return out.str();
 }
 
 PlantProfile loadDeviceProfile(const std::string& name_or_file) {

@@ -27,4 +27,7 @@ PlantProfile loadDeviceProfile(const std::string& name_or_file);
 /// Throws like loadDeviceProfile().
 PlantProfile readDeviceProfile(std::istream& in, const std::string& file);
 
+/// Returns the text of a profile file from which readDeviceProfile() reads the same bits.
+std::string formatDeviceProfile(const DeviceProfile& profile);
+
 }  // namespace hapticast::client

@@ -89,6 +89,9 @@ HapticRenderer::HapticRenderer(const RendererSettings& settings, FramePool& pool
 const TickReport& HapticRenderer::tick(LocalTime now, const DeviceState& state) noexcept {
   const StreamTiming& stream = stream_.load();
   const UserControls& user = user_.load();
+  report_.inputs.reading = state;
+  report_.inputs.timing = stream.number;
+  report_.inputs.controls = user.number;
   const Changes changes = updateInputs(stream, user);
   motion_.setDelay(safety_.delayTicks());
   motion_.sent(report_.force_N, safety_.wall_N_mm());
@@ -131,6 +134,7 @@ void HapticRenderer::reportTick(LocalTime now, MediaTime play_time, const Scene&
                                 const SafetyOutput& out) noexcept {
   ++report_.tick;
   report_.time = now;
+  report_.inputs.frames = lookup_.framesTaken();
   report_.play_time = play_time;
   scene_time_ = scene.play_time;
   report_.playout_delay = playout_.delay();

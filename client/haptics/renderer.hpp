@@ -60,7 +60,10 @@ class HapticRenderer {
   /// Sets the duration of the last tick. The next report includes it. Thread: loop.
   void setLastTickDuration(Duration last) noexcept { report_.tick_duration = last; }
   /// Ramps the force to zero at the end of a run. Thread: loop.
-  void stop() noexcept { safety_.stop(); }
+  void stop() noexcept {
+    safety_.stop();
+    report_.inputs.stopping = true;
+  }
 
   [[nodiscard]] const TickReport& report() const noexcept { return report_; }
   /// Returns the number of reports that were dropped because the log was full. Thread: loop, or any

@@ -27,11 +27,21 @@ enum class Fault : std::uint8_t {
 };
 inline constexpr std::size_t kFaultKinds = 6;
 
+/// What a tick read. With it, the frames and the settings, the tick can be rendered again (replay).
+struct TickInputs {
+  DeviceState reading;
+  std::uint64_t frames = 0;    ///< number of frames that the loop has taken since the start
+  std::uint64_t timing = 0;    ///< StreamTiming::number
+  std::uint64_t controls = 0;  ///< UserControls::number
+  bool stopping = false;       ///< HapticRenderer::stop() was called before the tick
+};
+
 /// The report of one tick. It owns no memory. Positions and penetration are in mm of the nominal
 /// frame. Forces are in N, in the device frame.
 struct TickReport {
   std::uint64_t tick = 0;
   LocalTime time;
+  TickInputs inputs;
   MediaTime play_time;
   Duration playout_delay{0};
   Duration tick_duration{0};     ///< computing time of the tick before

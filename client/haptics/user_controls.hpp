@@ -24,6 +24,7 @@ enum class SurfaceKind : std::uint8_t {
 /// Requests of the user. The struct owns no memory. Whatever the values are, the force changes
 /// without a step, and it remains within the limits of the safety chain.
 struct UserControls {
+  std::uint64_t number = 0;  ///< counts the changes of one run, from 1; 0: the initial value
   /// True: play time stops, so that the user can explore the current frame. After the pause the
   /// loop continues with the newest frames, as at a new connection. It drops the earlier frames,
   /// and the force fades in from zero.
@@ -46,6 +47,7 @@ struct UserControls {
   std::optional<double> friction = std::nullopt;
   std::optional<Method> method = std::nullopt;  ///< replaces the method of --method
   std::optional<SurfaceKind> surface = std::nullopt;
+  bool operator==(const UserControls&) const = default;
 };
 
 /// The target position of a pointing device for the HIP. The window writes it. A device that

@@ -123,6 +123,12 @@ std::size_t DecodeThread::push(AssembledFrame assembled) {
   return left_out;
 }
 
+void DecodeThread::drop(AssembledFrame assembled) {
+  const std::lock_guard lock(mutex_);
+  (void)queue_.push(std::move(assembled));
+  queue_.dropAll();
+}
+
 std::optional<AssembledFrame> DecodeThread::next() {
   std::optional<FrameQueue::Accepted> accepted;
   std::optional<Workspace> begins;
@@ -150,6 +156,7 @@ bool DecodeThread::step() {
   const auto assembled = next();
   if (!assembled) return false;
   PreparedFrame result;
+  result.id = assembled->frame.id;
   result.place = assembled->place;
   FramePool::Index index = 0;
   result.handed_over = pool_.acquire(index);

@@ -45,6 +45,10 @@ class FrameQueue {
   std::size_t push(AssembledFrame assembled);
   /// Removes and returns the oldest frame; nullopt if the queue is empty.
   [[nodiscard]] std::optional<Accepted> pop();
+  /// Drops all frames, but keeps their reliefs.
+  void dropAll() {
+    while (!frames_.empty()) dropOldest();
+  }
   /// Adds `duration` to FramePlace::left of every queued frame. Call it after the decode thread has
   /// deliberately paused for `duration` (DecodeThread::holdsBack()), so that the pause does not
   /// count as preparation time.
@@ -64,6 +68,7 @@ class FrameQueue {
 
 /// Result of the preparation of one frame.
 struct PreparedFrame {
+  std::uint64_t id = 0;
   FramePlace place;
   LocalTime ready;  ///< time when the frame was published to the loop
   /// False: the decode thread dropped the frame, because the pool had no free slot.
@@ -129,6 +134,9 @@ class DecodeThread {
   [[nodiscard]] bool holdsBack() {
     return pool_.occupied() >= kNeededFrames && pool_.bytes() > kMostPrepared_bytes;
   }
+  /// Drops a frame as a full queue does: later frames may declare its reliefs unchanged. Requires
+  /// an empty queue. For a replay.
+  void drop(AssembledFrame assembled);
   /// Prepares the oldest queued frame and publishes it to the loop. Returns false if the queue is
   /// empty. Thread: the decode thread. Before start() a test may call it.
   bool step();

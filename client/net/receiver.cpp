@@ -38,6 +38,7 @@ void Receiver::connected(const StreamDescription& description, LocalTime now) {
 void Receiver::describe(const StreamDescription& description, LocalTime now) {
   if (!described_ || !(description.workspace == latest_.workspace)) {
     decode_thread_.reset(description.workspace);
+    was_reset_ = true;
   }
   if (!described_ || description.pipeline_latency != latest_.pipeline_latency) jitter_.reset(now);
   described_ = true;
@@ -68,6 +69,8 @@ void Receiver::publish(LocalTime now) {
     jitter_.shift(latest_.clock_offset - before);
   }
   latest_.playout_delay_target = jitter_.delay(leastDelay());
+  ++latest_.number;
+  if (on_timing_) on_timing_(latest_, std::exchange(was_reset_, false));
   stream_.store(latest_);
 }
 

@@ -62,6 +62,11 @@ class Receiver {
   void onFrame(std::function<void(const AssembledFrame&)> on_frame) {
     on_frame_ = std::move(on_frame);
   }
+  /// Sets a function that receives every StreamTiming before the loop does. Its second argument is
+  /// true if the decode thread was reset before it.
+  void onTiming(std::function<void(const StreamTiming&, bool)> on_timing) {
+    on_timing_ = std::move(on_timing);
+  }
   /// Starts a connection with this description of the stream. The clock is synchronised again, and
   /// all frames before the connection are dropped.
   void connected(const StreamDescription& description, LocalTime now);
@@ -114,6 +119,8 @@ class Receiver {
   LatestValue<StreamTiming>& stream_;
   int lookahead_frames_;
   std::function<void(const AssembledFrame&)> on_frame_;
+  std::function<void(const StreamTiming&, bool)> on_timing_;
+  bool was_reset_ = false;  // the decode thread, since the last StreamTiming
   FrameAssembler assembler_;
   ClockSync clock_;
   Duration server_clock_error_{0};  // of the newest pong

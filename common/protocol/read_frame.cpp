@@ -181,6 +181,15 @@ void boundSlices(std::span<const std::uint8_t> object, Check& check) {
   check.bound(slices ? slices->size() : kMostSlices + 1, kMostSlices, "too many slices");
 }
 
+CodedFrame readWholeFrame(const proto::HapticFrame& from, bool in_pieces, Check& check) {
+  CodedFrame to{from.epoch(), from.id(), MediaTime(check.time(from.media_time_ns())), {}};
+  std::vector<ObjectPiece> objects = readObjects(from, to.id, in_pieces, check);
+  to.objects.reserve(objects.size());
+  for (ObjectPiece& each : objects) to.objects.push_back(std::move(each.object));
+  if (!check.error()) checkFrame(to, check);
+  return to;
+}
+
 }  // namespace
 
 Material readMaterial(const proto::Material& from, Check& check) {
@@ -199,7 +208,12 @@ Material readMaterial(const proto::Material& from, Check& check) {
 }
 
 void boundCounts(std::span<const std::uint8_t> message, Check& check) {
-  const auto frames = submessages(message, proto::Message::kFrameFieldNumber, 1);
+  boundCountsOfContent(message, proto::Message::kFrameFieldNumber, check);
+}
+
+void boundCountsOfContent(std::span<const std::uint8_t> message, std::uint32_t field,
+                          Check& check) {
+  const auto frames = submessages(message, field, 1);
   check.require(frames.has_value(), "more than one frame in a message");
   if (frames && !frames->empty()) boundCountsOfFrame(frames->front(), check);
 }
@@ -216,12 +230,13 @@ void boundCountsOfFrame(std::span<const std::uint8_t> frame, Check& check) {
 }
 
 CodedFrame readFrame(const proto::HapticFrame& from, Check& check) {
-  CodedFrame to{from.epoch(), from.id(), MediaTime(check.time(from.media_time_ns())), {}};
-  std::vector<ObjectPiece> objects = readObjects(from, to.id, false, check);
-  to.objects.reserve(objects.size());
-  for (ObjectPiece& each : objects) to.objects.push_back(std::move(each.object));
-  if (!check.error()) checkFrame(to, check);
-  return to;
+  return readWholeFrame(from, false, check);
+}
+
+CodedFrame readAssembledFrame(const proto::HapticFrame& from, Check& check) {
+  for (const proto::Object& object : from.objects())
+    check.require(!object.rest(), "an object in parts where it has to be whole");
+  return readWholeFrame(from, true, check);
 }
 
 FramePiece readFramePiece(const proto::HapticFrame& from, std::uint64_t frame_id, Check& check) {

@@ -19,11 +19,17 @@ void boundCounts(std::span<const std::uint8_t> message, Check& check);
 /// Counts the entries of repeated fields in the bytes of a frame or of a fragment.
 void boundCountsOfFrame(std::span<const std::uint8_t> frame, Check& check);
 
+/// Does the same for the frames in the field `field` of a message.
+void boundCountsOfContent(std::span<const std::uint8_t> message, std::uint32_t field, Check& check);
+
 /// Return the struct of a parsed frame or fragment. They record an error in `check` for every
 /// invalid value. After an error the returned values are undefined.
 [[nodiscard]] CodedFrame readFrame(const proto::HapticFrame& from, Check& check);
 [[nodiscard]] FramePiece readFramePiece(const proto::HapticFrame& from, std::uint64_t frame_id,
                                         Check& check);
+
+/// Returns the struct of a frame whose reliefs may lack slices, as a client assembled it.
+[[nodiscard]] CodedFrame readAssembledFrame(const proto::HapticFrame& from, Check& check);
 
 /// Returns the struct of a parsed material. Records an error in `check` for every invalid value.
 [[nodiscard]] Material readMaterial(const proto::Material& from, Check& check);

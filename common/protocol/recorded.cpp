@@ -54,17 +54,14 @@ Result<StreamDescription, WireError> decodeDescriptionContent(std::span<const st
   return decodeContent<StreamDescription>(proto::Message::kDescriptionFieldNumber, bytes);
 }
 
-std::vector<std::uint8_t> encodePictureContent(std::span<const std::uint8_t> message) {
-  auto decoded = decode(message);
-  auto* const video = decoded.ok() ? std::get_if<VideoFrame>(&decoded.value()) : nullptr;
-  if (video == nullptr) return {};
-  const std::int64_t time_ns = video->media_time.time_since_epoch().count();
+std::vector<std::uint8_t> encodePictureContent(const VideoFrame& video) {
+  const std::int64_t time_ns = video.media_time.time_since_epoch().count();
   proto::Picture picture;
   // Protobuf's Timestamp has nanoseconds of 0 or more, also before its zero.
   const std::int64_t nanos = ((time_ns % kSecond_ns) + kSecond_ns) % kSecond_ns;
   picture.mutable_timestamp()->set_seconds((time_ns - nanos) / kSecond_ns);
   picture.mutable_timestamp()->set_nanos(static_cast<std::int32_t>(nanos));
-  picture.set_data(video->jpeg.data(), video->jpeg.size());
+  picture.set_data(video.jpeg.data(), video.jpeg.size());
   picture.set_format("jpeg");
   picture.set_frame_id("camera");
   std::vector<std::uint8_t> bytes(picture.ByteSizeLong());

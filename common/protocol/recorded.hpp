@@ -20,9 +20,8 @@ namespace hapticast {
 [[nodiscard]] Result<StreamDescription, WireError> decodeDescriptionContent(
     std::span<const std::uint8_t> bytes);
 
-/// Returns the bytes of a foxglove.CompressedImage with the picture of an encoded message; empty if
-/// the message has no picture.
-[[nodiscard]] std::vector<std::uint8_t> encodePictureContent(std::span<const std::uint8_t> message);
+/// Returns the bytes of a foxglove.CompressedImage with this picture.
+[[nodiscard]] std::vector<std::uint8_t> encodePictureContent(const VideoFrame& video);
 /// Decodes a foxglove.CompressedImage with a JPEG. Returns it with epoch and id 0.
 [[nodiscard]] Result<VideoFrame, WireError> decodePictureContent(
     std::span<const std::uint8_t> bytes);

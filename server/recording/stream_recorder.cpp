@@ -59,7 +59,9 @@ void StreamRecorder::publish(EncodedFrame frame) {
 }
 
 void StreamRecorder::publish(EncodedVideo video) {
-  recorder_->push(kPicture, toFileTime(video.media_time), encodePictureContent(*video.payload));
+  const auto message = decode(*video.payload);
+  recorder_->push(kPicture, toFileTime(video.media_time),
+                  encodePictureContent(std::get<VideoFrame>(message.value())));
 }
 
 }  // namespace hapticast::server

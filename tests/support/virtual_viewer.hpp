@@ -20,6 +20,7 @@
 #include "client/net/receiver.hpp"
 #include "client/net/udp/udp_socket.hpp"
 #include "client/net/welcome_limiter.hpp"
+#include "client/recording/run_recorder.hpp"
 #include "common/protocol/messages.hpp"
 #include "common/time.hpp"
 #include "tests/support/chain_fixture.hpp"
@@ -81,7 +82,10 @@ class VirtualViewer {
         device_(plant, hand, clock_),
         delay_(static_cast<std::size_t>(plant.delay_ticks)),
         decode_thread_(*pool_, clock_, settings_.method,
-                       [this](const PreparedFrame& frame) { receiver_.addPrepared(frame); }),
+                       [this](const PreparedFrame& frame) {
+                         if (recorder_ != nullptr) recorder_->onPrepared(frame);
+                         receiver_.addPrepared(frame);
+                       }),
         receiver_(decode_thread_, stream_, settings_.method == Method::kThesis ? 2 : 1),
         renderer_(std::make_unique<HapticRenderer>(settings_, *pool_, stream_, user_, nullptr)),
         nailed_(script == nullptr) {
@@ -130,9 +134,28 @@ class VirtualViewer {
   [[nodiscard]] LocalTime now() const { return clock_.now(); }
   [[nodiscard]] const ReceiverCounts& counts() const { return receiver_.counts(); }
   void rearm() {
-    ++wishes_.rearm;
+    UserControls wishes = wishes_;
+    ++wishes.rearm;
+    setControls(wishes);
+  }
+  [[nodiscard]] const UserControls& controls() const { return wishes_; }
+  void setControls(const UserControls& wishes) {
+    const std::uint64_t number = wishes_.number + 1;
+    wishes_ = wishes;
+    wishes_.number = number;
+    if (recorder_ != nullptr) recorder_->onControls(wishes_);
     user_.store(wishes_);
   }
+  /// Records the run from here on.
+  void record(RunRecorder& recorder) {
+    recorder_ = &recorder;
+    recorder.onSettings(settings_);
+    receiver_.onFrame([&recorder](const AssembledFrame& frame) { recorder.onFrame(frame); });
+    receiver_.onTiming([&recorder](const StreamTiming& timing, bool resets_reliefs) {
+      recorder.onTiming(timing, resets_reliefs);
+    });
+  }
+  [[nodiscard]] const Clock& clock() const { return clock_; }
 
   /// A millisecond passes, then the renderer ticks.
   const TickReport& tick() {
@@ -147,7 +170,7 @@ class VirtualViewer {
     }
     const Vec3 from_mm = device_.truePosition_mm();
     const Vec3 speed_mm_s = device_.trueVelocity_mm_s();
-    DeviceState state = nailed_ ? DeviceState{nail_mm_, 0, clock_.now(), DeviceStatus::kOk}
+    DeviceState state = nailed_ ? DeviceState{nail_mm_, 0, clock_.now(), nail_status_}
                                 : device_.exchange(sent_N, renderer_->report());
     const TickReport& report = renderer_->tick(clock_.now(), state);
     recordForce(report, sent_N, nailed_ ? Vec3(Vec3::Zero()) : device_.truePosition_mm() - from_mm,
@@ -164,7 +187,12 @@ class VirtualViewer {
     return mapping().toNominal(device_.truePosition_mm());
   }
   /// Where a nailed tip is, nominal mm.
-  void nail(const Vec3& nominal_mm) { nail_mm_ = mapping().toDevice(nominal_mm); }
+  void nail(const Vec3& nominal_mm, DeviceStatus status = DeviceStatus::kOk) {
+    nail_mm_ = mapping().toDevice(nominal_mm);
+    nail_status_ = status;
+  }
+  /// The force begins to fade for good.
+  void stop() { renderer_->stop(); }
 
   /// Frames that come over TCP are handed on as datagrams, in any order. This share of them is
   /// lost, and of those that come as such. (Signatures change nothing of that: the malicious server
@@ -277,6 +305,8 @@ class VirtualViewer {
   Receiver receiver_;
   std::unique_ptr<HapticRenderer> renderer_;
   bool nailed_;
+  DeviceStatus nail_status_ = DeviceStatus::kOk;
+  RunRecorder* recorder_ = nullptr;
   std::function<Vec3(double)> target_;
   bool welcomed_ = false;
   int welcomes_ = 0;

@@ -134,7 +134,13 @@ class FramePool {
   // Side of the loop.
 
   /// Writes the index of the oldest filled slot to `index`. Returns false if there is none.
-  [[nodiscard]] bool pop(Index& index) noexcept { return filled_.tryPop(index); }
+  [[nodiscard]] bool pop(Index& index) noexcept {
+    const bool popped = filled_.tryPop(index);
+    taken_ += popped ? 1 : 0;
+    return popped;
+  }
+  /// Returns the number of slots that pop() has returned.
+  [[nodiscard]] std::uint64_t taken() const noexcept { return taken_; }
   /// Returns the frame in a filled slot. It is valid until release().
   [[nodiscard]] const PlayFrame& frame(Index index) const noexcept { return slots_[index].frame; }
   /// Returns a slot to the decode thread, which may fill it again.
@@ -158,6 +164,7 @@ class FramePool {
   SpscRing<Index, kSlots> free_;       // loop -> decode thread
   std::array<Index, kSlots> empty_{};  // free slots without data; decode thread only
   std::size_t empty_count_ = 0;
+  std::uint64_t taken_ = 0;  // loop only
 };
 
 }  // namespace hapticast::client

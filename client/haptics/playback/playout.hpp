@@ -16,6 +16,7 @@ namespace hapticast::client {
 /// passes UserControls.) The struct owns no memory. Thread: network (writer), loop (reader of the
 /// latest value).
 struct StreamTiming {
+  std::uint64_t number = 0;  ///< counts the values of one run, from 1; 0: the initial value
   bool connected = false;  ///< the welcome of the server has arrived, and its clock is synchronised
   /// First client-side epoch of this connection. The loop drops frames of earlier epochs.
   std::uint32_t first_epoch = 0;

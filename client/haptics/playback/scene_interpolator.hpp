@@ -60,6 +60,8 @@ class SceneInterpolator {
   /// has another epoch.
   [[nodiscard]] std::array<const PlayFrame*, 4> neighbours(MediaTime play_time) const noexcept;
 
+  /// Returns the number of frames that the loop has taken from the pool.
+  [[nodiscard]] std::uint64_t framesTaken() const noexcept { return pool_.taken(); }
   /// Returns the number of frames that arrived after their play time.
   [[nodiscard]] std::uint64_t lateFrames() const noexcept { return late_frames_; }
 

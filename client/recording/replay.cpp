@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: MIT
+#include "client/recording/replay.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <utility>
+
+#include "client/haptics/realtime_thread.hpp"
+
+namespace hapticast::client {
+
+namespace {
+
+bool hasSameBits(const Vec3& a, const Vec3& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), [](double x, double y) {
+    return std::bit_cast<std::uint64_t>(x) == std::bit_cast<std::uint64_t>(y);
+  });
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Replay>> Replay::open(const std::string& file) {
+  auto opened = McapReader::open(file);
+  if (!opened.ok()) return opened.error();
+  std::unique_ptr<Replay> replay(new Replay(std::move(opened).value()));
+  if (!replay->findChannels())
+    return Error{"has no channel /tick: it is no recording of hapticast-client"};
+  // The settings precede the first tick.
+  while (replay->ticks_.empty() && replay->readMessage()) {
+  }
+  if (replay->ticks_.empty())
+    return Error{replay->problem_.empty() ? "has no ticks"
+                                          : "has no ticks: it " + replay->problem_};
+  return replay;
+}
+
+bool Replay::findChannels() {
+  for (const auto& [id, channel] : file_.channels()) {
+    for (std::size_t i = 0; i < kRunChannels; ++i) {
+      if (channel.schema.name == kRunChannelNames[i].message) channels_[id] = i;
+    }
+  }
+  return std::any_of(channels_.begin(), channels_.end(),
+                     [](const auto& each) { return each.second == kTickChannel; });
+}
+
+template <class Content>
+bool Replay::accept(Result<Content> decoded) {
+  if (!decoded.ok()) {
+    problem_ = "has an invalid message (" + decoded.error().message + ")";
+    return false;
+  }
+  add(std::move(decoded).value());
+  return true;
+}
+
+bool Replay::readMessage() {
+  if (!problem_.empty()) return false;
+  const auto message = file_.next();
+  if (!message) {
+    problem_ = file_.problem();
+    return false;
+  }
+  const auto channel = channels_.find(message->channel);
+  switch (channel == channels_.end() ? kRunChannels : channel->second) {
+    case kSettingsChannel:
+      return accept(decodeSettings(message->data));
+    case kTickChannel:
+      return accept(decodeTicks(message->data));
+    case kFrameChannel:
+      return accept(decodeReceivedFrame(message->data));
+    case kPreparedChannel:
+      return accept(decodePreparation(message->data));
+    case kTimingChannel:
+      return accept(decodeTiming(message->data));
+    case kControlsChannel:
+      return accept(decodeControls(message->data));
+    default:
+      return true;
+  }
+}
+
+void Replay::add(std::vector<TickReport> ticks) {
+  for (TickReport& each : ticks) ticks_.push_back(std::move(each));
+}
+
+void Replay::add(const RecordedTiming& timing) {
+  timings_[timing.timing.number] = timing.timing;
+  if (timing.resets_reliefs) events_.emplace_back(timing.timing.workspace);
+}
+
+bool Replay::hasInputsOf(const TickReport& tick) const {
+  const TickInputs& inputs = tick.inputs;
+  const auto frames = static_cast<std::uint64_t>(
+      std::count_if(preparations_.begin(), preparations_.end(),
+                    [](const RecordedPreparation& each) { return each.handed_over; }));
+  return handed_over_ + frames >= inputs.frames &&
+         (inputs.timing == 0 || timings_.contains(inputs.timing)) &&
+         (inputs.controls == 0 || controls_.contains(inputs.controls));
+}
+
+bool Replay::readInputsOf(const TickReport& tick) {
+  if (tick.tick != last_tick_ + 1) {
+    problem_ = "lacks ticks";
+    return false;
+  }
+  last_tick_ = tick.tick;
+  while (!hasInputsOf(tick)) {
+    if (readMessage()) continue;
+    if (problem_.empty()) problem_ = "lacks what a tick has read";
+    return false;
+  }
+  return true;
+}
+
+std::optional<std::size_t> Replay::findFrame(std::uint64_t id) const {
+  for (std::size_t i = 0; i < events_.size(); ++i) {
+    const auto* const frame = std::get_if<AssembledFrame>(&events_[i]);
+    if (frame != nullptr && frame->frame.id == id) return i;
+  }
+  return std::nullopt;
+}
+
+bool Replay::prepareNext() {
+  const RecordedPreparation next = preparations_.front();
+  preparations_.pop_front();
+  const auto place = findFrame(next.id);
+  if (!place) {
+    problem_ = "lacks a frame";
+    return false;
+  }
+  for (std::size_t i = 0; i <= *place; ++i) {
+    StreamEvent event = std::move(events_.front());
+    events_.pop_front();
+    if (const auto* const workspace = std::get_if<Workspace>(&event)) {
+      decoder_->reset(*workspace);
+    } else if (i == *place && next.handed_over) {
+      (void)decoder_->push(std::move(std::get<AssembledFrame>(event)));
+      (void)decoder_->step();
+      ++handed_over_;
+    } else {
+      decoder_->drop(std::move(std::get<AssembledFrame>(event)));
+    }
+  }
+  return true;
+}
+
+void Replay::change(const ReplayChanges& changes) {
+  changes_ = changes;
+  settings_.method = changes.method.value_or(settings_.method);
+  settings_.surface = changes.surface.value_or(settings_.surface);
+  // As the client does (--method).
+  if (changes.method == Method::kThesis) settings_.surface = SurfaceKind::kPerturbed;
+  settings_.stiffness_N_mm = changes.stiffness_N_mm.value_or(settings_.stiffness_N_mm);
+  settings_.stiffness_limit_N_mm =
+      changes.stiffness_limit_N_mm.value_or(settings_.stiffness_limit_N_mm);
+}
+
+UserControls Replay::findControls(std::uint64_t number) const {
+  UserControls controls = controls_.at(number);
+  if (changes_.method) controls.method.reset();
+  if (changes_.surface || changes_.method) controls.surface.reset();
+  return controls;
+}
+
+ReplayCounts Replay::run(const ReplayChanges& changes,
+                         const std::function<void(const TickReport&)>& on_tick) {
+  change(changes);
+  flushDenormals();  // as the loop does
+  LatestValue<StreamTiming> timing;
+  LatestValue<UserControls> controls;
+  decoder_ =
+      std::make_unique<DecodeThread>(pool_, clock_, settings_.method, [](const PreparedFrame&) {});
+  const auto renderer =
+      std::make_unique<HapticRenderer>(settings_, pool_, timing, controls, nullptr);
+  ReplayCounts counts;
+  while (!ticks_.empty() || readMessage()) {
+    if (ticks_.empty()) continue;
+    const TickReport recorded = ticks_.front();
+    ticks_.pop_front();
+    if (!readInputsOf(recorded)) break;
+    while (handed_over_ < recorded.inputs.frames) {
+      if (!prepareNext()) return counts;
+    }
+    if (recorded.inputs.timing != 0) timing.store(timings_.at(recorded.inputs.timing));
+    if (recorded.inputs.controls != 0) controls.store(findControls(recorded.inputs.controls));
+    timings_.erase(timings_.begin(), timings_.lower_bound(recorded.inputs.timing));
+    controls_.erase(controls_.begin(), controls_.lower_bound(recorded.inputs.controls));
+    if (recorded.inputs.stopping) renderer->stop();
+    const TickReport& report = renderer->tick(recorded.time, recorded.inputs.reading);
+    ++counts.ticks;
+    counts.different += hasSameBits(report.force_N, recorded.force_N) ? 0 : 1;
+    counts.largest_difference_N =
+        std::max(counts.largest_difference_N, (report.force_N - recorded.force_N).norm());
+    on_tick(report);
+  }
+  return counts;
+}
+
+}  // namespace hapticast::client

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: MIT
+// Replay: renders a recorded run again (--replay). The renderer receives the same readings, frames,
+// timing and controls at the same ticks, so that the result has the same bits. The recording's
+// order is that of the network thread for the events of the stream, and that of the loop for the
+// ticks. Before each tick, as many frames are handed over as the recorded loop had taken. With
+// other settings the readings stay the same: the hand does not answer to the other force. Thread:
+// one.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+
+#include "client/recording/run_channels.hpp"
+#include "client/recording/run_codec.hpp"
+#include "common/recording/mcap_reader.hpp"
+#include "common/result.hpp"
+
+namespace hapticast::client {
+
+/// Settings that replace the recorded ones, also those that the user chose during the run.
+struct ReplayChanges {
+  std::optional<Method> method;
+  std::optional<SurfaceKind> surface;
+  std::optional<double> stiffness_N_mm;  ///< of all surfaces
+  std::optional<double> stiffness_limit_N_mm;
+
+  [[nodiscard]] bool any() const {
+    return method || surface || stiffness_N_mm || stiffness_limit_N_mm;
+  }
+};
+
+/// Result of a replay.
+struct ReplayCounts {
+  std::uint64_t ticks = 0;
+  std::uint64_t different = 0;  ///< ticks whose force has other bits than the recorded one
+  double largest_difference_N = 0.0;
+};
+
+/// A recorded run.
+class Replay {
+ public:
+  /// Opens `file`. Returns an error without the file's name if it is no recording of a client.
+  [[nodiscard]] static Result<std::unique_ptr<Replay>> open(const std::string& file);
+
+  /// Renders all ticks with `changes`. `on_tick` receives the report of each. Call it once.
+  ReplayCounts run(const ReplayChanges& changes,
+                   const std::function<void(const TickReport&)>& on_tick);
+  /// Returns why the ticks end before the end of the file, as a phrase; empty: they do not.
+  [[nodiscard]] const std::string& problem() const { return problem_; }
+
+ private:
+  /// The clock of the decode thread, which is not used for a force.
+  class StillClock final : public Clock {
+   public:
+    [[nodiscard]] LocalTime now() const noexcept override { return {}; }
+  };
+  /// An event of the stream: a frame, or a reset of the reliefs.
+  using StreamEvent = std::variant<AssembledFrame, Workspace>;
+
+  explicit Replay(McapReader file) : file_(std::move(file)) {}
+  [[nodiscard]] bool findChannels();
+  /// Reads messages up to the next ticks. Returns false at the end, or at the first damage.
+  bool readMessage();
+  template <class Content>
+  bool accept(Result<Content> decoded);
+  void add(RendererSettings settings) { settings_ = std::move(settings); }
+  void add(std::vector<TickReport> ticks);
+  void add(AssembledFrame frame) { events_.emplace_back(std::move(frame)); }
+  void add(RecordedPreparation preparation) { preparations_.push_back(preparation); }
+  void add(const RecordedTiming& timing);
+  void add(const UserControls& controls) { controls_[controls.number] = controls; }
+  /// Returns the controls with this number, with the changes.
+  [[nodiscard]] UserControls findControls(std::uint64_t number) const;
+  void change(const ReplayChanges& changes);
+  /// Reads on until all inputs of `tick` are known. Returns false if they are missing.
+  bool readInputsOf(const TickReport& tick);
+  [[nodiscard]] bool hasInputsOf(const TickReport& tick) const;
+  /// Prepares the frame of the next preparation, and hands it over if the recorded one was.
+  bool prepareNext();
+  [[nodiscard]] std::optional<std::size_t> findFrame(std::uint64_t id) const;
+
+  McapReader file_;
+  std::map<std::uint16_t, std::size_t> channels_;  // number in the file -> RunChannel
+  RendererSettings settings_;
+  ReplayChanges changes_;
+  std::deque<TickReport> ticks_;
+  std::deque<StreamEvent> events_;
+  std::deque<RecordedPreparation> preparations_;
+  std::map<std::uint64_t, StreamTiming> timings_;
+  std::map<std::uint64_t, UserControls> controls_;
+  std::uint64_t handed_over_ = 0;
+  std::uint64_t last_tick_ = 0;
+  std::string problem_;
+
+  StillClock clock_;
+  FramePool pool_;
+  std::unique_ptr<DecodeThread> decoder_;  // without a thread
+};
+
+}  // namespace hapticast::client

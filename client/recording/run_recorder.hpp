@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+// Records a run of the client (--record): every tick with what the renderer read and computed, the
+// received frames and pictures, and the settings. proto/recording.md has the format, replay.hpp
+// renders it again. Thread: see each function.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "client/recording/run_codec.hpp"
+#include "common/protocol/messages.hpp"
+#include "common/recording/recorder.hpp"
+#include "common/time.hpp"
+
+namespace hapticast::client {
+
+/// The recording of one run.
+class RunRecorder {
+ public:
+  /// Ticks in one message.
+  static constexpr std::size_t kTicksPerMessage = 10;
+
+  /// Creates `file`. `clock` must outlive this object. Throws RecordingError.
+  RunRecorder(const std::string& file, const Clock& clock);
+  /// Completes the file and logs that.
+  ~RunRecorder();
+  RunRecorder(const RunRecorder&) = delete;
+  RunRecorder& operator=(const RunRecorder&) = delete;
+
+  /// Records the settings. Call it once, before the first tick. Thread: main.
+  void onSettings(const RendererSettings& settings);
+  /// Records a tick. Thread: main.
+  void onTick(const TickReport& report);
+  /// Thread: main.
+  void onControls(const UserControls& controls);
+  /// Record an event of the stream, in the order of the events. Thread: network.
+  void onDescription(const StreamDescription& description);
+  void onTiming(const StreamTiming& timing, bool resets_reliefs);
+  void onFrame(const AssembledFrame& assembled);
+  void onPrepared(const PreparedFrame& frame);
+  void onPicture(const VideoFrame& picture);
+
+ private:
+  void push(std::size_t channel, std::span<const std::uint8_t> bytes);
+  void pushTicks();
+
+  std::string file_;
+  const Clock& clock_;
+  std::vector<TickReport> ticks_;  // of the next message
+  std::unique_ptr<Recorder> recorder_;
+};
+
+}  // namespace hapticast::client
