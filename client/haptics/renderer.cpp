@@ -59,6 +59,7 @@ bool isResting(Lookup kind) noexcept { return kind == Lookup::kHeld || kind == L
 
 void parseDevice(const DeviceProfile& profile, const DeviceState& state,
                  TickReport& report) noexcept {
+  report.inputs.reading = state;
   report.device = state.status;
   report.buttons = state.status == DeviceStatus::kLost ? 0 : state.buttons;
   if (state.status == DeviceStatus::kOk) report.enabled = enabled(profile, state);
@@ -89,9 +90,6 @@ HapticRenderer::HapticRenderer(const RendererSettings& settings, FramePool& pool
 const TickReport& HapticRenderer::tick(LocalTime now, const DeviceState& state) noexcept {
   const StreamTiming& stream = stream_.load();
   const UserControls& user = user_.load();
-  report_.inputs.reading = state;
-  report_.inputs.timing = stream.number;
-  report_.inputs.controls = user.number;
   const Changes changes = updateInputs(stream, user);
   motion_.setDelay(safety_.delayTicks());
   motion_.sent(report_.force_N, safety_.wall_N_mm());
@@ -159,6 +157,8 @@ void HapticRenderer::reportTick(LocalTime now, MediaTime play_time, const Scene&
 HapticRenderer::Changes HapticRenderer::updateInputs(const StreamTiming& stream,
                                                      const UserControls& user) noexcept {
   Changes changes;
+  report_.inputs.timing = stream.number;
+  report_.inputs.controls = user.number;
   changes.by_stream = stream.connected != connected_ && stream.connected;
   if (changes.by_stream) safety_.newConnection();
   changes.by_user = force_mix_.update(user);
