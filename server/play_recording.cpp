@@ -15,6 +15,7 @@
 
 #include "server/origin.hpp"
 #include "server/pipeline/control_queue.hpp"
+#include "server/pipeline/pipeline_counter.hpp"
 #include "server/recording/recording_player.hpp"
 #include "server/stream/limited_log.hpp"
 
@@ -60,6 +61,7 @@ class Playback {
   Reloader reloader_;
   ControlQueue requests_;
   LimitedLog log_;
+  PipelineCounter counter_;
   StreamDescription description_;
   Origin origin_;
   FrameEncoder encoder_;
@@ -75,6 +77,7 @@ Playback::Playback(const Settings& settings, const Clock& clock, ReadSettings re
       media_clock_(clock, player_.reader().begin()),
       reloader_(settings, std::move(reread), clock),
       log_(clock),
+      counter_(clock),
       description_(describe(player_.reader(), settings.name)),
       origin_(settings, clock, media_clock_, description_) {}
 
@@ -83,7 +86,7 @@ void Playback::run() {
                 [this](const Control& control, std::function<void()> confirm) {
                   requests_.push(control, std::move(confirm));
                 },
-                [](Metrics&) {});
+                [this](Metrics& metrics) { metrics.pipeline = counter_.counts(); });
   StreamService& service = origin_.service();
   service.open(description_.name);
   if (settings_.wait_for_viewer) waitForViewer();
@@ -92,6 +95,7 @@ void Playback::run() {
                description_.workspace.width_px, description_.workspace.height_px, description_.fps,
                toSeconds(reader.length()));
   for (StreamSink* sink : origin_.sinks()) sink->describe(description_);
+  counter_.enter(PipelinePhase::kStream);
   playAll();
   logEnd();
   waitUntil(media_clock_.now() + description_.pipeline_latency + kPlayout);
@@ -100,6 +104,7 @@ void Playback::run() {
 
 void Playback::waitForViewer() {
   if (origin_.service().broadcaster().viewers() > 0) return;
+  counter_.enter(PipelinePhase::kWaitForViewer);
   spdlog::info("waiting for the first viewer");
   while (!stop_ && origin_.service().broadcaster().viewers() == 0)
     waitUntil(media_clock_.now() + kSlice);
@@ -136,6 +141,7 @@ void Playback::carryOutRequests() {
   const Control& request = merged->request;
   if (request.paused && *request.paused != paused_) {
     paused_ = *request.paused;
+    counter_.enter(paused_ ? PipelinePhase::kPause : PipelinePhase::kStream);
     log_.info(fmt::format("an operator {} the stream", paused_ ? "pauses" : "continues"));
     if (!paused_) player_.resume();
   }

@@ -37,6 +37,51 @@ TEST_F(ProgramsRecordingTest, ARecordingIsTouchedAsItsStreamWas) {
   interrupt(*server);
 }
 
+TEST_F(ProgramsRecordingTest, AnOperatorChangesThePlayback) {
+  const std::string file = record("bounce.mcap", 100);
+  // SHA-256 of the token.
+  const std::string tokens =
+      write("tokens",
+            "0969a26e38d3babd0585d3aab24b4d3dbeb4a48b247ce18c50c3000f382fd213 operator never\n");
+  std::filesystem::permissions(tokens, std::filesystem::perms::owner_read);
+  const std::string token = write("token", "token of the operator\n");
+  std::filesystem::permissions(token, std::filesystem::perms::owner_read);
+  const auto server = startServer({"--source", file, "--loop", "--tokens", tokens});
+  const std::string address = addressOf(*server);
+  const std::vector<std::pair<std::string, std::string>> requests{
+      {"pause", "an operator pauses the stream"},
+      {"seek=2,speed=0.5,play", "an operator seeks to 2 s"},
+      {"speed=2,stiffness=0.2", "an operator sets the speed to 2"}};
+  for (const auto& [request, line] : requests) {
+    const auto operator_program =
+        startClient({address, "--token-file", token, "--control", request});
+    EXPECT_EQ(operator_program->wait(kSoon), 0) << operator_program->output();
+    EXPECT_TRUE(server->says(line, kSoon)) << server->output();
+  }
+  const auto viewer = startClient({address, "--token-file", token, "--device", "virtual", "--hand",
+                                   "press", "--view", "off", "--seconds", "3"});
+  EXPECT_EQ(viewer->wait(kSoon), 0) << viewer->output();
+  interrupt(*server);
+}
+
+TEST_F(ProgramsRecordingTest, ARunIsRenderedAgainWithTheSameBits) {
+  const auto server = startServer({"--source", "synthetic:bounce", "--loop"});
+  const auto client =
+      startClient({addressOf(*server), "--device", "virtual", "--hand", "press", "--view", "off",
+                   "--seconds", "3", "--record", path("run.mcap")});
+  EXPECT_EQ(client->wait(kSoon), 0) << client->output();
+  interrupt(*server);
+  const auto replay = startClient({"--replay", path("run.mcap"), "--log", path("run.csv")});
+  EXPECT_EQ(replay->wait(kSoon), 0) << replay->output();
+  EXPECT_NE(replay->output().find("all forces have the recorded bits"), std::string::npos)
+      << replay->output();
+  EXPECT_GT(readLog(path("run.csv")).size(), 2000U);
+  const auto soft = startClient({"--replay", path("run.mcap"), "--stiffness", "0.1"});
+  EXPECT_EQ(soft->wait(kSoon), 0) << soft->output();
+  EXPECT_NE(soft->output().find("forces differ from the recorded ones"), std::string::npos)
+      << soft->output();
+}
+
 TEST_F(ProgramsRecordingTest, AScriptReadsTheRecording) {
   if (!std::filesystem::exists(HAPTICAST_PYTHON)) GTEST_SKIP() << "no Python";
   Process script({HAPTICAST_PYTHON, std::string(HAPTICAST_EXAMPLES) + "/read_recording.py",

@@ -20,7 +20,6 @@
 #include "client/net/receiver.hpp"
 #include "client/net/udp/udp_socket.hpp"
 #include "client/net/welcome_limiter.hpp"
-#include "client/recording/run_recorder.hpp"
 #include "common/protocol/messages.hpp"
 #include "common/time.hpp"
 #include "tests/support/chain_fixture.hpp"
@@ -83,7 +82,7 @@ class VirtualViewer {
         delay_(static_cast<std::size_t>(plant.delay_ticks)),
         decode_thread_(*pool_, clock_, settings_.method,
                        [this](const PreparedFrame& frame) {
-                         if (recorder_ != nullptr) recorder_->onPrepared(frame);
+                         if (on_prepared) on_prepared(frame);
                          receiver_.addPrepared(frame);
                        }),
         receiver_(decode_thread_, stream_, settings_.method == Method::kThesis ? 2 : 1),
@@ -143,18 +142,14 @@ class VirtualViewer {
     const std::uint64_t number = wishes_.number + 1;
     wishes_ = wishes;
     wishes_.number = number;
-    if (recorder_ != nullptr) recorder_->onControls(wishes_);
+    if (on_controls) on_controls(wishes_);
     user_.store(wishes_);
   }
-  /// Records the run from here on.
-  void record(RunRecorder& recorder) {
-    recorder_ = &recorder;
-    recorder.onSettings(settings_);
-    receiver_.onFrame([&recorder](const AssembledFrame& frame) { recorder.onFrame(frame); });
-    receiver_.onTiming([&recorder](const StreamTiming& timing, bool resets_reliefs) {
-      recorder.onTiming(timing, resets_reliefs);
-    });
-  }
+  /// Functions that receive what the client's recorder receives.
+  std::function<void(const PreparedFrame&)> on_prepared;
+  std::function<void(const UserControls&)> on_controls;
+  [[nodiscard]] Receiver& receiver() { return receiver_; }
+  [[nodiscard]] const RendererSettings& settings() const { return settings_; }
   [[nodiscard]] const Clock& clock() const { return clock_; }
 
   /// A millisecond passes, then the renderer ticks.
@@ -306,7 +301,6 @@ class VirtualViewer {
   std::unique_ptr<HapticRenderer> renderer_;
   bool nailed_;
   DeviceStatus nail_status_ = DeviceStatus::kOk;
-  RunRecorder* recorder_ = nullptr;
   std::function<Vec3(double)> target_;
   bool welcomed_ = false;
   int welcomes_ = 0;

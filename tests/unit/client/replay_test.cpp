@@ -10,6 +10,7 @@
 #include <random>
 
 #include "client/device/device_profile.hpp"
+#include "client/recording/run_recorder.hpp"
 #include "tests/support/drawn_stream.hpp"
 #include "tests/support/temp_folder.hpp"
 #include "tests/support/virtual_viewer.hpp"
@@ -40,7 +41,7 @@ class DrawnRun {
     const auto messages = testing::DrawnStream(seed_).draw(localTime(1.0), 4.0);
     viewer.moveTo(localTime(1.0));
     RunRecorder recorder(file, viewer.clock());
-    viewer.record(recorder);
+    recordFrom(viewer, recorder);
     std::vector<TickReport> reports;
     TickReport last;
     std::size_t next = 0;
@@ -63,6 +64,15 @@ class DrawnRun {
   }
 
  private:
+  static void recordFrom(VirtualViewer& viewer, RunRecorder& recorder) {
+    recorder.onSettings(viewer.settings());
+    viewer.on_prepared = [&recorder](const PreparedFrame& frame) { recorder.onPrepared(frame); };
+    viewer.on_controls = [&recorder](const UserControls& to) { recorder.onControls(to); };
+    viewer.receiver().onFrame([&recorder](const AssembledFrame& to) { recorder.onFrame(to); });
+    viewer.receiver().onTiming([&recorder](const StreamTiming& timing, bool resets_reliefs) {
+      recorder.onTiming(timing, resets_reliefs);
+    });
+  }
   double draw() { return std::uniform_real_distribution(0.0, 1.0)(random_); }
   DeviceStatus drawStatus() {
     const double drawn = draw();
