@@ -29,12 +29,8 @@ namespace hapticast::server {
 
 namespace {
 
-// Time for viewers to play the end of a clip before the goodbye.
-constexpr Duration kPlayout = std::chrono::milliseconds(500);
 // The protocol (proto/README.md) promises viewers a message about once a second.
 constexpr Duration kPrepareEvery = std::chrono::seconds(1);
-// Interval in which waiting code checks stop(); chosen.
-constexpr Duration kSlice = std::chrono::milliseconds(20);
 
 SourceInfo describeSource(const RgbdSource& source, const std::string& name) {
   SourceInfo info = source.info();

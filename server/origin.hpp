@@ -14,6 +14,11 @@
 
 namespace hapticast::server {
 
+/// Time for viewers to play the end of a stream before the goodbye.
+inline constexpr Duration kPlayout = std::chrono::milliseconds(500);
+/// Interval in which waiting code checks for the end and for requests; chosen.
+inline constexpr Duration kSlice = std::chrono::milliseconds(20);
+
 /// Signer, viewers, edges and recording of one stream.
 class Origin {
  public:

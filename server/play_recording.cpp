@@ -23,11 +23,6 @@ namespace hapticast::server {
 
 namespace {
 
-// Interval in which waiting code checks for a signal; chosen.
-constexpr Duration kSlice = std::chrono::milliseconds(20);
-// Time for viewers to play the end of the recording before the goodbye.
-constexpr Duration kPlayout = std::chrono::milliseconds(500);
-
 StreamReader openRecording(const std::string& file) {
   auto opened = StreamReader::open(file);
   if (!opened.ok()) throw RecordingError("--source " + file + ": " + opened.error().message);

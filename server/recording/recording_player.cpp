@@ -59,7 +59,8 @@ void RecordingPlayer::plan(const CodedFrame& frame, MediaTime now) {
     origin_ = start_ = frame.media_time;
   } else if (!follows) {
     origin_ = frame.media_time;
-    start_ = last_ ? std::max(now, last_->time + kTickPeriod) : now;
+    const Duration interval = fromSeconds(1.0 / reader_.description().fps);
+    start_ = last_ ? std::max(now, last_->time + interval) : now;
     recorded_first_id_ = frame.id;
     first_id_ = last_ ? last_->id + 1 : frame.id;
     epoch_shift_ = last_ ? last_->epoch + 1 - frame.epoch : 0;
