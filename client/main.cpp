@@ -2,6 +2,7 @@
 #include <spdlog/spdlog.h>
 
 #include <exception>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -40,18 +41,10 @@ int runClient(const hapticast::client::Settings& settings) {
   return app->run() ? kDone : kFailed;
 }
 
-int runControl(const hapticast::client::Settings& settings) {
+/// Returns the exit code of `command`. Logs its exception.
+int runOrRefuse(const std::function<int()>& command) {
   try {
-    return hapticast::client::controlServer(settings) ? kDone : kFailed;
-  } catch (const std::exception& error) {
-    spdlog::error("{}", hapticast::sanitizeUtf8(error.what()));
-    return kWrongInput;
-  }
-}
-
-int replayRun(const hapticast::client::Settings& settings) {
-  try {
-    return hapticast::client::runReplay(settings);
+    return command();
   } catch (const std::exception& error) {
     spdlog::error("{}", hapticast::sanitizeUtf8(error.what()));
     return kWrongInput;
@@ -59,8 +52,12 @@ int replayRun(const hapticast::client::Settings& settings) {
 }
 
 int runCommand(const hapticast::client::Settings& settings) {
-  if (settings.control) return runControl(settings);
-  if (!settings.replay_file.empty()) return replayRun(settings);
+  if (settings.control) {
+    return runOrRefuse(
+        [&] { return hapticast::client::controlServer(settings) ? kDone : kFailed; });
+  }
+  if (!settings.replay_file.empty())
+    return runOrRefuse([&] { return hapticast::client::runReplay(settings); });
   if (settings.calibration_g > 0.0) return hapticast::client::runFalconCalibration(settings);
   if (!settings.check_device.empty()) return hapticast::client::runDeviceCheck(settings);
   return runClient(settings);

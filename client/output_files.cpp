@@ -35,12 +35,13 @@ bool isSameFile(const std::string& a, const std::string& b) {
 }  // namespace
 
 void requireDistinctOutputs(const Settings& settings) {
-  const std::array<std::pair<const char*, const std::string*>, 5> outputs{
+  const std::array<std::pair<const char*, const std::string*>, 6> outputs{
       {{"--log", &settings.log_file},
        {"--summary", &settings.summary_file},
        {"--screenshot", &settings.screenshot_file},
        {"--film", &settings.film_file},
-       {"--record", &settings.record_file}}};
+       {"--record", &settings.record_file},
+       {"--replay", &settings.replay_file}}};
   for (const auto& [flag, file] : outputs) {
     for (const auto& [earlier, other] : outputs) {
       if (other == file) break;

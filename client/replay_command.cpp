@@ -29,6 +29,7 @@ ReplayChanges readChanges(const Settings& settings) {
 }  // namespace
 
 int runReplay(const Settings& settings) {
+  requireDistinctOutputs(settings);
   const std::string& file = settings.replay_file;
   auto opened = Replay::open(file);
   if (!opened.ok()) {
@@ -48,6 +49,7 @@ int runReplay(const Settings& settings) {
   log.close();
   if (!replay.problem().empty())
     spdlog::warn("{} {}: {} ticks are rendered", file, replay.problem(), counts.ticks);
+  if (counts.ticks == 0) return kFailed;
   const std::string difference =
       counts.different == 0
           ? "all forces have the recorded bits"

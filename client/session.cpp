@@ -137,6 +137,10 @@ ConnectionEvents Session::Impl::connectionEvents() {
                 spdlog::error("{}", names_server ? why : server + ": " + why);
                 failed = true;
                 events.ended();
+              },
+          .described =
+              [this](const StreamDescription& stream) {
+                if (recorder != nullptr) recorder->onDescription(stream);
               }};
 }
 

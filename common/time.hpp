@@ -82,6 +82,8 @@ class LocalMediaClock final : public MediaClock {
   explicit LocalMediaClock(const Clock& clock, MediaTime start = {})
       : clock_(clock), zero_(clock.now() - start.time_since_epoch()) {}
   [[nodiscard]] MediaTime now() const noexcept override { return MediaTime(clock_.now() - zero_); }
+  /// Returns the local time of the media time 0.
+  [[nodiscard]] LocalTime zero() const noexcept { return zero_; }
 
  private:
   const Clock& clock_;

@@ -343,14 +343,14 @@ std::unique_ptr<CLI::App> commandLine(Settings& settings) {
   addConfigFile(*app);
   app->final_callback([&settings, parsed = app.get()] {
     requireNetworkFlags(settings);
+    if (!isEdge(settings) && !settings.origin_keys.empty() && !settings.publish)
+      throw CLI::ValidationError("--origin-key", "needs --source nats://... or --publish");
     if (isRecording(settings)) {
       requireRecordingFlags(*parsed);
-    } else if (!isEdge(settings)) {
-      if (!settings.origin_keys.empty() && !settings.publish)
-        throw CLI::ValidationError("--origin-key", "needs --source nats://... or --publish");
-      mergeScene(*parsed, settings);
-    } else {
+    } else if (isEdge(settings)) {
       requireEdgeFlags(*parsed);
+    } else {
+      mergeScene(*parsed, settings);
     }
     settings.flags = listFlags(*parsed);
   });
@@ -369,7 +369,10 @@ Result<Settings> rereadCommandLine(int argc, const char* const* argv) {
   return settings;
 }
 
-bool isRecording(const Settings& settings) { return hasEnding(settings.source, kRecordingEnding); }
+bool isRecording(const Settings& settings) {
+  return settings.source.find("://") == std::string::npos &&
+         hasEnding(settings.source, kRecordingEnding);
+}
 
 bool isEdge(const Settings& settings) { return settings.source.starts_with(kNatsScheme); }
 

@@ -13,6 +13,7 @@
 #include <variant>
 #include <vector>
 
+#include "common/wire_limits.hpp"
 #include "server/origin.hpp"
 #include "server/pipeline/control_queue.hpp"
 #include "server/pipeline/pipeline_counter.hpp"
@@ -29,9 +30,16 @@ StreamReader openRecording(const std::string& file) {
   return std::move(opened).value();
 }
 
-StreamDescription describe(const StreamReader& reader, const std::string& name) {
-  StreamDescription description = reader.description();
+/// Returns the description of a stream that plays `recorded` at `speed`.
+StreamDescription describe(const StreamDescription& recorded, double speed,
+                           const std::string& name) {
+  StreamDescription description = recorded;
   if (!name.empty()) description.name = name;
+  description.fps = std::clamp(recorded.fps * speed, limits::kMinFps, limits::kMaxFps);
+  // Viewers derive a bound of the force from it, so it never falls.
+  const double factor = std::max(1.0, speed * speed);
+  description.largest_acceleration_mm_s2 =
+      std::min(recorded.largest_acceleration_mm_s2 * factor, limits::kAcceleration_mm_s2);
   return description;
 }
 
@@ -46,9 +54,12 @@ class Playback {
   void playAll();
   void carryOutRequests();
   void publish(RecordedItem item);
+  /// Describes the stream to all receivers, if it changed.
+  void describeStream();
   void logEnd();
-  /// Waits until `due`, a signal or a request. Returns whether it waited until `due`.
-  bool waitUntil(MediaTime due);
+  /// Waits until `due`, a signal, or with `for_requests` a request. Returns whether it waited until
+  /// `due`.
+  bool waitUntil(MediaTime due, bool for_requests = false);
 
   const Settings& settings_;
   RecordingPlayer player_;
@@ -57,7 +68,8 @@ class Playback {
   ControlQueue requests_;
   LimitedLog log_;
   PipelineCounter counter_;
-  StreamDescription description_;
+  StreamDescription recorded_;     // the newest description in the recording
+  StreamDescription description_;  // that of the viewers
   Origin origin_;
   FrameEncoder encoder_;
   Material material_;  // operators' values
@@ -73,7 +85,8 @@ Playback::Playback(const Settings& settings, const Clock& clock, ReadSettings re
       reloader_(settings, std::move(reread), clock),
       log_(clock),
       counter_(clock),
-      description_(describe(player_.reader(), settings.name)),
+      recorded_(player_.reader().description()),
+      description_(describe(recorded_, 1.0, settings.name)),
       origin_(settings, clock, media_clock_, description_) {}
 
 void Playback::run() {
@@ -106,7 +119,7 @@ void Playback::waitForViewer() {
 }
 
 void Playback::playAll() {
-  while (!stop_ && (settings_.frames == 0 || frames_ < settings_.frames)) {
+  while (!stop_) {
     origin_.service().manager().reportAlive();
     carryOutRequests();
     if (paused_) {
@@ -114,17 +127,18 @@ void Playback::playAll() {
       continue;
     }
     const auto due = player_.prepare(media_clock_.now());
-    if (!due) return;
-    if (waitUntil(*due)) publish(player_.take());
+    const bool was_last = settings_.frames != 0 && frames_ >= settings_.frames;
+    if (!due || (was_last && player_.hasFrame())) return;
+    if (waitUntil(*due, true)) publish(player_.take());
   }
 }
 
-bool Playback::waitUntil(MediaTime due) {
+bool Playback::waitUntil(MediaTime due, bool for_requests) {
   while (!stop_) {
     origin_.service().manager().reportAlive();
     const Duration left = due - media_clock_.now();
     if (left <= Duration::zero()) return true;
-    if (requests_.waits()) return false;
+    if (for_requests && requests_.waits()) return false;
     std::this_thread::sleep_for(std::min(left, kSlice));
   }
   return false;
@@ -146,6 +160,7 @@ void Playback::carryOutRequests() {
   }
   if (request.speed) {
     player_.setSpeed(*request.speed);
+    describeStream();
     log_.info(fmt::format("an operator sets the speed to {:g}", *request.speed));
   }
   if (request.material != Material{}) {
@@ -158,12 +173,11 @@ void Playback::carryOutRequests() {
 void Playback::publish(RecordedItem item) {
   const std::vector<StreamSink*> sinks = origin_.sinks();
   if (auto* const description = std::get_if<StreamDescription>(&item)) {
-    if (!settings_.name.empty()) description->name = settings_.name;
-    if (*description == description_) return;
-    description_ = *description;
-    for (StreamSink* sink : sinks) sink->describe(description_);
+    recorded_ = std::move(*description);
+    describeStream();
   } else if (auto* const frame = std::get_if<CodedFrame>(&item)) {
     ++frames_;
+    if (settings_.http) counter_.set(0, {}, origin_.signer().signingTime());
     for (CodedObject& object : frame->objects) changeMaterial(material_, object.material);
     if (const auto key = origin_.signer().rotateKey())
       for (StreamSink* sink : sinks) sink->changeKey(*key);
@@ -178,11 +192,18 @@ void Playback::publish(RecordedItem item) {
   }
 }
 
+void Playback::describeStream() {
+  const StreamDescription description = describe(recorded_, player_.speed(), settings_.name);
+  if (description == description_) return;
+  description_ = description;
+  for (StreamSink* sink : origin_.sinks()) sink->describe(description_);
+}
+
 void Playback::logEnd() {
   const StreamReader& reader = player_.reader();
-  if (!reader.problem().empty())
-    spdlog::warn("{} {}: it plays for {:.1f} s", settings_.source, reader.problem(),
-                 toSeconds(reader.length()));
+  if (!player_.problem().empty())
+    spdlog::warn("{} {}: it plays for {:.1f} s", settings_.source, player_.problem(),
+                 toSeconds(player_.played()));
   if (reader.leftOut() > 0)
     spdlog::warn("{}: {} frames are left out, because their times run back", settings_.source,
                  reader.leftOut());

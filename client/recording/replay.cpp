@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cfenv>
 #include <utility>
 
 #include "client/haptics/realtime_thread.hpp"
@@ -10,6 +11,9 @@
 namespace hapticast::client {
 
 namespace {
+
+// Bytes that are read ahead for the inputs of a tick; chosen: far more than a run needs.
+constexpr std::size_t kMostAheadBytes = 64U << 20U;
 
 bool hasSameBits(const Vec3& a, const Vec3& b) {
   return std::equal(a.begin(), a.end(), b.begin(), [](double x, double y) {
@@ -28,6 +32,7 @@ Result<std::unique_ptr<Replay>> Replay::open(const std::string& file) {
   // The settings precede the first tick.
   while (replay->ticks_.empty() && replay->readMessage()) {
   }
+  if (!replay->has_settings_) return Error{"has no settings before its ticks"};
   if (replay->ticks_.empty())
     return Error{replay->problem_.empty() ? "has no ticks"
                                           : "has no ticks: it " + replay->problem_};
@@ -61,6 +66,7 @@ bool Replay::readMessage() {
     problem_ = file_.problem();
     return false;
   }
+  ahead_bytes_ += message->data.size();
   const auto channel = channels_.find(message->channel);
   switch (channel == channels_.end() ? kRunChannels : channel->second) {
     case kSettingsChannel:
@@ -80,6 +86,12 @@ bool Replay::readMessage() {
   }
 }
 
+void Replay::add(RendererSettings settings) {
+  if (has_settings_) return;  // the renderer refers to the first ones
+  has_settings_ = true;
+  settings_ = std::move(settings);
+}
+
 void Replay::add(std::vector<TickReport> ticks) {
   for (TickReport& each : ticks) ticks_.push_back(std::move(each));
 }
@@ -91,10 +103,7 @@ void Replay::add(const RecordedTiming& timing) {
 
 bool Replay::hasInputsOf(const TickReport& tick) const {
   const TickInputs& inputs = tick.inputs;
-  const auto frames = static_cast<std::uint64_t>(
-      std::count_if(preparations_.begin(), preparations_.end(),
-                    [](const RecordedPreparation& each) { return each.handed_over; }));
-  return handed_over_ + frames >= inputs.frames &&
+  return known_frames_ >= inputs.frames &&
          (inputs.timing == 0 || timings_.contains(inputs.timing)) &&
          (inputs.controls == 0 || controls_.contains(inputs.controls));
 }
@@ -106,10 +115,11 @@ bool Replay::readInputsOf(const TickReport& tick) {
   }
   last_tick_ = tick.tick;
   while (!hasInputsOf(tick)) {
-    if (readMessage()) continue;
+    if (ahead_bytes_ <= kMostAheadBytes && readMessage()) continue;
     if (problem_.empty()) problem_ = "lacks what a tick has read";
     return false;
   }
+  ahead_bytes_ = 0;
   return true;
 }
 
@@ -159,14 +169,18 @@ void Replay::change(const ReplayChanges& changes) {
 UserControls Replay::findControls(std::uint64_t number) const {
   UserControls controls = controls_.at(number);
   if (changes_.method) controls.method.reset();
-  if (changes_.surface || changes_.method) controls.surface.reset();
+  if (changes_.surface || changes_.method == Method::kThesis) controls.surface.reset();
   return controls;
 }
 
 ReplayCounts Replay::run(const ReplayChanges& changes,
                          const std::function<void(const TickReport&)>& on_tick) {
   change(changes);
-  flushDenormals();  // as the loop does
+  // The loop flushes denormals, the decode thread does not.
+  std::fenv_t decode_mode{}, tick_mode{};
+  std::fegetenv(&decode_mode);
+  flushDenormals();
+  std::fegetenv(&tick_mode);
   LatestValue<StreamTiming> timing;
   LatestValue<UserControls> controls;
   decoder_ =
@@ -179,9 +193,11 @@ ReplayCounts Replay::run(const ReplayChanges& changes,
     const TickReport recorded = ticks_.front();
     ticks_.pop_front();
     if (!readInputsOf(recorded)) break;
+    std::fesetenv(&decode_mode);
     while (handed_over_ < recorded.inputs.frames) {
       if (!prepareNext()) return counts;
     }
+    std::fesetenv(&tick_mode);
     if (recorded.inputs.timing != 0) timing.store(timings_.at(recorded.inputs.timing));
     if (recorded.inputs.controls != 0) controls.store(findControls(recorded.inputs.controls));
     timings_.erase(timings_.begin(), timings_.lower_bound(recorded.inputs.timing));

@@ -69,10 +69,13 @@ class Replay {
   bool readMessage();
   template <class Content>
   bool accept(Result<Content> decoded);
-  void add(RendererSettings settings) { settings_ = std::move(settings); }
+  void add(RendererSettings settings);
   void add(std::vector<TickReport> ticks);
   void add(AssembledFrame frame) { events_.emplace_back(std::move(frame)); }
-  void add(RecordedPreparation preparation) { preparations_.push_back(preparation); }
+  void add(RecordedPreparation preparation) {
+    preparations_.push_back(preparation);
+    known_frames_ += preparation.handed_over ? 1 : 0;
+  }
   void add(const RecordedTiming& timing);
   void add(const UserControls& controls) { controls_[controls.number] = controls; }
   /// Returns the controls with this number, with the changes.
@@ -88,13 +91,16 @@ class Replay {
   McapReader file_;
   std::map<std::uint16_t, std::size_t> channels_;  // number in the file -> RunChannel
   RendererSettings settings_;
+  bool has_settings_ = false;
   ReplayChanges changes_;
   std::deque<TickReport> ticks_;
   std::deque<StreamEvent> events_;
   std::deque<RecordedPreparation> preparations_;
   std::map<std::uint64_t, StreamTiming> timings_;
   std::map<std::uint64_t, UserControls> controls_;
+  std::uint64_t known_frames_ = 0;  // of all preparations so far that were handed over
   std::uint64_t handed_over_ = 0;
+  std::size_t ahead_bytes_ = 0;  // read since the last tick had its inputs
   std::uint64_t last_tick_ = 0;
   std::string problem_;
 

@@ -206,7 +206,10 @@ Result<RecordedTiming> decodeTiming(std::span<const std::uint8_t> bytes) {
   Check check;
   proto::Timing from;
   parse(bytes, from, check);
-  const auto duration = [&](std::int64_t ns) { return check.time(ns); };
+  const auto length = [&](std::int64_t ns) {
+    check.require(ns >= 0 && ns <= limits::kLatency_ns, "a latency or a delay is not 0..10 s");
+    return Duration(ns);
+  };
   const auto side = [&](double mm) {
     return check.number(mm, 1.0, limits::kWorkspace_mm, "a workspace is not 1..1000 mm");
   };
@@ -215,10 +218,10 @@ Result<RecordedTiming> decodeTiming(std::span<const std::uint8_t> bytes) {
   timing.number = from.number();
   timing.connected = from.connected();
   timing.first_epoch = from.first_epoch();
-  timing.clock_offset = duration(from.clock_offset_ns());
-  timing.pipeline_latency = duration(from.pipeline_latency_ns());
-  timing.playout_delay_target = duration(from.playout_delay_target_ns());
-  timing.frame_interval = duration(from.frame_interval_ns());
+  timing.clock_offset = check.time(from.clock_offset_ns());
+  timing.pipeline_latency = length(from.pipeline_latency_ns());
+  timing.playout_delay_target = length(from.playout_delay_target_ns());
+  timing.frame_interval = length(from.frame_interval_ns());
   check.require(from.width_px() >= 1 && from.width_px() <= static_cast<unsigned>(kMaxWidth_px) &&
                     from.height_px() >= 1 &&
                     from.height_px() <= static_cast<unsigned>(kMaxHeight_px),

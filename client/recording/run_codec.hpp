@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Messages of a client's recording (proto/recording.proto) as bytes and back. The decoders check
 // their bytes: a result is complete, and its numbers are within the limits of the wire, except for
-// those of ticks. Thread: any.
+// those of ticks, which a renderer checks itself. Thread: any.
 #pragma once
 
 #include <cstdint>

@@ -28,10 +28,7 @@ RunRecorder::RunRecorder(const std::string& file, const Clock& clock) : file_(fi
 
 RunRecorder::~RunRecorder() {
   pushTicks();
-  const RecorderCounts before = recorder_->counts();
-  recorder_.reset();
-  spdlog::info("{} is complete{}", file_,
-               before.lost == 0 ? "" : fmt::format(", but {} messages are lost", before.lost));
+  spdlog::info("{} {}", file_, recorder_->finish());
 }
 
 void RunRecorder::push(std::size_t channel, std::span<const std::uint8_t> bytes) {

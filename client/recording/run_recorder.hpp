@@ -31,7 +31,7 @@ class RunRecorder {
   void onSettings(const RendererSettings& settings);
   /// Records a tick. Thread: main.
   void onTick(const TickReport& report);
-  /// Thread: main.
+  /// Records controls of the user. Thread: main.
   void onControls(const UserControls& controls);
   /// Record an event of the stream, in the order of the events. Thread: network.
   void onDescription(const StreamDescription& description);

@@ -38,8 +38,8 @@ Result<Content, WireError> decodeContent(std::uint32_t field,
 }  // namespace
 
 std::span<const std::uint8_t> findContent(std::span<const std::uint8_t> message) {
-  for (const int field : {proto::Message::kFrameFieldNumber, proto::Message::kVideoFieldNumber,
-                          proto::Message::kDescriptionFieldNumber}) {
+  for (const int field :
+       {proto::Message::kFrameFieldNumber, proto::Message::kDescriptionFieldNumber}) {
     const auto found = submessages(message, static_cast<std::uint32_t>(field), 1);
     if (found && !found->empty()) return found->front();
   }

@@ -21,6 +21,8 @@ namespace {
 constexpr std::uint64_t kRunBytes = 1U << 20U;
 /// Largest summary, bytes: that of a year with a chunk a second has 4 GiB, that of a day 10 MB.
 constexpr std::uint64_t kMostSummaryBytes = 256U << 20U;
+/// Longest name of a topic, a schema or an encoding that is kept, bytes.
+constexpr std::size_t kMostTextBytes = 256;
 constexpr std::size_t kHeadBytes = kMcapMagic.size() + kMcapRecordHeadBytes;
 
 std::optional<McapMessage> readMessage(const McapRecord& record) {
@@ -54,11 +56,7 @@ Result<McapReader> McapReader::open(const std::string& file) {
   if (reader.blocks_.empty())
     return Error{reader.damage_.empty() ? "has no messages"
                                         : "has no messages: it " + reader.damage_};
-  reader.begin_ns_ = std::numeric_limits<std::uint64_t>::max();
-  for (const Block& block : reader.blocks_) {
-    reader.begin_ns_ = std::min(reader.begin_ns_, block.begin_ns);
-    reader.end_ns_ = std::max(reader.end_ns_, block.end_ns);
-  }
+  for (const Block& block : reader.blocks_) reader.end_ns_ = std::max(reader.end_ns_, block.end_ns);
   reader.block_.clear();
   return reader;
 }
@@ -77,7 +75,6 @@ McapReader& McapReader::operator=(McapReader&& from) noexcept {
   schemas_ = std::move(from.schemas_);
   channels_ = std::move(from.channels_);
   blocks_ = std::move(from.blocks_);
-  begin_ns_ = from.begin_ns_;
   end_ns_ = from.end_ns_;
   damage_ = std::move(from.damage_);
   problem_ = std::move(from.problem_);
@@ -109,10 +106,15 @@ bool McapReader::readSummary() {
     const auto record = readRecord(in);
     if (!record) break;
     readDefinition(*record);
-    if (record->code == McapCode::kChunkIndex && !readChunkIndex(record->content)) break;
+    if (record->code == McapCode::kChunkIndex && !readChunkIndex(record->content)) {
+      blocks_.clear();
+      break;
+    }
   }
-  if (in.rest().empty() && !blocks_.empty()) return true;
+  if (in.rest().empty() && !blocks_.empty() && !channels_.empty()) return true;
   blocks_.clear();
+  schemas_.clear();
+  channels_.clear();
   return false;
 }
 
@@ -151,8 +153,11 @@ bool McapReader::readChunkIndex(std::span<const std::uint8_t> content) {
   block.bytes = in.number<std::uint64_t>();
   block.is_chunk = true;
   if (!in.ok() || block.offset < kHeadBytes || block.offset > size_ ||
-      block.bytes > size_ - block.offset || block.begin_ns > block.end_ns)
+      block.bytes > size_ - block.offset || block.bytes > kMostChunkBytes + kMcapRecordHeadBytes ||
+      block.begin_ns > block.end_ns)
     return false;
+  // Each chunk counts once.
+  if (!blocks_.empty() && block.offset < blocks_.back().offset + blocks_.back().bytes) return false;
   blocks_.push_back(block);
   return true;
 }
@@ -167,6 +172,10 @@ void McapReader::scan() {
     const auto length = in.number<std::uint64_t>();
     if (!in.ok() || length > size_ - offset - kMcapRecordHeadBytes) {
       damage_ = "is cut off";
+      break;
+    }
+    if (code == McapCode{}) {  // such as zeros behind a loss of power
+      damage_ = "is damaged";
       break;
     }
     const std::uint64_t end = offset + kMcapRecordHeadBytes + length;
@@ -227,18 +236,15 @@ void McapReader::readDefinition(const McapRecord& record) {
   McapIn in(record.content);
   const auto id = in.number<std::uint16_t>();
   if (record.code == McapCode::kSchema) {
-    McapSchema schema;
-    schema.name = in.text();
-    schema.encoding = in.text();
-    schema.data = in.text();
-    if (in.ok()) schemas_.emplace(id, std::move(schema));
+    const std::string_view name = in.text(), encoding = in.text();
+    if (in.ok() && name.size() <= kMostTextBytes && encoding.size() <= kMostTextBytes)
+      schemas_.try_emplace(id, McapSchema{std::string(name), std::string(encoding), ""});
     return;
   }
-  McapChannel channel;
   const auto schema_id = in.number<std::uint16_t>();
-  channel.topic = in.text();
-  channel.message_encoding = in.text();
-  if (!in.ok()) return;
+  const std::string_view topic = in.text(), encoding = in.text();
+  if (!in.ok() || topic.size() > kMostTextBytes || encoding.size() > kMostTextBytes) return;
+  McapChannel channel{std::string(topic), std::string(encoding), {}};
   if (const auto schema = schemas_.find(schema_id); schema != schemas_.end())
     channel.schema = schema->second;
   channels_.emplace(id, std::move(channel));

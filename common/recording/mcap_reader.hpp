@@ -2,8 +2,8 @@
 // Reads a file in the format MCAP (mcap_records.hpp), whose bytes are not trusted. The places of
 // the chunks come from the summary at the end of the file. A file without a summary, such as one
 // that was cut off, is scanned: all its chunks up to the first damage count. Messages come in the
-// order of the file, one chunk in memory at a time. Messages outside of chunks count as chunks,
-// too. Thread: one.
+// order of the file, one chunk in memory at a time. A scan also finds messages outside of chunks;
+// with a summary they are left out. Thread: one.
 #pragma once
 
 #include <cstdint>
@@ -35,10 +35,9 @@ class McapReader {
   McapReader(McapReader&& from) noexcept;
   McapReader& operator=(McapReader&& from) noexcept;
 
-  /// Returns the channels, by their number in messages.
+  /// Returns the channels, by their number in messages. The data of their schemas are left out.
   [[nodiscard]] const std::map<std::uint16_t, McapChannel>& channels() const { return channels_; }
-  /// Returns the times of the first and the last message.
-  [[nodiscard]] std::uint64_t begin_ns() const { return begin_ns_; }
+  /// Returns the time of the last message.
   [[nodiscard]] std::uint64_t end_ns() const { return end_ns_; }
 
   /// Returns the next message. Returns nullopt at the end, and at the first damage (problem()).
@@ -81,7 +80,7 @@ class McapReader {
   std::map<std::uint16_t, McapSchema> schemas_;
   std::map<std::uint16_t, McapChannel> channels_;
   std::vector<Block> blocks_;
-  std::uint64_t begin_ns_ = 0, end_ns_ = 0;
+  std::uint64_t end_ns_ = 0;
   std::string damage_;  // found by scan(), behind the last block
   std::string problem_;
   std::size_t next_block_ = 0;

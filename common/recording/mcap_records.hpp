@@ -61,6 +61,7 @@ class McapOut {
   /// Requires `bytes` to outlive this object.
   explicit McapOut(std::vector<std::uint8_t>& bytes) : bytes_(bytes) {}
 
+  /// Append a number, a text with its length, or bytes. They return this object.
   template <class Number>
   McapOut& number(Number value) {
     for (std::size_t i = 0; i < sizeof(Number); ++i)
@@ -80,6 +81,7 @@ class McapOut {
   std::size_t beginRecord(McapCode code);
   /// Ends the record that began at `place`: writes the length of its content.
   void endRecord(std::size_t place);
+  /// Append the record of a schema, or of a channel.
   void schema(std::uint16_t id, const McapSchema& schema);
   void channel(std::uint16_t id, std::uint16_t schema_id, const McapChannel& channel);
 
@@ -95,6 +97,7 @@ class McapIn {
 
   [[nodiscard]] bool ok() const { return ok_; }
   [[nodiscard]] std::span<const std::uint8_t> rest() const { return rest_; }
+  /// Return the next number, or the next text, which is valid as long as the bytes.
   template <class Number>
   Number number() {
     const auto bytes = take(sizeof(Number));

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <new>
 #include <stdexcept>
 #include <system_error>
 
@@ -49,7 +50,21 @@ void McapWriter::writeHead(McapOut& out) const {
 
 void McapWriter::write(std::size_t channel, std::uint64_t time_ns,
                        std::span<const std::uint8_t> data) {
-  if (file_ < 0) return;
+  if (file_ < 0) {
+    ++lost_;
+    return;
+  }
+  try {
+    add(channel, time_ns, data);
+  } catch (const std::bad_alloc&) {
+    lost_ += chunk_messages_ + 1;
+    clearChunk();
+  }
+  if (chunk_.size() >= kChunkBytes) flush();
+}
+
+void McapWriter::add(std::size_t channel, std::uint64_t time_ns,
+                     std::span<const std::uint8_t> data) {
   if (chunk_messages_ == 0) chunk_begin_ns_ = chunk_end_ns_ = time_ns;
   chunk_begin_ns_ = std::min(chunk_begin_ns_, time_ns);
   chunk_end_ns_ = std::max(chunk_end_ns_, time_ns);
@@ -60,25 +75,38 @@ void McapWriter::write(std::size_t channel, std::uint64_t time_ns,
   out.number(time_ns).number(time_ns).data(data);
   out.endRecord(place);
   ++chunk_messages_;
-  if (chunk_.size() >= kChunkBytes) flush();
 }
 
 void McapWriter::flush() {
-  if (file_ < 0 || chunk_messages_ == 0) return;
+  if (chunk_messages_ == 0) return;
   const std::size_t indexed = chunk_indexes_.size();
-  std::vector<std::uint8_t> bytes;
-  bytes.reserve(chunk_.size() + 32 * chunk_messages_ + 1024);
-  appendChunk(bytes);
-  if (append(bytes)) {
-    begin_ns_ = written_ == 0 ? chunk_begin_ns_ : std::min(begin_ns_, chunk_begin_ns_);
-    end_ns_ = std::max(end_ns_, chunk_end_ns_);
-    for (std::size_t i = 0; i < places_.size(); ++i) counts_[i] += places_[i].size();
-    written_ += chunk_messages_;
-    ++chunk_count_;
-  } else {
+  bool written = false;
+  try {
+    written = file_ >= 0 && writeChunk();
+  } catch (const std::bad_alloc&) {
+    problem_ = "no memory";
+  }
+  if (!written) {
     chunk_indexes_.resize(indexed);
     lost_ += chunk_messages_;
   }
+  clearChunk();
+}
+
+bool McapWriter::writeChunk() {
+  std::vector<std::uint8_t> bytes;
+  bytes.reserve(chunk_.size() + 32 * chunk_messages_ + 1024);
+  appendChunk(bytes);
+  if (!append(bytes)) return false;
+  begin_ns_ = written_ == 0 ? chunk_begin_ns_ : std::min(begin_ns_, chunk_begin_ns_);
+  end_ns_ = std::max(end_ns_, chunk_end_ns_);
+  for (std::size_t i = 0; i < places_.size(); ++i) counts_[i] += places_[i].size();
+  written_ += chunk_messages_;
+  ++chunk_count_;
+  return true;
+}
+
+void McapWriter::clearChunk() {
   for (auto& places : places_) places.clear();
   chunk_.clear();
   chunk_messages_ = 0;
@@ -140,11 +168,20 @@ std::vector<std::uint8_t> McapWriter::makeSummary() const {
   return bytes;
 }
 
-void McapWriter::finish() {
-  if (file_ < 0) return;
+bool McapWriter::finish() {
   flush();
-  (void)append(makeSummary());
-  ::close(file_);
+  if (file_ < 0) return has_summary_;
+  try {
+    has_summary_ = append(makeSummary());
+  } catch (const std::bad_alloc&) {  // without a summary the file still plays
+    problem_ = "no memory";
+  }
+  close();
+  return has_summary_;
+}
+
+void McapWriter::close() {
+  if (file_ >= 0) ::close(file_);
   file_ = -1;
 }
 
@@ -157,7 +194,7 @@ bool McapWriter::append(std::span<const std::uint8_t> bytes) {
       problem_ = describeErrno();
       // Without the cut-off chunk the file stays readable.
       const auto offset = static_cast<::off_t>(before);
-      if (::ftruncate(file_, offset) == 0) ::lseek(file_, offset, SEEK_SET);
+      if (::ftruncate(file_, offset) != 0 || ::lseek(file_, offset, SEEK_SET) < 0) close();
       size_ = before;
       return false;
     }

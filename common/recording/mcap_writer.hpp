@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT
 // Writes a file in the format MCAP (mcap_records.hpp). Messages collect in a chunk of 1 MiB, which
-// is not compressed. Each chunk goes to the file with one call of the system, so a file of a
-// program that was killed ends after a whole chunk. If the disk is full, the chunk is lost and the
-// file keeps its length; the next chunk is tried again. Thread: one.
+// is not compressed. A program that is killed can cut off the last chunk only. If the disk is full,
+// the chunk is lost and the file keeps its length. The writer tries the next chunk again. It never
+// throws for a lack of memory: the chunk is lost then, too. Thread: one.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
-#include <map>
 #include <span>
 #include <string>
 #include <vector>
@@ -36,9 +35,9 @@ class McapWriter {
   void write(std::size_t channel, std::uint64_t time_ns, std::span<const std::uint8_t> data);
   /// Writes the messages that wait to the file.
   void flush();
-  /// Writes the messages that wait and the summary, and closes the file. A second call does
-  /// nothing.
-  void finish();
+  /// Writes the messages that wait and the summary, and closes the file. Returns whether the
+  /// summary is in the file. A second call does nothing.
+  bool finish();
 
   /// Returns the number of messages in the file.
   [[nodiscard]] std::uint64_t written() const { return written_; }
@@ -58,6 +57,11 @@ class McapWriter {
   [[nodiscard]] std::vector<std::uint8_t> makeSummary() const;
   /// Appends the record of the open chunk to `out`, and the indexes of its messages.
   void appendChunk(std::vector<std::uint8_t>& out);
+  void add(std::size_t channel, std::uint64_t time_ns, std::span<const std::uint8_t> data);
+  /// Writes the open chunk. Returns success.
+  bool writeChunk();
+  void clearChunk();
+  void close();
   /// Appends `bytes` to the file as a whole, or leaves the file unchanged. Returns success.
   bool append(std::span<const std::uint8_t> bytes);
 
@@ -73,6 +77,7 @@ class McapWriter {
   std::uint64_t begin_ns_ = 0, end_ns_ = 0;
   std::uint32_t chunk_count_ = 0;
   std::uint32_t sequence_ = 0;
+  bool has_summary_ = false;
   std::uint64_t written_ = 0, lost_ = 0;
   std::string problem_;
 };

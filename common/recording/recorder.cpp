@@ -24,12 +24,15 @@ Recorder::Recorder(const std::string& file, const std::vector<McapChannel>& chan
       writer_(file, channels),
       thread_([this] { run(); }) {}
 
-Recorder::~Recorder() {
+std::string Recorder::finish() {
   {
     const std::lock_guard lock(mutex_);
     ended_ = true;
   }
   changed_.notify_all();
+  if (thread_.joinable()) thread_.join();
+  if (lost() > 0) return "lacks " + std::to_string(lost()) + " messages";
+  return is_complete_ ? "is complete" : "has no index (" + writer_.problem() + "), but can be read";
 }
 
 void Recorder::push(std::size_t channel, std::uint64_t time_ns,
@@ -43,9 +46,9 @@ void Recorder::push(std::size_t channel, std::uint64_t time_ns,
   waiting_.messages.push_back({channel, time_ns, waiting_.bytes.size()});
 }
 
-RecorderCounts Recorder::counts() const {
+std::uint64_t Recorder::lost() const {
   const std::lock_guard lock(mutex_);
-  return {counts_.written, counts_.lost + dropped_};
+  return refused_ + dropped_;
 }
 
 void Recorder::run() {
@@ -60,32 +63,36 @@ void Recorder::run() {
       ended = ended_;
       std::swap(batch, waiting_);
     }
-    std::size_t begin = 0;
-    for (const Waiting& each : batch.messages) {
-      writer_.write(each.channel, each.time_ns,
-                    std::span(batch.bytes).subspan(begin, each.end - begin));
-      begin = each.end;
-    }
-    batch.messages.clear();
-    batch.bytes.clear();
-    if (ended) writer_.finish();
+    write(batch);
+    if (ended) is_complete_ = writer_.finish();
     if (clock.now() - flushed >= kFlushEvery) {
       writer_.flush();
       flushed = clock.now();
     }
     {
       const std::lock_guard lock(mutex_);
-      counts_ = {writer_.written(), writer_.lost()};
+      refused_ = writer_.lost();
     }
-    if (counts().lost > reported_ && lines.allow(clock.now())) reportLost();
+    if (lost() > reported_ && lines.allow(clock.now())) reportLost();
   }
 }
 
+void Recorder::write(Batch& batch) {
+  std::size_t begin = 0;
+  for (const Waiting& each : batch.messages) {
+    writer_.write(each.channel, each.time_ns,
+                  std::span(batch.bytes).subspan(begin, each.end - begin));
+    begin = each.end;
+  }
+  batch.messages.clear();
+  batch.bytes.clear();
+}
+
 void Recorder::reportLost() {
-  const std::uint64_t lost = counts().lost;
-  report_(file_ + ": " + std::to_string(lost - reported_) + " messages are lost (" +
+  const std::uint64_t count = lost();
+  report_(file_ + ": " + std::to_string(count - reported_) + " messages are lost (" +
           (writer_.problem().empty() ? "the disk is too slow" : writer_.problem()) + ")");
-  reported_ = lost;
+  reported_ = count;
 }
 
 }  // namespace hapticast

@@ -26,12 +26,6 @@ struct RecordingError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Number of messages of a recording.
-struct RecorderCounts {
-  std::uint64_t written = 0;
-  std::uint64_t lost = 0;  ///< the disk was full or too slow
-};
-
 /// A recording that grows.
 class Recorder {
  public:
@@ -42,15 +36,19 @@ class Recorder {
   /// most once a minute, from the recorder's thread.
   Recorder(const std::string& file, const std::vector<McapChannel>& channels,
            std::function<void(const std::string&)> report);
-  /// Writes what waits, and completes the file.
-  ~Recorder();
+  /// Completes the file as finish() does.
+  ~Recorder() { (void)finish(); }
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
 
   /// Adds a message as McapWriter::write() does. Never waits for the disk. Thread: any.
   void push(std::size_t channel, std::uint64_t time_ns, std::span<const std::uint8_t> data);
+  /// Writes what waits, completes the file, and ends the thread. Returns a text for the log: "is
+  /// complete", or what is missing. Thread: the owner's.
+  std::string finish();
+  /// Returns the number of messages that are lost so far, because the disk was full or too slow.
   /// Thread: any.
-  [[nodiscard]] RecorderCounts counts() const;
+  [[nodiscard]] std::uint64_t lost() const;
 
  private:
   /// A message that waits; its data end at `end` of the bytes.
@@ -64,6 +62,7 @@ class Recorder {
     std::vector<std::uint8_t> bytes;
   };
   void run();
+  void write(Batch& batch);
   void reportLost();
 
   std::string file_;
@@ -72,10 +71,11 @@ class Recorder {
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   Batch waiting_;               // guarded by mutex_
-  RecorderCounts counts_;       // guarded by mutex_
-  std::uint64_t dropped_ = 0;   // guarded by mutex_
-  std::uint64_t reported_ = 0;  // used by the thread only
+  std::uint64_t dropped_ = 0;   // guarded by mutex_; messages that did not fit into the memory
+  std::uint64_t refused_ = 0;   // guarded by mutex_; messages that the file system refused
   bool ended_ = false;          // guarded by mutex_
+  std::uint64_t reported_ = 0;  // used by the thread only
+  bool is_complete_ = false;    // written by the thread, read after its end
   std::jthread thread_;         // last member: it uses all others
 };
 

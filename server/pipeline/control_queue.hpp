@@ -19,6 +19,7 @@ void changeMaterial(const Material& change, Material& material);
 /// The merged requests of operators.
 class ControlQueue {
  public:
+  /// One request for several, and the functions that confirm each of them.
   struct Merged {
     Control request;
     std::vector<std::function<void()>> confirm;

@@ -11,17 +11,29 @@ namespace hapticast::server {
 
 namespace {
 
+/// Multiplies `vector` by `factor`. No component exceeds `limit`, which viewers accept.
+template <class Vector>
+void scale(Vector& vector, double factor, double limit) {
+  using Scalar = typename Vector::Scalar;
+  const auto most = static_cast<Scalar>(limit);
+  vector = (vector * static_cast<Scalar>(factor)).cwiseMax(-most).cwiseMin(most).eval();
+}
+
 /// Converts the motion of `object` to that at `speed`.
 void changeSpeed(CodedObject& object, double speed) {
+  const double square = speed * speed;
   Motion& motion = object.motion;
-  motion.velocity_mm_s *= speed;
-  motion.acceleration_mm_s2 *= speed * speed;
-  motion.angular_velocity_rad_s *= speed;
-  for (Impact& impact : object.impacts) impact.delta_velocity_mm_s *= speed;
+  scale(motion.velocity_mm_s, speed, limits::kVelocity_mm_s);
+  scale(motion.acceleration_mm_s2, square, limits::kAcceleration_mm_s2);
+  motion.angular_velocity_rad_s =
+      std::clamp(motion.angular_velocity_rad_s * speed, -limits::kAngularVelocity_rad_s,
+                 limits::kAngularVelocity_rad_s);
+  for (Impact& impact : object.impacts)
+    scale(impact.delta_velocity_mm_s, speed, limits::kVelocity_mm_s);
   if (!object.grid) return;
   auto grid = std::make_shared<MotionGrid>(*object.grid);
-  for (auto& cell : grid->velocity_mm_s) cell *= static_cast<float>(speed);
-  for (auto& cell : grid->acceleration_mm_s2) cell *= static_cast<float>(speed * speed);
+  for (auto& cell : grid->velocity_mm_s) scale(cell, speed, limits::kVelocity_mm_s);
+  for (auto& cell : grid->acceleration_mm_s2) scale(cell, square, limits::kAcceleration_mm_s2);
   object.grid = std::move(grid);
 }
 
@@ -38,13 +50,19 @@ std::optional<MediaTime> RecordingPlayer::prepare(MediaTime now) {
     const auto* const picture = std::get_if<VideoFrame>(&*item_);
     if (picture != nullptr && (!last_ || picture->media_time != last_->recorded)) item_.reset();
   }
+  // A description belongs to the next frame, a picture to the last one.
   const auto* const frame = std::get_if<CodedFrame>(&*item_);
-  if (frame != nullptr && !is_planned_) plan(*frame, now);
+  if (frame == nullptr) return now;
+  if (!is_planned_) plan(*frame, now);
   return due_;
 }
 
 std::optional<RecordedItem> RecordingPlayer::read() {
   if (auto item = reader_.next()) return item;
+  if (problem_.empty() && !reader_.problem().empty()) {
+    problem_ = reader_.problem();
+    played_ = last_ ? last_->recorded - reader_.begin() : Duration(0);
+  }
   if (!loop_) return std::nullopt;
   reader_.seek(reader_.begin());
   is_continuous_ = false;
@@ -55,7 +73,7 @@ void RecordingPlayer::plan(const CodedFrame& frame, MediaTime now) {
   const bool follows = last_ && is_continuous_ && frame.media_time > last_->recorded &&
                        frame.media_time - last_->recorded <= kLongestGap &&
                        now - toPlayed(frame.media_time) <= kLatest;
-  if (!last_ && now - frame.media_time <= kLatest) {  // the first pass
+  if (!last_ && std::chrono::abs(now - frame.media_time) <= kLatest) {  // the first pass
     origin_ = start_ = frame.media_time;
   } else if (!follows) {
     origin_ = frame.media_time;
@@ -89,12 +107,15 @@ void RecordingPlayer::change(CodedFrame& frame) const {
     // A relief from before the discontinuity is new, since other frames may have had its number.
     return recorded < recorded_first_id_ ? first_id_ : recorded - recorded_first_id_ + first_id_;
   };
-  frame.media_time = toPlayed(frame.media_time);
+  const MediaTime recorded = frame.media_time;
+  frame.media_time = toPlayed(recorded);
   frame.id = toId(frame.id);
   frame.epoch += epoch_shift_;
   for (CodedObject& object : frame.objects) {
     object.changed_in_frame = std::min(toId(object.changed_in_frame), frame.id);
-    for (Impact& impact : object.impacts) impact.time = toPlayed(impact.time);
+    for (Impact& impact : object.impacts)
+      impact.time =
+          toPlayed(std::clamp(impact.time, recorded - kLongestGap, recorded + kLongestGap));
     if (speed_ != 1.0) changeSpeed(object, speed_);
   }
 }

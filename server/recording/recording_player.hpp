@@ -8,6 +8,8 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
+#include <variant>
 
 #include "common/time.hpp"
 #include "server/recording/stream_reader.hpp"
@@ -17,13 +19,14 @@ namespace hapticast::server {
 /// The playback of one recording for one stream.
 class RecordingPlayer {
  public:
-  /// Pause between two frames of the recording that playback skips. Chosen: an operator who paused
-  /// the recorded stream.
+  /// Playback skips a longer pause between two recorded frames. Chosen: an operator paused the
+  /// recorded stream.
   static constexpr Duration kLongestGap = std::chrono::seconds(5);
   /// Lateness after which playback continues later instead of at once (as Pacer::kLongestSkip).
   static constexpr Duration kLatest = std::chrono::seconds(1);
 
-  /// The first frame is due at its recorded media time. `loop`: playback starts again at the end.
+  /// The first frame is due at its recorded media time, if playback begins within kLatest of it;
+  /// otherwise at once. `loop`: playback starts again at the end.
   RecordingPlayer(StreamReader reader, bool loop);
 
   /// Reads the next item, unless it was read already. `now`: media time. Returns the time at which
@@ -40,7 +43,17 @@ class RecordingPlayer {
   /// Continues after a time without playback.
   void resume() { is_continuous_ = is_planned_ = false; }
 
+  /// Returns the recording.
   [[nodiscard]] const StreamReader& reader() const { return reader_; }
+  /// Returns why playback met the end of the recording early, as a phrase, and how much it has
+  /// played until then; empty: it has not.
+  [[nodiscard]] const std::string& problem() const { return problem_; }
+  [[nodiscard]] Duration played() const { return played_; }
+  /// Returns whether the prepared item is a frame.
+  [[nodiscard]] bool hasFrame() const {
+    return item_ && std::holds_alternative<CodedFrame>(*item_);
+  }
+  /// Returns the present speed.
   [[nodiscard]] double speed() const { return speed_; }
 
  private:
@@ -64,6 +77,8 @@ class RecordingPlayer {
   std::optional<RecordedItem> item_;  // prepared
   MediaTime due_{};                   // of item_
   std::optional<Last> last_;
+  std::string problem_;
+  Duration played_{0};
   bool is_planned_ = false;     // due_ is that of item_, a frame
   bool is_continuous_ = false;  // the next frame follows the last one
   MediaTime origin_{};          // recorded time that is played at start_

@@ -2,6 +2,7 @@
 #include "server/recording/stream_reader.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 
 #include "common/protocol/recorded.hpp"
 #include "common/wire_limits.hpp"
@@ -41,7 +42,7 @@ bool StreamReader::findChannels() {
     if (channel.schema.name == "hapticast.proto.StreamDescription") descriptions_ = id;
     if (channel.schema.name == "foxglove.CompressedImage") pictures_ = id;
   }
-  return frames_ != 0;
+  return frames_.has_value();
 }
 
 Duration StreamReader::length() const {
@@ -88,6 +89,11 @@ std::optional<RecordedItem> StreamReader::readFrame(std::span<const std::uint8_t
     return std::nullopt;
   }
   CodedFrame& frame = decoded.value();
+  // Room for what playback adds to the times.
+  if (std::abs(frame.media_time.time_since_epoch().count()) > limits::kTime_ns / 2) {
+    problem_ = "has an invalid frame (a time is out of range)";
+    return std::nullopt;
+  }
   if (last_ && frame.media_time <= *last_) {
     ++left_out_;
     return std::nullopt;
@@ -119,6 +125,7 @@ void StreamReader::seek(MediaTime time) {
   from_ = time;
   reliefs_.clear();
   problem_.clear();
+  left_out_ = 0;
 }
 
 }  // namespace hapticast::server

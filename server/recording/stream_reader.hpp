@@ -59,7 +59,7 @@ class StreamReader {
   void complete(CodedFrame& frame);
 
   McapReader file_;
-  std::uint16_t frames_ = 0, descriptions_ = 0, pictures_ = 0;  // numbers of channels; 0: none
+  std::optional<std::uint16_t> frames_, descriptions_, pictures_;  // numbers of channels
   StreamDescription first_description_;
   std::optional<StreamDescription> description_;
   MediaTime begin_{};

@@ -37,12 +37,7 @@ StreamRecorder::StreamRecorder(const std::string& file) : file_(file) {
   spdlog::info("recording to {}: the pictures may show people", file);
 }
 
-StreamRecorder::~StreamRecorder() {
-  const RecorderCounts before = recorder_->counts();
-  recorder_.reset();
-  spdlog::info("{} is complete{}", file_,
-               before.lost == 0 ? "" : fmt::format(", but {} messages are lost", before.lost));
-}
+StreamRecorder::~StreamRecorder() { spdlog::info("{} {}", file_, recorder_->finish()); }
 
 void StreamRecorder::describe(const StreamDescription& description) {
   description_ = encode(description);
@@ -50,6 +45,7 @@ void StreamRecorder::describe(const StreamDescription& description) {
 }
 
 void StreamRecorder::publish(EncodedFrame frame) {
+  if (frame.delta->size() > kMaxMessageBytes) return;  // viewers do not receive it either
   const std::uint64_t time = toFileTime(frame.media_time);
   if (!described_at_ || frame.media_time - *described_at_ >= kDescribeEvery) {
     described_at_ = frame.media_time;

@@ -17,7 +17,7 @@ class StreamRecorder final : public StreamSink {
  public:
   /// Creates `file`. Throws RecordingError.
   explicit StreamRecorder(const std::string& file);
-  /// Completes the file and logs the number of its messages.
+  /// Completes the file, and logs whether messages are lost.
   ~StreamRecorder() override;
 
   void describe(const StreamDescription& description) override;

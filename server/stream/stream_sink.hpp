@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Interface of a consumer of the encoded stream. The viewers' broadcaster is one; a recorder or a
-// relay could be others. Thread: the encoder's.
+// Interface of a consumer of the encoded stream. The viewers' broadcaster is one. The recorder and
+// the relay's publisher are others. Thread: the encoder's.
 #pragma once
 
 #include "common/haptic_frame.hpp"

@@ -119,7 +119,6 @@ TEST_F(Mcap, TheReaderReturnsWhatTheWriterWrote) {
     EXPECT_EQ(reader.channels().at(1).topic, "/frame");
     EXPECT_EQ(reader.channels().at(1).schema.name, "hapticast.proto.HapticFrame");
     EXPECT_EQ(reader.channels().at(3).message_encoding, "json");
-    EXPECT_EQ(reader.begin_ns(), messages.front().time_ns);
     EXPECT_EQ(reader.end_ns(), messages.back().time_ns);
     EXPECT_EQ(readAll(reader), messages);
     EXPECT_EQ(reader.problem(), "");
@@ -374,19 +373,19 @@ TEST_F(Mcap, TheRecorderWritesInOrderAndCountsItsLosses) {
   EXPECT_EQ(readAll(reader), messages);
 
   const std::string flood = (folder_ / "flood.mcap").string();
-  RecorderCounts counts;
+  std::uint64_t lost = 0;
   const int pushed = 64;
   const Bytes large(1U << 20U, 1);
   {
     Recorder recorder(flood, threeChannels(), [](const std::string&) {});
     for (int i = 0; i < pushed; ++i) recorder.push(0, static_cast<std::uint64_t>(i), large);
-    counts = recorder.counts();
+    lost = recorder.lost();
   }
-  EXPECT_GT(counts.lost, 0U) << "64 MiB do not wait in memory";
+  EXPECT_GT(lost, 0U) << "64 MiB do not wait in memory";
   opened = McapReader::open(flood);
   ASSERT_TRUE(opened.ok());
   McapReader kept = std::move(opened).value();
-  EXPECT_EQ(readAll(kept).size() + counts.lost, static_cast<std::size_t>(pushed));
+  EXPECT_EQ(readAll(kept).size() + lost, static_cast<std::size_t>(pushed));
 }
 
 }  // namespace
