@@ -57,7 +57,7 @@ class Session::Impl {
         receiver(decode_thread, stream, settings.method == Method::kThesis ? 2 : 1,
                  fromSeconds(1e-3 * settings.max_delay_ms)),
         connection(io, clock, connectionSettings(settings, wants_video), receiver,
-                   connectionEvents()),
+                   recordedEvents()),
         late_frames(settings.max_delay_ms),
         connection_log(server) {
     if (recorder == nullptr) return;
@@ -72,6 +72,8 @@ class Session::Impl {
   }
 
   [[nodiscard]] ConnectionEvents connectionEvents();
+  /// Returns connectionEvents(), and what only the recorder needs.
+  [[nodiscard]] ConnectionEvents recordedEvents();
   void onPrepared(const PreparedFrame& frame);
   void publishStats(bool connected);
   void start();
@@ -137,11 +139,14 @@ ConnectionEvents Session::Impl::connectionEvents() {
                 spdlog::error("{}", names_server ? why : server + ": " + why);
                 failed = true;
                 events.ended();
-              },
-          .described =
-              [this](const StreamDescription& stream) {
-                if (recorder != nullptr) recorder->onDescription(stream);
               }};
+}
+
+ConnectionEvents Session::Impl::recordedEvents() {
+  ConnectionEvents all = connectionEvents();
+  if (recorder != nullptr)
+    all.described = [this](const StreamDescription& to) { recorder->onDescription(to); };
+  return all;
 }
 
 void Session::Impl::onPrepared(const PreparedFrame& frame) {
