@@ -42,7 +42,8 @@ class Rendering(unittest.TestCase):
     def test_has_the_bits_of_the_client(self):
         for seed in range(101, 113):
             with tempfile.NamedTemporaryFile() as file:
-                subprocess.run([os.environ["REFERENCE_RUN"], str(seed), file.name], check=True)
+                own = {name: text for name, text in os.environ.items() if name != "LD_PRELOAD"}
+                subprocess.run([os.environ["REFERENCE_RUN"], str(seed), file.name], check=True, env=own)
                 data = file.read()
             at, messages = 4, []
             for _ in range(struct.unpack_from("<I", data)[0]):
@@ -280,7 +281,8 @@ class Publishing(unittest.TestCase):
             for _ in range(1000):
                 open_once()
             self.assertLessEqual(self.count_files(), files + 2)
-            self.assertLess(self.memory_kB() - memory_kB, 5_000)
+            if "ASAN_OPTIONS" not in os.environ:  # ASan keeps freed memory
+                self.assertLess(self.memory_kB() - memory_kB, 5_000)
 
     @staticmethod
     def count_files():
