@@ -17,16 +17,17 @@ constexpr auto kServerFlags = std::to_array<std::string_view>(
      "loop",        "low-latency",   "map-range",      "mass",    "max-clients",     "motion",
      "multicast",   "multicast-ttl", "name",           "nats-ca", "nats-creds",      "not",
      "object",      "plan",          "preview",        "publish", "scene",           "segment",
-     "signing-key", "source",        "stiffness",      "stretch", "texture-depth",   "tls",
-     "tls-cert",    "tls-key",       "to-and-fro",     "tokens",  "wait-for-viewer"});
+     "signing-key", "source",        "stretch",        "texture-depth", "tls",       "tls-cert",
+     "tls-key",     "to-and-fro",    "tokens",         "wait-for-viewer"});
 // clang-format on
 constexpr auto kClientFlags = std::to_array<std::string_view>(
     {"check-device",    "control",     "device",        "device-option", "falcon-calibrate",
      "falcon-firmware", "falcon-gain", "falcon-serial", "fault-dir",     "film",
      "forces",          "fullscreen",  "hand",          "interface",     "list",
      "list-devices",    "log",         "max-delay",     "profile",       "rearm",
-     "redundancy",      "screenshot",  "seconds",       "sound",         "stiffness-limit",
-     "summary",         "surface",     "tls-ca",        "token-file",    "view"});
+     "redundancy",      "replay",      "screenshot",    "seconds",       "sound",
+     "stiffness-limit", "summary",     "surface",       "tls-ca",        "token-file",
+     "view"});
 
 }  // namespace
 
