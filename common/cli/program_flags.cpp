@@ -19,7 +19,6 @@ constexpr auto kServerFlags = std::to_array<std::string_view>(
      "object",      "plan",          "preview",        "publish", "scene",           "segment",
      "signing-key", "source",        "stretch",        "texture-depth", "tls",       "tls-cert",
      "tls-key",     "to-and-fro",    "tokens",         "wait-for-viewer"});
-// clang-format on
 constexpr auto kClientFlags = std::to_array<std::string_view>(
     {"check-device",    "control",     "device",        "device-option", "falcon-calibrate",
      "falcon-firmware", "falcon-gain", "falcon-serial", "fault-dir",     "film",
@@ -28,6 +27,7 @@ constexpr auto kClientFlags = std::to_array<std::string_view>(
      "redundancy",      "replay",      "screenshot",    "seconds",       "sound",
      "stiffness-limit", "summary",     "surface",       "tls-ca",        "token-file",
      "view"});
+// clang-format on
 
 }  // namespace
 
