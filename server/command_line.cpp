@@ -287,11 +287,11 @@ std::string findVisionFlag(const CLI::App& app, const std::vector<std::string>& 
       "--tokens",      "--insecure", "--nats-creds", "--nats-ca",   "--quiet",
       "--config",      "--http",     "--host-name",  "--origin-key"};
   for (const CLI::Option* option : app.get_options()) {
-    const std::string name = option->get_name();
-    const auto isName = [&name](const std::string& each) { return each == name; };
-    if (option->count() > 0 && std::none_of(allowed.begin(), allowed.end(), isName) &&
-        std::none_of(more.begin(), more.end(), isName))
-      return name;
+    std::string name = option->get_name();
+    const auto isIn = [&name](const std::vector<std::string>& flags) {
+      return std::find(flags.begin(), flags.end(), name) != flags.end();
+    };
+    if (option->count() > 0 && !isIn(allowed) && !isIn(more)) return name;
   }
   return "";
 }

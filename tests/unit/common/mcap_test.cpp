@@ -83,7 +83,7 @@ class Mcap : public ::testing::Test {
  protected:
   /// Returns a file with a chunk for each 20 of the messages.
   std::string makeFile(const std::vector<Kept>& messages) const {
-    const std::string file = (folder_ / "a.mcap").string();
+    std::string file = (folder_ / "a.mcap").string();
     std::filesystem::remove(file);
     McapWriter writer(file, threeChannels());
     for (std::size_t i = 0; i < messages.size(); ++i) {
@@ -93,7 +93,7 @@ class Mcap : public ::testing::Test {
     return file;
   }
   [[nodiscard]] std::string changed(const Bytes& bytes) const {
-    const std::string file = (folder_ / "changed.mcap").string();
+    std::string file = (folder_ / "changed.mcap").string();
     writeBytes(file, bytes);
     return file;
   }
