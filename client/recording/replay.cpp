@@ -15,13 +15,13 @@ namespace {
 // Bytes that are read ahead for the inputs of a tick; chosen: far more than a run needs.
 constexpr std::size_t kMostAheadBytes = 64U << 20U;
 
+}  // namespace
+
 bool hasSameBits(const Vec3& a, const Vec3& b) {
   return std::equal(a.begin(), a.end(), b.begin(), [](double x, double y) {
     return std::bit_cast<std::uint64_t>(x) == std::bit_cast<std::uint64_t>(y);
   });
 }
-
-}  // namespace
 
 Result<std::unique_ptr<Replay>> Replay::open(const std::string& file) {
   auto opened = McapReader::open(file);
@@ -96,7 +96,13 @@ void Replay::add(std::vector<TickReport> ticks) {
   for (TickReport& each : ticks) ticks_.push_back(std::move(each));
 }
 
+void Replay::add(AssembledFrame frame) {
+  if (frame.place.resync) events_.emplace_back(workspace_);  // as Receiver::release() does
+  events_.emplace_back(std::move(frame));
+}
+
 void Replay::add(const RecordedTiming& timing) {
+  workspace_ = timing.timing.workspace;
   timings_[timing.timing.number] = timing.timing;
   if (timing.resets_reliefs) events_.emplace_back(timing.timing.workspace);
 }

@@ -23,6 +23,9 @@
 
 namespace hapticast::client {
 
+/// Returns whether all components of both vectors have the same bits.
+[[nodiscard]] bool hasSameBits(const Vec3& a, const Vec3& b);
+
 /// Settings that replace the recorded ones, also those that the user chose during the run.
 struct ReplayChanges {
   std::optional<Method> method;
@@ -71,7 +74,7 @@ class Replay {
   bool accept(Result<Content> decoded);
   void add(RendererSettings settings);
   void add(std::vector<TickReport> ticks);
-  void add(AssembledFrame frame) { events_.emplace_back(std::move(frame)); }
+  void add(AssembledFrame frame);
   void add(RecordedPreparation preparation) {
     preparations_.push_back(preparation);
     known_frames_ += preparation.handed_over ? 1 : 0;
@@ -97,6 +100,7 @@ class Replay {
   std::deque<StreamEvent> events_;
   std::deque<RecordedPreparation> preparations_;
   std::map<std::uint64_t, StreamTiming> timings_;
+  Workspace workspace_;  // of the newest timing
   std::map<std::uint64_t, UserControls> controls_;
   std::uint64_t known_frames_ = 0;  // of all preparations so far that were handed over
   std::uint64_t handed_over_ = 0;

@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -13,6 +12,7 @@
 
 #include "client/device/device_profile.hpp"
 #include "client/include/hapticast/stream.hpp"
+#include "client/recording/replay.hpp"
 #include "tests/support/drawn_stream.hpp"
 #include "tests/support/virtual_viewer.hpp"
 
@@ -153,13 +153,6 @@ Vec3 scriptedHand(double time_s) {
           22.0 + 8.0 * std::cos(5.0 * time_s)};
 }
 
-bool sameBits(const Vec3& a, const Vec3& b) {
-  const auto same = [](double x, double y) {
-    return std::bit_cast<std::uint64_t>(x) == std::bit_cast<std::uint64_t>(y);
-  };
-  return std::equal(a.begin(), a.end(), b.begin(), same);
-}
-
 }  // namespace
 
 // Required: 12 streams kept as bytes of the wire, bit-equal.
@@ -191,8 +184,9 @@ TEST(LibraryRenderer, HasTheBitsOfTheClient) {
       theirs = viewer.tick();
       player.release(toSeconds(now));
       const Tick& ours = renderer.tick(toSeconds(now), device.toDevice(hand_mm));
-      ASSERT_TRUE(sameBits(theirs.force_N, ours.force_N)) << "seed " << seed << ", tick " << i;
-      ASSERT_TRUE(sameBits(theirs.dynamic_force_N, ours.dynamic_force_N));
+      ASSERT_TRUE(client::hasSameBits(theirs.force_N, ours.force_N))
+          << "seed " << seed << ", tick " << i;
+      ASSERT_TRUE(client::hasSameBits(theirs.dynamic_force_N, ours.dynamic_force_N));
       ASSERT_EQ(theirs.safety_actions, ours.safety_actions);
       contacts += ours.contact ? 1 : 0;
     }

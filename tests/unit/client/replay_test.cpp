@@ -5,7 +5,6 @@
 
 #include <gtest/gtest.h>
 
-#include <bit>
 #include <fstream>
 #include <random>
 
@@ -17,13 +16,6 @@
 
 namespace hapticast::client {
 namespace {
-
-bool hasSameBits(const Vec3& a, const Vec3& b) {
-  const auto same = [](double x, double y) {
-    return std::bit_cast<std::uint64_t>(x) == std::bit_cast<std::uint64_t>(y);
-  };
-  return std::equal(a.begin(), a.end(), b.begin(), same);
-}
 
 /// A run with losses, cuts, takeovers, late ticks, lost readings, pauses and re-arming.
 class DrawnRun {
