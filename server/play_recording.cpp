@@ -181,12 +181,10 @@ void Playback::publish(RecordedItem item) {
     for (CodedObject& object : frame->objects) changeMaterial(material_, object.material);
     if (const auto key = origin_.signer().rotateKey())
       for (StreamSink* sink : sinks) sink->changeKey(*key);
-    const bool datagrams =
-        std::any_of(sinks.begin(), sinks.end(), [](auto* sink) { return sink->datagramsWanted(); });
-    const EncodedFrame encoded = encoder_.encode(std::move(*frame), &origin_.signer(), datagrams);
+    const EncodedFrame encoded =
+        encoder_.encode(std::move(*frame), &origin_.signer(), areDatagramsWanted(sinks));
     for (StreamSink* sink : sinks) sink->publish(encoded);
-  } else if (std::any_of(sinks.begin(), sinks.end(),
-                         [](auto* sink) { return sink->videoWanted(); })) {
+  } else if (isVideoWanted(sinks)) {
     const EncodedVideo video = encodeVideo(std::move(std::get<VideoFrame>(item)));
     for (StreamSink* sink : sinks) sink->publish(video);
   }

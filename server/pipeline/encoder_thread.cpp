@@ -89,18 +89,15 @@ void EncoderThread::encode(Job job, const SliceSettings& slices) {
     for (StreamSink* sink : sinks_) sink->changeKey(*key);
   }
   const LocalTime begin = now();
-  const bool datagrams =
-      std::any_of(sinks_.begin(), sinks_.end(), [](auto* sink) { return sink->datagramsWanted(); });
-  const EncodedFrame frame = encoder_.encode(job.result.frame, slices, signer_, datagrams);
+  const EncodedFrame frame =
+      encoder_.encode(job.result.frame, slices, signer_, areDatagramsWanted(sinks_));
   {
     const std::lock_guard lock(mutex_);
     relief_bytes_ = encoder_.reliefBytes();
     if (clock_ != nullptr) times_.encode.add(now() - begin);
   }
   for (StreamSink* sink : sinks_) sink->publish(frame);
-  if (std::none_of(sinks_.begin(), sinks_.end(), [](auto* sink) { return sink->videoWanted(); }))
-    return;
-  encodeVideoOf(std::move(job));
+  if (isVideoWanted(sinks_)) encodeVideoOf(std::move(job));
 }
 
 void EncoderThread::encodeVideoOf(Job job) {

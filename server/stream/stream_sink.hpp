@@ -3,6 +3,9 @@
 // the relay's publisher are others. Thread: the encoder's.
 #pragma once
 
+#include <algorithm>
+#include <vector>
+
 #include "common/haptic_frame.hpp"
 #include "common/protocol/messages.hpp"
 #include "server/stream/encoded.hpp"
@@ -30,5 +33,14 @@ class StreamSink {
   /// Returns whether the sink needs datagrams. If no sink does, they are not signed.
   [[nodiscard]] virtual bool datagramsWanted() const = 0;
 };
+
+/// Return whether at least one of `sinks` needs pictures, or datagrams.
+[[nodiscard]] inline bool isVideoWanted(const std::vector<StreamSink*>& sinks) {
+  return std::any_of(sinks.begin(), sinks.end(), [](auto* sink) { return sink->videoWanted(); });
+}
+[[nodiscard]] inline bool areDatagramsWanted(const std::vector<StreamSink*>& sinks) {
+  return std::any_of(sinks.begin(), sinks.end(),
+                     [](auto* sink) { return sink->datagramsWanted(); });
+}
 
 }  // namespace hapticast::server
