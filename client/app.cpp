@@ -85,8 +85,8 @@ struct LocalDevice {
 };
 
 std::unique_ptr<RunRecorder> openRecorder(const Settings& settings, const Clock& clock) {
-  if (settings.record_file.empty()) return nullptr;
-  return std::make_unique<RunRecorder>(settings.record_file, clock);
+  if (!settings.outputs.wanted()) return nullptr;
+  return std::make_unique<RunRecorder>(settings.outputs, clock);
 }
 
 void logRealtime(const RealtimeGrant& realtime) {

@@ -292,8 +292,9 @@ void addOutputOptions(CLI::App& app, Settings& settings) {
                  "The folder for the ticks before a fault; default: hapticast in $XDG_STATE_HOME, "
                  "else in ~/.local/state")
       ->type_name("DIR");
-  addFile(app, "--record", settings.record_file, ".mcap",
+  addFile(app, "--record", settings.outputs.record, ".mcap",
           "Record the run in a new file: every tick, the received frames and pictures");
+  addLive(app, settings.outputs.live);
   addNumber(app, "--seconds", settings.seconds, 0.001, 1e9, "S",
             "Stop S seconds after the first frame, or if none arrives for S seconds; default: at "
             "Ctrl-C");
@@ -309,8 +310,9 @@ void addReplayOptions(CLI::App& app, Settings& settings) {
   addNumber(app, "--stiffness", settings.stiffness_N_mm, 0.01, 10.0, "N/mm",
             "With --replay: the stiffness of all surfaces; default: as recorded");
   app.final_callback([&settings, parsed = &app] {
-    if (!settings.replay_file.empty() && !settings.record_file.empty())
-      throw CLI::ValidationError("--record", "--replay has no new readings; leave one flag out");
+    if (!settings.replay_file.empty() && settings.outputs.wanted())
+      throw CLI::ValidationError(settings.outputs.live ? "--live" : "--record",
+                                 "--replay has no new readings; leave one flag out");
     if (settings.replay_file.empty() && settings.stiffness_N_mm > 0.0)
       throw CLI::ValidationError("--stiffness", "needs --replay");
     settings.method_given = parsed->count("--method") > 0;

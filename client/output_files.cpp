@@ -40,7 +40,7 @@ void requireDistinctOutputs(const Settings& settings) {
        {"--summary", &settings.summary_file},
        {"--screenshot", &settings.screenshot_file},
        {"--film", &settings.film_file},
-       {"--record", &settings.record_file},
+       {"--record", &settings.outputs.record},
        {"--replay", &settings.replay_file}}};
   for (const auto& [flag, file] : outputs) {
     for (const auto& [earlier, other] : outputs) {

@@ -13,6 +13,7 @@
 #include "client/net/origin_pin.hpp"
 #include "client/net/udp/transport_selector.hpp"
 #include "common/endpoint.hpp"
+#include "common/live/output_settings.hpp"
 #include "common/protocol/messages.hpp"
 
 namespace hapticast::client {
@@ -53,7 +54,7 @@ struct Settings {
   std::string film_file;
   std::string log_file;
   std::string summary_file;
-  std::string record_file;      ///< recording of the run; empty: none
+  OutputSettings outputs;       ///< recording of the run, and watchers
   std::string replay_file;      ///< recorded run to render again; empty: none
   double stiffness_N_mm = 0.0;  ///< of all surfaces of a replay; 0: as recorded
   bool method_given = false, surface_given = false;  ///< the user set --method, --surface

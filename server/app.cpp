@@ -60,6 +60,7 @@ class App::Impl {
   void browse();
   void waitForViewer();
   void play(EncoderThread& encoder);
+  void recordPlan(MediaTime now);
   /// Waits until `due` or until stop(). Returns whether the server goes on.
   bool waitUntil(MediaTime due);
 
@@ -171,9 +172,16 @@ void App::Impl::play(EncoderThread& encoder) {
     range_log_.log(vision_.mapped());
     if (settings_.vision.explain)
       plan_log_.log(vision_.plan(), encoder.reliefBytes(), media_clock_.now());
+    recordPlan(pump.lastPublished());
   }
   pump.flush();
   waitUntil(pump.lastPublished() + vision_.description().pipeline_latency + kPlayout);
+}
+
+void App::Impl::recordPlan(MediaTime now) {
+  StreamRecorder* const recorder = origin_.recorder();
+  if (recorder != nullptr && recorder->isPlanDue(now))
+    recorder->pushPlan(encodePlan(vision_.plan()), now);
 }
 
 bool App::Impl::waitUntil(MediaTime due) {

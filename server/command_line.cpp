@@ -182,20 +182,11 @@ std::optional<std::string> parseHostName(const std::string& text) {
 }
 
 void addHttp(CLI::App& app, Settings& settings) {
-  const auto set = [&http = settings.http](const std::string& text) {
-    // Whether the text has a port: without one the port is that of the default.
-    const auto one = parseEndpoint(text, {"127.0.0.1", 1}),
-               two = parseEndpoint(text, {"127.0.0.1", 2});
-    if (!one || !two || one->port != two->port)
-      throw CLI::ValidationError("--http", quote(text) + " is not [ADDR:]PORT (port 0..65535)");
-    http = one;
-  };
-  app.add_option_function<std::string>(
-         "--http", set,
-         "Show figures for operators by HTTP: /metrics (Prometheus), /health, /status.json; ADDR: "
-         "an IP address of this machine, default: 127.0.0.1; port 0: any free port; without this "
-         "flag: no such port")
-      ->type_name("[ADDR:]PORT");
+  addLocalPort(
+      app, "--http", settings.http,
+      "Show figures for operators by HTTP: /metrics (Prometheus), /health, /status.json; ADDR: "
+      "an IP address of this machine, default: 127.0.0.1; port 0: any free port; without this "
+      "flag: no such port");
   addList(
       app, "--host-name", settings.host_names, parseHostName,
       "Another name under which requests may reach the port of --http, for example of a reverse "
@@ -308,8 +299,9 @@ void requireEdgeFlags(const CLI::App& app) {
 
 /// Refuses each flag that changes what a recording has already.
 void requireRecordingFlags(const CLI::App& app) {
-  const std::string name = findVisionFlag(app, {"--publish", "--signing-key", "--loop", "--frames",
-                                                "--wait-for-viewer", "--name", "--record"});
+  const std::string name =
+      findVisionFlag(app, {"--publish", "--signing-key", "--loop", "--frames", "--wait-for-viewer",
+                           "--name", "--record", "--live"});
   if (!name.empty())
     throw CLI::ValidationError(name,
                                "a recording has its frames already; give this flag to the "
@@ -337,7 +329,8 @@ std::unique_ptr<CLI::App> commandLine(Settings& settings) {
   addMaterialOptions(*app, settings.vision.material, settings.vision.mass_kg);
   addScene(*app, settings);
   addPreview(*app, settings.preview);
-  addRecord(*app, settings.record);
+  addRecord(*app, settings.outputs.record);
+  addLive(*app, settings.outputs.live);
   addExplain(*app, settings.vision.explain);
   app->add_flag("--quiet", settings.quiet, "Only warnings and errors");
   addConfigFile(*app);

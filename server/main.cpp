@@ -47,7 +47,7 @@ int serve(const hapticast::server::Settings& settings, hapticast::server::ReadSe
     // Some messages are about another flag and begin with it.
     spdlog::error("{}{}", what.starts_with("--") ? "" : "--source ", what);
     return app && app->streaming() ? kFailed : kWrongInput;
-  } catch (const hapticast::server::AddressError& error) {
+  } catch (const hapticast::AddressError& error) {
     spdlog::error("{}", hapticast::sanitizeUtf8(error.what()));
     return kWrongInput;
   } catch (const hapticast::server::KeyFileError& error) {

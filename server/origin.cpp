@@ -35,7 +35,7 @@ Origin::Origin(const Settings& settings, const Clock& clock, const MediaClock& m
   if (settings.publish)
     relay_.emplace(*settings.publish, settings.nats, clock, media_clock, signer_,
                    trustedOrigins(settings, signer_));
-  if (!settings.record.empty()) recorder_.emplace(settings.record);
+  if (settings.outputs.wanted()) recorder_.emplace(settings.outputs, media_clock);
   if (settings.http) signer_.measure(clock);
 }
 

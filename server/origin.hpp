@@ -38,6 +38,8 @@ class Origin {
   [[nodiscard]] StreamService& service() { return service_; }
   /// Returns all receivers of the stream.
   [[nodiscard]] std::vector<StreamSink*> sinks();
+  /// Returns the recorder; null: there is none.
+  [[nodiscard]] StreamRecorder* recorder() { return recorder_ ? &*recorder_ : nullptr; }
 
  private:
   FrameSigner signer_;  // outlives all encoded frames

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/endpoint.hpp"
+#include "common/live/output_settings.hpp"
 #include "common/transport/signature.hpp"
 #include "server/author/scene_file.hpp"
 #include "server/nats_address.hpp"
@@ -47,8 +48,8 @@ struct Settings {
   VisionSettings vision;
   Scene scene;                         ///< the author's work, from the scene file and from flags
   std::vector<KeyMaskFile> key_masks;  ///< those of the scene file
-  std::string preview;  ///< output of the preview: FILE.png or a folder; empty: no preview
-  std::string record;   ///< recording of the stream; empty: none
+  std::string preview;     ///< output of the preview: FILE.png or a folder; empty: no preview
+  OutputSettings outputs;  ///< recording of the stream, and watchers
   bool quiet = false;
   FlagTexts flags;  ///< all flags that were set, in any way, with their texts
 };

@@ -22,16 +22,17 @@ enum RunChannel : std::size_t {
 struct RunChannelName {
   const char* topic;
   const char* message;
+  bool is_state = false;  ///< McapChannel::is_state
 };
 /// Topics and types of the messages, by number.
 inline constexpr RunChannelName kRunChannelNames[kRunChannels] = {
-    {"/settings", "hapticast.proto.RendererSettings"},
+    {"/settings", "hapticast.proto.RendererSettings", true},
     {"/tick", "hapticast.proto.Ticks"},
     {"/received", "hapticast.proto.ReceivedFrame"},
     {"/prepared", "hapticast.proto.PreparedFrame"},
-    {"/timing", "hapticast.proto.Timing"},
-    {"/controls", "hapticast.proto.UserControls"},
-    {"/description", "hapticast.proto.StreamDescription"},
+    {"/timing", "hapticast.proto.Timing", true},
+    {"/controls", "hapticast.proto.UserControls", true},
+    {"/description", "hapticast.proto.StreamDescription", true},
     {"/picture", "foxglove.CompressedImage"},
 };
 

@@ -1,46 +1,47 @@
 // SPDX-License-Identifier: MIT
 #include "client/recording/run_recorder.hpp"
 
-#include <spdlog/spdlog.h>
+#include <vector>
 
-#include <memory>
-
-#include "client/recording/run_channels.hpp"
 #include "common/protocol/recorded.hpp"
 #include "common/recording/schemas.hpp"
 
 namespace hapticast::client {
 
-RunRecorder::RunRecorder(const std::string& file, const Clock& clock) : file_(file), clock_(clock) {
+namespace {
+
+std::vector<McapChannel> listChannels() {
   std::vector<McapChannel> channels;
   channels.reserve(kRunChannels);
   for (const RunChannelName& each : kRunChannelNames)
-    channels.push_back(makeChannel(each.topic, each.message));
-  try {
-    recorder_ = std::make_unique<Recorder>(
-        file, channels, [](const std::string& line) { spdlog::warn("--record {}", line); });
-  } catch (const std::runtime_error& error) {
-    throw RecordingError("--record " + file + ": " + error.what());
-  }
+    channels.push_back(makeChannel(each.topic, each.message, each.is_state));
+  return channels;
+}
+
+std::uint64_t toFileTime(LocalTime time) {
+  return static_cast<std::uint64_t>(time.time_since_epoch().count());
+}
+
+}  // namespace
+
+RunRecorder::RunRecorder(const OutputSettings& settings, const Clock& clock)
+    : clock_(clock),
+      outputs_(settings, "hapticast-client",
+               "the motion of the hand, and the pictures of the stream", listChannels(),
+               [&clock] { return toFileTime(clock.now()); }) {
   ticks_.reserve(kTicksPerMessage);
-  spdlog::info("recording to {}: the motion of the hand, and the pictures of the stream", file);
 }
 
-RunRecorder::~RunRecorder() {
-  pushTicks();
-  spdlog::info("{} {}", file_, recorder_->finish());
-}
+RunRecorder::~RunRecorder() { pushTicks(); }
 
-void RunRecorder::push(std::size_t channel, std::span<const std::uint8_t> bytes) {
-  recorder_->push(channel, static_cast<std::uint64_t>(clock_.now().time_since_epoch().count()),
-                  bytes);
+void RunRecorder::push(RunChannel channel, std::span<const std::uint8_t> bytes) {
+  outputs_.push(channel, toFileTime(clock_.now()), bytes);
 }
 
 void RunRecorder::pushTicks() {
   if (ticks_.empty()) return;
-  recorder_->push(kTickChannel,
-                  static_cast<std::uint64_t>(ticks_.front().time.time_since_epoch().count()),
-                  encodeTicks(ticks_));
+  if (outputs_.isWanted(kTickChannel))
+    outputs_.push(kTickChannel, toFileTime(ticks_.front().time), encodeTicks(ticks_));
   ticks_.clear();
 }
 
@@ -67,14 +68,17 @@ void RunRecorder::onTiming(const StreamTiming& timing, bool resets_reliefs) {
 }
 
 void RunRecorder::onFrame(const AssembledFrame& assembled) {
+  if (!outputs_.isWanted(kFrameChannel)) return;
   push(kFrameChannel, encodeFrame(assembled));
 }
 
 void RunRecorder::onPrepared(const PreparedFrame& frame) {
+  if (!outputs_.isWanted(kPreparedChannel)) return;
   push(kPreparedChannel, encodePreparation({frame.id, frame.handed_over}));
 }
 
 void RunRecorder::onPicture(const VideoFrame& picture) {
+  if (!outputs_.isWanted(kPictureChannel)) return;
   push(kPictureChannel, encodePictureContent(picture));
 }
 

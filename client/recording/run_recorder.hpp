@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: MIT
-// Records a run of the client (--record): every tick with what the renderer read and computed, the
-// received frames and pictures, and the settings. proto/recording.md has the format, replay.hpp
-// renders it again. Thread: see each function.
+// Records a run of the client (--record), and shows it to watchers (--live): every tick with what
+// the renderer read and computed, the received frames and pictures, and the settings.
+// proto/recording.md has the format, replay.hpp renders a recording again. Thread: see each
+// function.
 #pragma once
 
-#include <string>
 #include <vector>
 
+#include "client/recording/run_channels.hpp"
 #include "client/recording/run_codec.hpp"
+#include "common/live/message_outputs.hpp"
 #include "common/protocol/messages.hpp"
-#include "common/recording/recorder.hpp"
 #include "common/time.hpp"
 
 namespace hapticast::client {
@@ -20,9 +21,8 @@ class RunRecorder {
   /// Ticks in one message.
   static constexpr std::size_t kTicksPerMessage = 10;
 
-  /// Creates `file`. `clock` must outlive this object. Throws RecordingError.
-  RunRecorder(const std::string& file, const Clock& clock);
-  /// Completes the file and logs that.
+  /// Opens the outputs as MessageOutputs does. `clock` must outlive this object.
+  RunRecorder(const OutputSettings& settings, const Clock& clock);
   ~RunRecorder();
   RunRecorder(const RunRecorder&) = delete;
   RunRecorder& operator=(const RunRecorder&) = delete;
@@ -41,13 +41,12 @@ class RunRecorder {
   void onPicture(const VideoFrame& picture);
 
  private:
-  void push(std::size_t channel, std::span<const std::uint8_t> bytes);
+  void push(RunChannel channel, std::span<const std::uint8_t> bytes);
   void pushTicks();
 
-  std::string file_;
   const Clock& clock_;
   std::vector<TickReport> ticks_;  // of the next message
-  std::unique_ptr<Recorder> recorder_;
+  MessageOutputs outputs_;
 };
 
 }  // namespace hapticast::client

@@ -65,6 +65,27 @@ template CLI::ValidationError notANumber(const std::string&, const std::string&,
 template CLI::ValidationError notANumber(const std::string&, const std::string&, std::uint64_t,
                                          std::uint64_t);
 
+CLI::Option* addLocalPort(CLI::App& app, const std::string& name, std::optional<Endpoint>& value,
+                          const std::string& help) {
+  const auto set = [&value, name](const std::string& text) {
+    // Whether the text has a port: without one the port is that of the default.
+    const auto one = parseEndpoint(text, {"127.0.0.1", 1}),
+               two = parseEndpoint(text, {"127.0.0.1", 2});
+    if (!one || !two || one->port != two->port)
+      throw CLI::ValidationError(name, quote(text) + " is not [ADDR:]PORT (port 0..65535)");
+    value = one;
+  };
+  return app.add_option_function<std::string>(name, set, help)->type_name("[ADDR:]PORT");
+}
+
+CLI::Option* addLive(CLI::App& app, std::optional<Endpoint>& value) {
+  return addLocalPort(
+      app, "--live", value,
+      "Show the messages of a recording while they are made, to Lichtblick, Foxglove and other "
+      "programs with Foxglove's WebSocket protocol; ADDR: an IP address of this machine, default: "
+      "127.0.0.1; everyone who reaches it may watch; port 0: any free port; usual: 8765");
+}
+
 CLI::Option* addPair(CLI::App& app, const std::string& name,
                      const std::function<bool(const Vec2&)>& set_pair, const std::string& form,
                      const std::string& help) {

@@ -35,6 +35,12 @@ CLI::Option* addEndpoint(CLI::App& app, const std::string& name, Endpoint& value
                          std::uint16_t least_port, const std::string& form,
                          const std::string& help);
 
+/// Adds an option to `app` that parses [ADDR:]PORT into `value`. The default of ADDR is 127.0.0.1.
+CLI::Option* addLocalPort(CLI::App& app, const std::string& name, std::optional<Endpoint>& value,
+                          const std::string& help);
+/// Adds the option --live, with `value` as addLocalPort() has.
+CLI::Option* addLive(CLI::App& app, std::optional<Endpoint>& value);
+
 /// Adds an option to `app` for two numbers "A,B", which the option passes to `set_pair`. If
 /// `set_pair` returns false, because the numbers are outside the allowed range, the error message
 /// states `form`.

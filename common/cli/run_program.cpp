@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "common/cli/run_program.hpp"
 
+#include <spdlog/sinks/dist_sink.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 #include <sys/stat.h>
@@ -10,6 +11,7 @@
 #include <cstdlib>
 #include <exception>
 #include <iostream>
+#include <memory>
 
 #include "common/text.hpp"
 
@@ -31,7 +33,9 @@ const char* programVersion() { return HAPTICAST_VERSION; }
 
 void startLog(const std::string& name) {
   spdlog::drop(name);
-  spdlog::set_default_logger(spdlog::stderr_color_mt(name));
+  const auto sinks = std::make_shared<spdlog::sinks::dist_sink_mt>();  // a LogTap adds one
+  sinks->add_sink(std::make_shared<spdlog::sinks::stderr_color_sink_mt>());
+  spdlog::set_default_logger(std::make_shared<spdlog::logger>(name, sinks));
   spdlog::set_pattern(journalReadsLog() ? "%l %v" : "%H:%M:%S.%e %^%l%$ %v");
 }
 

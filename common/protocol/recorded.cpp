@@ -5,6 +5,7 @@
 
 #include "common/protocol/check.hpp"
 #include "common/protocol/scan.hpp"
+#include "common/text.hpp"
 #include "common/wire_limits.hpp"
 #include "hapticast.pb.h"
 #include "recording.pb.h"
@@ -35,6 +36,19 @@ Result<Content, WireError> decodeContent(std::uint32_t field,
   return WireError{ErrorCode::kMalformed, "a recorded message of another kind"};
 }
 
+/// Sets a Timestamp of protobuf, which has nanoseconds of 0 or more, also before its zero.
+void setTime(proto::Picture::Time& time, std::int64_t time_ns) {
+  const std::int64_t nanos = ((time_ns % kSecond_ns) + kSecond_ns) % kSecond_ns;
+  time.set_seconds((time_ns - nanos) / kSecond_ns);
+  time.set_nanos(static_cast<std::int32_t>(nanos));
+}
+
+std::vector<std::uint8_t> toBytes(const google::protobuf::MessageLite& message) {
+  std::vector<std::uint8_t> bytes(message.ByteSizeLong());
+  message.SerializeWithCachedSizesToArray(bytes.data());
+  return bytes;
+}
+
 }  // namespace
 
 std::span<const std::uint8_t> findContent(std::span<const std::uint8_t> message) {
@@ -55,18 +69,22 @@ Result<StreamDescription, WireError> decodeDescriptionContent(std::span<const st
 }
 
 std::vector<std::uint8_t> encodePictureContent(const VideoFrame& video) {
-  const std::int64_t time_ns = video.media_time.time_since_epoch().count();
   proto::Picture picture;
-  // Protobuf's Timestamp has nanoseconds of 0 or more, also before its zero.
-  const std::int64_t nanos = ((time_ns % kSecond_ns) + kSecond_ns) % kSecond_ns;
-  picture.mutable_timestamp()->set_seconds((time_ns - nanos) / kSecond_ns);
-  picture.mutable_timestamp()->set_nanos(static_cast<std::int32_t>(nanos));
+  setTime(*picture.mutable_timestamp(), video.media_time.time_since_epoch().count());
   picture.set_data(video.jpeg.data(), video.jpeg.size());
   picture.set_format("jpeg");
   picture.set_frame_id("camera");
-  std::vector<std::uint8_t> bytes(picture.ByteSizeLong());
-  picture.SerializeWithCachedSizesToArray(bytes.data());
-  return bytes;
+  return toBytes(picture);
+}
+
+std::vector<std::uint8_t> encodeLogContent(std::uint64_t time_ns, LogLevel level,
+                                           std::string_view text, std::string_view program) {
+  proto::LogLine line;
+  setTime(*line.mutable_timestamp(), static_cast<std::int64_t>(time_ns));
+  line.set_level(static_cast<std::uint32_t>(level));
+  line.set_message(sanitizeUtf8(text));
+  line.set_name(program.data(), program.size());
+  return toBytes(line);
 }
 
 Result<VideoFrame, WireError> decodePictureContent(std::span<const std::uint8_t> bytes) {

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "common/protocol/messages.hpp"
@@ -25,5 +26,12 @@ namespace hapticast {
 /// Decodes a foxglove.CompressedImage with a JPEG. Returns it with epoch and id 0.
 [[nodiscard]] Result<VideoFrame, WireError> decodePictureContent(
     std::span<const std::uint8_t> bytes);
+
+/// Levels of lines of a log, with the numbers of foxglove.Log.
+enum class LogLevel : std::uint8_t { kDebug = 1, kInfo, kWarning, kError };
+/// Returns the bytes of a foxglove.Log. Characters that are no UTF-8 are replaced.
+[[nodiscard]] std::vector<std::uint8_t> encodeLogContent(std::uint64_t time_ns, LogLevel level,
+                                                         std::string_view text,
+                                                         std::string_view program);
 
 }  // namespace hapticast

@@ -53,6 +53,8 @@ struct McapChannel {
   std::string topic;
   std::string message_encoding;  ///< "protobuf", "json", "cdr" and others
   McapSchema schema;             ///< empty: the channel has none
+  /// A message holds until the next one, so a watcher that comes later needs it. Not in the file.
+  bool is_state = false;
 };
 
 /// Appends numbers, texts and records to bytes.

@@ -10,7 +10,9 @@
 namespace hapticast {
 
 /// Returns a channel of protobuf messages of the type `message`: one of hapticast.proto, such as
-/// "hapticast.proto.HapticFrame", or of foxglove ("foxglove.CompressedImage").
-[[nodiscard]] McapChannel makeChannel(const std::string& topic, const std::string& message);
+/// "hapticast.proto.HapticFrame", or of foxglove ("foxglove.CompressedImage"). `is_state`: see
+/// McapChannel.
+[[nodiscard]] McapChannel makeChannel(const std::string& topic, const std::string& message,
+                                      bool is_state = false);
 
 }  // namespace hapticast

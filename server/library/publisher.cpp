@@ -193,7 +193,7 @@ void Publisher::Impl::close() {
 
 Publisher::Publisher(const PublisherSettings& settings) try
     : impl_(std::make_unique<Impl>(settings)) {
-} catch (const server::AddressError& error) {
+} catch (const AddressError& error) {
   throw std::invalid_argument(nameMembers(error.what()));
 } catch (const std::runtime_error& error) {
   throw std::runtime_error(nameMembers(error.what()));

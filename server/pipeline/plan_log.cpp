@@ -8,6 +8,8 @@
 #include <string_view>
 #include <utility>
 
+#include "recording.pb.h"
+
 namespace hapticast::server {
 
 namespace {
@@ -54,6 +56,24 @@ void PlanLog::log(const std::map<std::uint32_t, std::vector<PlanLine>>& plans,
     for (const PlanLine& line : lines)
       logLine(id, line, bytes == relief_bytes.end() ? 0 : bytes->second);
   }
+}
+
+std::vector<std::uint8_t> encodePlan(const std::map<std::uint32_t, std::vector<PlanLine>>& plans) {
+  proto::Plan plan;
+  for (const auto& [id, lines] : plans) {
+    for (const PlanLine& line : lines) {
+      proto::Plan::Stage& stage = *plan.add_stages();
+      stage.set_object(id);
+      stage.set_stage(std::string(kStageNames[static_cast<std::size_t>(line.stage)]));
+      stage.set_on(line.on);
+      stage.set_why(line.why);
+      stage.set_time_ms(line.saves_ms);
+      stage.set_cost_n(line.costs_N);
+    }
+  }
+  std::vector<std::uint8_t> bytes(plan.ByteSizeLong());
+  plan.SerializeWithCachedSizesToArray(bytes.data());
+  return bytes;
 }
 
 void DepthRangeLog::log(const std::optional<MappedRange>& mapped) {

@@ -36,6 +36,10 @@ class PlanLog {
   std::vector<Logged> logged_;  // by place
 };
 
+/// Returns the bytes of a hapticast.proto.Plan (proto/recording.proto). `plans`: by object id.
+[[nodiscard]] std::vector<std::uint8_t> encodePlan(
+    const std::map<std::uint32_t, std::vector<PlanLine>>& plans);
+
 /// Logs the mapped range of one stream, once. Also logs a warning if the object covers only a small
 /// part of the range. Thread: the pipeline's.
 class DepthRangeLog {

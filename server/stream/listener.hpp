@@ -7,10 +7,10 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <string_view>
 
 #include "common/endpoint.hpp"
 #include "common/transport/asio.hpp"
+#include "common/transport/tcp_port.hpp"
 #include "common/transport/tls.hpp"
 #include "server/stream/broadcaster.hpp"
 #include "server/stream/stream_settings.hpp"
@@ -22,19 +22,6 @@ namespace hapticast::server {
 /// limit then allows, at most `viewers`. If it allows fewer, logs that in one line. Thread: main,
 /// before the first connection. Each connection is an open file (RLIMIT_NOFILE).
 std::size_t raiseFileLimit(std::size_t viewers, std::size_t pending = Broadcaster::kMaxPending);
-
-/// Opens a TCP port at `address` and returns its acceptor. Connections wait until the caller
-/// accepts them. The host is numeric or localhost (127.0.0.1). [::] means all addresses of IPv6 and
-/// IPv4, or those of IPv4 where IPv6 is switched off. Port 0 selects a free port. Throws
-/// AddressError or std::runtime_error. Their messages have one line with the address and the
-/// remedy, which names `flag`. Thread: main.
-asio::ip::tcp::acceptor openPort(asio::io_context& io, const Endpoint& address,
-                                 std::string_view flag);
-
-/// Returns the address of `acceptor` for the log: the host of `requested` where it names one
-/// address, and the actual port.
-[[nodiscard]] Endpoint describeAddress(const asio::ip::tcp::acceptor& acceptor,
-                                       const Endpoint& requested);
 
 /// Accepts the connections of viewers.
 class Listener {

@@ -5,20 +5,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <stdexcept>
 
 #include "common/time.hpp"
+#include "common/transport/tcp_port.hpp"
 #include "server/stream/send_queue.hpp"
 
 namespace hapticast::server {
-
-/// Error: an address on the command line is invalid or does not belong to this machine. The user
-/// can correct it, unlike other failures to open a port. The message is one line that begins with
-/// the flag. Thread: any.
-class AddressError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
 
 /// Limits and deadlines of connections.
 struct StreamSettings {

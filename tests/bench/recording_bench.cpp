@@ -83,7 +83,7 @@ void recordSecond(benchmark::State& state) {
   client::TickReport tick;
   double cpu_s = 0.0;
   {
-    client::RunRecorder recorder(file.name(), clock);
+    client::RunRecorder recorder({file.name(), std::nullopt}, clock);
     const double begin_s = readProcessTime_s();
     for (auto unused : state) {
       (void)unused;
@@ -108,7 +108,9 @@ BENCHMARK(recordSecond)->Iterations(20)->Unit(benchmark::kMillisecond);
 void playFrame(benchmark::State& state) {
   const TempFile file(std::filesystem::temp_directory_path());
   {
-    server::StreamRecorder recorder(file.name());
+    const SteadyClock clock;
+    const LocalMediaClock media_clock(clock);
+    server::StreamRecorder recorder({file.name(), std::nullopt}, media_clock);
     recorder.describe({});
     for (const auto& each : makeFrames()) {
       recorder.publish(each);

@@ -32,7 +32,7 @@ class DrawnRun {
     if (seed_ % 2 == 0) viewer.byDatagrams(0.08);
     const auto messages = testing::DrawnStream(seed_).draw(localTime(1.0), 4.0);
     viewer.moveTo(localTime(1.0));
-    RunRecorder recorder(file, viewer.clock());
+    RunRecorder recorder({file, std::nullopt}, viewer.clock());
     recordFrom(viewer, recorder);
     std::vector<TickReport> reports;
     TickReport last;

@@ -54,7 +54,9 @@ HapticFrame makeFrame(std::uint64_t id) {
 class RecordingTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    StreamRecorder recorder(file_);
+    const SteadyClock clock;
+    const LocalMediaClock media_clock(clock);
+    StreamRecorder recorder({file_, std::nullopt}, media_clock);
     recorder.describe(describe());
     FrameEncoder encoder;
     for (std::uint64_t id = 30; id < 30 + kFrames; ++id) {
