@@ -190,6 +190,7 @@ void App::Impl::runEvents() {
     sendContact();
     const ConnectionStats& stats = session_.stats();
     if (!ui_.update(stats)) stop();
+    if (const auto control = ui_.takeControl()) session_.control(*control);
     // The time does not run during the scan of a clip, and begins again with the first frame.
     const bool first = !any_frame_ && last_report_.lookup != Lookup::kEmpty;
     if (first || (!any_frame_ && stats.connected && stats.scan_share < 1.0)) begin = clock_.now();

@@ -56,8 +56,7 @@ class Session::Impl {
                       }),
         receiver(decode_thread, stream, settings.method == Method::kThesis ? 2 : 1,
                  fromSeconds(1e-3 * settings.max_delay_ms)),
-        connection(io, clock, connectionSettings(settings, wants_video), receiver,
-                   recordedEvents()),
+        connection(io, clock, connectionSettings(settings, wants_video), receiver, allEvents()),
         late_frames(settings.max_delay_ms),
         connection_log(server) {
     if (recorder == nullptr) return;
@@ -72,8 +71,8 @@ class Session::Impl {
   }
 
   [[nodiscard]] ConnectionEvents connectionEvents();
-  /// Returns connectionEvents(), and what only the recorder needs.
-  [[nodiscard]] ConnectionEvents recordedEvents();
+  /// Returns connectionEvents(), and the changes of the description.
+  [[nodiscard]] ConnectionEvents allEvents();
   void onPrepared(const PreparedFrame& frame);
   void publishStats(bool connected);
   void start();
@@ -93,6 +92,7 @@ class Session::Impl {
   Receiver receiver;
   Connection connection;
   double scan_share = 1.0;              // of the server's clip; network thread
+  std::optional<Timeline> timeline;     // of this viewer; network thread
   StreamErrorLog stream_errors;         // network thread
   LateFrameLog late_frames;             // network thread
   ConnectionLog connection_log;         // network thread; after it has ended the caller's
@@ -106,6 +106,7 @@ ConnectionEvents Session::Impl::connectionEvents() {
   return {.welcomed =
               [this](const auto& stream) {
                 scan_share = 1.0;
+                timeline = stream.timeline;
                 publishStats(true);
                 if (recorder != nullptr) recorder->onDescription(stream);
                 is_waiting = false;
@@ -142,10 +143,13 @@ ConnectionEvents Session::Impl::connectionEvents() {
               }};
 }
 
-ConnectionEvents Session::Impl::recordedEvents() {
+ConnectionEvents Session::Impl::allEvents() {
   ConnectionEvents all = connectionEvents();
-  if (recorder != nullptr)
-    all.described = [this](const StreamDescription& to) { recorder->onDescription(to); };
+  all.described = [this](const StreamDescription& to) {
+    timeline = to.timeline;
+    publishStats(true);
+    if (recorder != nullptr) recorder->onDescription(to);
+  };
   return all;
 }
 
@@ -168,7 +172,8 @@ void Session::Impl::publishStats(bool connected) {
                .slices_lost = counts.slices_lost,
                .scan_share = scan_share,
                .clock_error_us = toSeconds(receiver.clockErrorBound()) * 1e6,
-               .fps = 1.0 / toSeconds(receiver.stream().frame_interval)});
+               .fps = 1.0 / toSeconds(receiver.stream().frame_interval),
+               .timeline = timeline});
 }
 
 void Session::Impl::start() {
@@ -209,6 +214,10 @@ const ConnectionStats& Session::stats() { return impl_->stats.load(); }
 
 void Session::setInContact(bool contact) {
   asio::post(impl_->io, [impl = impl_.get(), contact] { impl->connection.setInContact(contact); });
+}
+
+void Session::control(const Control& control) {
+  asio::post(impl_->io, [impl = impl_.get(), control] { impl->connection.control(control); });
 }
 
 std::optional<std::string> Session::listServers(LocalTime now) {

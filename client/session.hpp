@@ -41,6 +41,8 @@ class Session {
   void start();
   /// Starts the search for the server. Requires start().
   void connect();
+  /// Requests another pause, place or speed of this viewer's stream, where it has a time line.
+  void control(const Control& control);
   /// Ends the connection and joins the threads.
   void stop();
   /// Returns the newest statistics of the connection. Thread: one.

@@ -145,6 +145,21 @@ bool UserInterface::update(const ConnectionStats& stats) {
   return go_on;
 }
 
+std::optional<Control> UserInterface::takeControl() {
+  const TimelineRequest request = std::exchange(state_.timeline, {});
+  if (!state_.stream.connected || !state_.stream.timeline) {
+    sent_pause_ = false;  // a new connection begins without a pause
+    return std::nullopt;
+  }
+  if (request.seek_s) state_.user.paused = false;
+  publishControls();
+  Control control;
+  control.seek_s = request.seek_s;
+  control.speed = request.speed;
+  if (state_.user.paused != sent_pause_) control.paused = sent_pause_ = state_.user.paused;
+  return control == Control{} ? std::nullopt : std::optional(control);
+}
+
 void UserInterface::publishControls() {
   state_.user.number = published_.number;
   if (state_.user == published_) return;

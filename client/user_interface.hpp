@@ -63,6 +63,9 @@ class UserInterface {
   /// Runs the views' part of the event loop, and publishes the user's controls. `stats` is the
   /// state of the connection. Returns false if the user ends the client in a view.
   [[nodiscard]] bool update(const ConnectionStats& stats);
+  /// Returns what the user wants of a stream with a time line: a pause, a place, a speed. A seek
+  /// ends the pause. Returns nullopt if there is nothing new.
+  [[nodiscard]] std::optional<Control> takeControl();
   /// Returns the histogram of View::eyeHand(): the difference in play time between the shown
   /// picture and the rendered frame, ns. It is empty if no view shows a live picture.
   [[nodiscard]] Histogram eyeHand() const;
@@ -83,6 +86,7 @@ class UserInterface {
   LatestValue<UserControls> controls_;
   std::function<void(const UserControls&)> on_controls_;
   UiState state_;
+  bool sent_pause_ = false;           // of the stream with a time line
   std::optional<LogFile> recording_;  // started in a view
   RearmPolicy rearm_;
   std::optional<DeviceButtons> buttons_;

@@ -4,6 +4,7 @@
 // mm, mm/s, mm/s², rad (common/geometry.hpp). Thread: any.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -145,6 +146,20 @@ struct VideoFrame {
 /// Set of algorithms that a program uses: those of hapticast, or those of the thesis.
 enum class Method : std::uint8_t { kHapticast = 0, kThesis = 1 };
 
+/// Place in a recording, of a viewer with a time line of its own (--on-demand).
+struct Timeline {
+  double length_s = 0.0;    ///< length of the recording, 0..1e6
+  double position_s = 0.0;  ///< place at the media time `at`, 0..length_s
+  MediaTime at;
+  double speed = 1.0;  ///< recorded seconds in a second; 0: paused, or at the end
+  bool operator==(const Timeline&) const = default;
+
+  /// Returns the place in the recording at a media time, s.
+  [[nodiscard]] double computePosition_s(MediaTime time) const {
+    return std::clamp(position_s + speed * toSeconds(time - at), 0.0, length_s);
+  }
+};
+
 /// Description of a stream. A server sends it before the first frame.
 struct StreamDescription {
   std::string name;     ///< name of the source, for people
@@ -155,6 +170,8 @@ struct StreamDescription {
   /// Largest acceleration in the whole clip, or in a live source so far. 0 means unknown.
   double largest_acceleration_mm_s2 = 0.0;
   std::optional<double> mass_kg;  ///< mass of the object by its author
+  /// Present if the viewer may pause, seek, and set the speed, for itself alone.
+  std::optional<Timeline> timeline;
   bool operator==(const StreamDescription&) const = default;
 };
 

@@ -76,6 +76,9 @@ void addSourceOptions(CLI::App& app, Settings& settings) {
             "Frames a second; default: the source's own");
   addLayoutOptions(app, settings.layout);
   app.add_flag("--loop", settings.loop, "Start again at the end of the clip");
+  app.add_flag("--on-demand", settings.on_demand,
+               "Each viewer of a recording (--source FILE.mcap) has a time line of its own: it may "
+               "pause, seek and set the speed; by TCP");
   app.add_flag("--to-and-fro", settings.to_and_fro,
                "Play the images of a folder forwards, then backwards; with --loop no jump remains");
   app.add_flag("--wait-for-viewer", settings.wait_for_viewer,
@@ -301,11 +304,25 @@ void requireEdgeFlags(const CLI::App& app) {
 void requireRecordingFlags(const CLI::App& app) {
   const std::string name =
       findVisionFlag(app, {"--publish", "--signing-key", "--loop", "--frames", "--wait-for-viewer",
-                           "--name", "--record", "--live"});
+                           "--name", "--record", "--live", "--on-demand"});
   if (!name.empty())
     throw CLI::ValidationError(name,
                                "a recording has its frames already; give this flag to the "
                                "server that records");
+}
+
+/// Refuses the flags that contradict --on-demand. Each viewer then receives by TCP.
+void requireOnDemandFlags(const CLI::App& app, Settings& settings) {
+  if (!settings.on_demand) return;
+  if (!isRecording(settings)) throw CLI::ValidationError("--on-demand", "needs --source FILE.mcap");
+  const bool wants_datagrams = app.count("--transport") > 0 && settings.datagrams;
+  settings.datagrams = false;
+  if (wants_datagrams) throw CLI::ValidationError("--transport", "--on-demand sends by TCP only");
+  for (const char* const name :
+       {"--multicast", "--publish", "--record", "--live", "--frames", "--wait-for-viewer"}) {
+    if (app.count(name) > 0)
+      throw CLI::ValidationError(name, "with --on-demand there is no stream for all viewers");
+  }
 }
 
 }  // namespace
@@ -345,6 +362,7 @@ std::unique_ptr<CLI::App> commandLine(Settings& settings) {
     } else {
       mergeScene(*parsed, settings);
     }
+    requireOnDemandFlags(*parsed, settings);
     settings.flags = listFlags(*parsed);
   });
   return app;

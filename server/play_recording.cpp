@@ -13,35 +13,16 @@
 #include <variant>
 #include <vector>
 
-#include "common/wire_limits.hpp"
 #include "server/origin.hpp"
 #include "server/pipeline/control_queue.hpp"
 #include "server/pipeline/pipeline_counter.hpp"
+#include "server/play_on_demand.hpp"
 #include "server/recording/recording_player.hpp"
 #include "server/stream/limited_log.hpp"
 
 namespace hapticast::server {
 
 namespace {
-
-StreamReader openRecording(const std::string& file) {
-  auto opened = StreamReader::open(file);
-  if (!opened.ok()) throw RecordingError("--source " + file + ": " + opened.error().message);
-  return std::move(opened).value();
-}
-
-/// Returns the description of a stream that plays `recorded` at `speed`.
-StreamDescription describe(const StreamDescription& recorded, double speed,
-                           const std::string& name) {
-  StreamDescription description = recorded;
-  if (!name.empty()) description.name = name;
-  description.fps = std::clamp(recorded.fps * speed, limits::kMinFps, limits::kMaxFps);
-  // Viewers derive a bound of the force from it, so it never falls.
-  const double factor = std::max(1.0, speed * speed);
-  description.largest_acceleration_mm_s2 =
-      std::min(recorded.largest_acceleration_mm_s2 * factor, limits::kAcceleration_mm_s2);
-  return description;
-}
 
 /// Plays one recording to one origin.
 class Playback {
@@ -80,13 +61,13 @@ class Playback {
 
 Playback::Playback(const Settings& settings, const Clock& clock, ReadSettings reread)
     : settings_(settings),
-      player_(openRecording(settings.source), settings.loop),
+      player_(StreamReader::openSource(settings.source), settings.loop),
       media_clock_(clock, player_.reader().begin()),
       reloader_(settings, std::move(reread), clock),
       log_(clock),
       counter_(clock),
       recorded_(player_.reader().description()),
-      description_(describe(recorded_, 1.0, settings.name)),
+      description_(describePlayback(recorded_, 1.0, settings.name)),
       origin_(settings, clock, media_clock_, description_) {}
 
 void Playback::run() {
@@ -191,7 +172,8 @@ void Playback::publish(RecordedItem item) {
 }
 
 void Playback::describeStream() {
-  const StreamDescription description = describe(recorded_, player_.speed(), settings_.name);
+  const StreamDescription description =
+      describePlayback(recorded_, player_.speed(), settings_.name);
   if (description == description_) return;
   description_ = description;
   for (StreamSink* sink : origin_.sinks()) sink->describe(description_);
@@ -210,6 +192,7 @@ void Playback::logEnd() {
 }  // namespace
 
 void playRecording(const Settings& settings, const Clock& clock, ReadSettings reread) {
+  if (settings.on_demand) return playOnDemand(settings, clock, std::move(reread));
   Playback(settings, clock, std::move(reread)).run();
 }
 

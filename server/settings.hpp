@@ -49,6 +49,7 @@ struct Settings {
   Scene scene;                         ///< the author's work, from the scene file and from flags
   std::vector<KeyMaskFile> key_masks;  ///< those of the scene file
   std::string preview;     ///< output of the preview: FILE.png or a folder; empty: no preview
+  bool on_demand = false;  ///< each viewer of a recording has a time line of its own
   OutputSettings outputs;  ///< recording of the stream, and watchers
   bool quiet = false;
   FlagTexts flags;  ///< all flags that were set, in any way, with their texts

@@ -51,6 +51,8 @@ class StreamService {
   void end();
 
   [[nodiscard]] Broadcaster& broadcaster() { return broadcaster_; }
+  /// Returns the context of the network thread. Thread: any.
+  [[nodiscard]] asio::io_context& io() { return io_; }
   [[nodiscard]] ServiceManager& manager() { return manager_; }
 
  private:

@@ -12,7 +12,8 @@ namespace hapticast::client {
 namespace {
 
 constexpr auto kCheckEvery = std::chrono::milliseconds(50);
-constexpr std::size_t kMaxPingsOut = 64;  // older unanswered pings are dropped
+constexpr std::size_t kMostControls = 16;  // chosen: more than a user presses in a moment
+constexpr std::size_t kMaxPingsOut = 64;   // older unanswered pings are dropped
 
 /// Returns the key of `welcome`; nullopt if the server signs nothing.
 Result<std::optional<VerifyingKey>, WireError> readKey(const Welcome& welcome) {
@@ -36,9 +37,19 @@ struct Connection::Session {
     watcher.cancel();
   }
 
+  /// Returns the next request to the server; nullopt: none waits.
+  std::optional<Message> takeRequest() {
+    if (order) return std::exchange(order, std::nullopt);
+    if (controls.empty()) return std::nullopt;
+    const Control next = controls.front();
+    controls.pop_front();
+    return next;
+  }
+
   std::unique_ptr<Channel> channel;
   std::shared_ptr<UdpReceiver> link;  // null: frames arrive over TCP only
   std::optional<Delivery> order;      // next request to the server
+  std::deque<Control> controls;       // requests that wait to be sent
   asio::steady_timer pinger;
   asio::steady_timer watcher;
   std::optional<VerifyingKey> key;  // absent: the server signs nothing
@@ -178,8 +189,8 @@ asio::awaitable<bool> Connection::send(ConversationPtr session, Message message)
 
 asio::awaitable<void> Connection::writeLoop(ConversationPtr session) {
   while (!session->closed) {
-    if (const auto order = std::exchange(session->order, std::nullopt)) {
-      if (!co_await send(session, *order)) co_return;
+    if (const auto request = session->takeRequest()) {
+      if (!co_await send(session, *request)) co_return;
     } else if (clock_.now() >= session->next_ping) {
       const bool burst = ++session->sent_pings < ClockSync::kBurst;
       session->next_ping =
@@ -191,6 +202,14 @@ asio::awaitable<void> Connection::writeLoop(ConversationPtr session) {
       co_await session->pinger.async_wait(asio::redirect_error(asio::use_awaitable, woken));
     }
   }
+}
+
+void Connection::control(const Control& control) {
+  if (!session_ || !session_->welcomed || !session_->description.timeline ||
+      session_->controls.size() >= kMostControls)
+    return;
+  session_->controls.push_back(control);
+  session_->pinger.cancel();
 }
 
 asio::awaitable<bool> Connection::ping(ConversationPtr session, bool with_report) {
@@ -328,7 +347,8 @@ std::optional<WireError> Connection::handle(Session& session, Message message) {
     session.description = *description;
     receiver_.describe(*description, now);
     if (events_.described) events_.described(*description);
-  } else {
+  } else if (!std::holds_alternative<Control>(message) || !session.description.timeline) {
+    // A control comes back once it is carried out; the description has its effect.
     failure = WireError{ErrorCode::kUnexpected, "the server sent a message that only clients send"};
   }
   session.deadline = now + settings_.silence_limit;

@@ -85,6 +85,9 @@ class Connection {
   /// Ends the connection without a retry, so that `io` has no more work. A running look-up of the
   /// host name may continue for some seconds. Thread: any.
   void stop();
+  /// Requests another pause, place or speed of this viewer's stream. Does nothing where the stream
+  /// has no time line, or while many requests wait to be sent.
+  void control(const Control& control);
   /// Sets the contact flag that the next reports to the server have.
   void setInContact(bool in_contact) { in_contact_ = in_contact; }
   /// Returns the number of bytes received in all sessions.

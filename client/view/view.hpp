@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,14 @@ struct ConnectionStats {
   double scan_share = 1.0;      ///< scanned share of the server's clip, 0..1; 1: no scan
   double clock_error_us = 0.0;  ///< largest error of the media clock; 0: unknown
   double fps = 25.0;            ///< frames per second that the server announced
+  std::optional<Timeline> timeline = std::nullopt;  ///< present: the user may seek
+};
+
+/// Place and speed of a recording that the user wants.
+struct TimelineRequest {
+  std::optional<double> seek_s;  ///< place in the recording, s
+  std::optional<double> speed;   ///< limits::kLeastSpeed..kMostSpeed
+  bool operator==(const TimelineRequest&) const = default;
 };
 
 /// State that the client and its views share.
@@ -36,6 +45,7 @@ struct UiState {
   PointerTarget pointer;           ///< only the view whose points() is true writes it
   bool pointer_is_device = false;  ///< true: the pointer moves the HIP (mouse)
   ConnectionStats stream;          ///< state of the connection; views only read it
+  TimelineRequest timeline;        ///< a view sets it; the client sends and removes it
   bool record = false;             ///< a view sets it; while true, the client logs into a new file
   /// What the user has to confirm with Enter, or what the client does meanwhile; empty: nothing.
   std::string request;

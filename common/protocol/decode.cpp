@@ -62,6 +62,19 @@ Control read(const proto::Control& from, Check& check) {
   return to;
 }
 
+Timeline read(const proto::Timeline& from, Check& check) {
+  Timeline to;
+  to.length_s = check.number(from.length_s(), 0.0, limits::kClip_s, "the length is not 0..1e6 s");
+  to.position_s = check.number(from.position_s(), 0.0, to.length_s, "the place is not 0..length");
+  to.at = MediaTime(check.time(from.media_time_ns()));
+  if (from.speed() != 0.0) {
+    check.number(from.speed(), limits::kLeastSpeed, limits::kMostSpeed,
+                 "the speed is neither 0 nor 0.1..4");
+  }
+  to.speed = from.speed();
+  return to;
+}
+
 StreamDescription read(const proto::StreamDescription& from, Check& check) {
   StreamDescription to;
   to.name = text(from.name(), limits::kStreamName, check);
@@ -92,6 +105,7 @@ StreamDescription read(const proto::StreamDescription& from, Check& check) {
     to.mass_kg = check.number(from.mass_kg(), limits::kMinMass_kg, limits::kMass_kg,
                               "the mass is not 1e-6..1000 kg");
   }
+  if (from.has_timeline()) to.timeline = read(from.timeline(), check);
   return to;
 }
 

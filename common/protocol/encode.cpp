@@ -51,6 +51,12 @@ void write(const StreamDescription& from, proto::StreamDescription& to) {
   to.set_pipeline_latency_ns(from.pipeline_latency.count());
   to.set_largest_acceleration_mm_s2(from.largest_acceleration_mm_s2);
   if (from.mass_kg) to.set_mass_kg(*from.mass_kg);
+  if (!from.timeline) return;
+  proto::Timeline& timeline = *to.mutable_timeline();
+  timeline.set_length_s(from.timeline->length_s);
+  timeline.set_position_s(from.timeline->position_s);
+  timeline.set_media_time_ns(from.timeline->at.time_since_epoch().count());
+  timeline.set_speed(from.timeline->speed);
 }
 
 void write(const StreamDescription& from, proto::Message& message) {

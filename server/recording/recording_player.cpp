@@ -39,6 +39,19 @@ void changeSpeed(CodedObject& object, double speed) {
 
 }  // namespace
 
+StreamDescription describePlayback(const StreamDescription& recorded, double speed,
+                                   const std::string& name) {
+  StreamDescription description = recorded;
+  if (!name.empty()) description.name = name;
+  description.fps = std::clamp(recorded.fps * speed, limits::kMinFps, limits::kMaxFps);
+  // Viewers derive a bound of the force from it, so it never falls.
+  const double factor = std::max(1.0, speed * speed);
+  description.largest_acceleration_mm_s2 =
+      std::min(recorded.largest_acceleration_mm_s2 * factor, limits::kAcceleration_mm_s2);
+  description.timeline.reset();
+  return description;
+}
+
 RecordingPlayer::RecordingPlayer(StreamReader reader, bool loop)
     : reader_(std::move(reader)), loop_(loop) {}
 
@@ -124,6 +137,12 @@ MediaTime RecordingPlayer::toPlayed(MediaTime recorded) const {
   const Duration since = recorded - origin_;
   if (speed_ == 1.0) return start_ + since;
   return start_ + Duration(std::llround(static_cast<double>(since.count()) / speed_));
+}
+
+Timeline RecordingPlayer::timeline() const {
+  const double length_s = std::clamp(toSeconds(reader_.length()), 0.0, limits::kClip_s);
+  return {length_s, std::clamp(toSeconds(origin_ - reader_.begin()), 0.0, length_s), start_,
+          speed_};
 }
 
 void RecordingPlayer::seek(double time_s) {

@@ -16,6 +16,11 @@
 
 namespace hapticast::server {
 
+/// Returns the description of a stream that plays `recorded` at `speed`. `name`: of the stream;
+/// empty: as recorded.
+[[nodiscard]] StreamDescription describePlayback(const StreamDescription& recorded, double speed,
+                                                 const std::string& name);
+
 /// The playback of one recording for one stream.
 class RecordingPlayer {
  public:
@@ -55,6 +60,8 @@ class RecordingPlayer {
   }
   /// Returns the present speed.
   [[nodiscard]] double speed() const { return speed_; }
+  /// Returns the place of playback at its present speed, from the frame that was prepared last.
+  [[nodiscard]] Timeline timeline() const;
 
  private:
   /// What the last frame was in the recording, and for viewers.

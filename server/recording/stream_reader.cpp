@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "common/protocol/recorded.hpp"
+#include "common/recording/recorder.hpp"
 #include "common/wire_limits.hpp"
 
 namespace hapticast::server {
@@ -33,6 +34,12 @@ Result<StreamReader> StreamReader::open(const std::string& file) {
   }
   const std::string& problem = reader.problem();
   return Error{problem.empty() ? "has no frames" : "has no frames: it " + problem};
+}
+
+StreamReader StreamReader::openSource(const std::string& file) {
+  auto opened = open(file);
+  if (!opened.ok()) throw RecordingError("--source " + file + ": " + opened.error().message);
+  return std::move(opened).value();
 }
 
 bool StreamReader::findChannels() {

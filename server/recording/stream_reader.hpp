@@ -30,6 +30,9 @@ class StreamReader {
   /// recording of a stream, or has no frame.
   [[nodiscard]] static Result<StreamReader> open(const std::string& file);
 
+  /// Opens `file` as open() does. Throws RecordingError with one line that names --source.
+  [[nodiscard]] static StreamReader openSource(const std::string& file);
+
   /// Returns the description of the first frame.
   [[nodiscard]] const StreamDescription& description() const { return first_description_; }
   /// Returns the media time of the first frame.

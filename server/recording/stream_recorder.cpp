@@ -10,7 +10,7 @@ namespace hapticast::server {
 
 namespace {
 
-enum Channel : std::size_t { kDescription, kFrame, kPicture, kPlan };
+enum StreamChannel : std::size_t { kDescription, kFrame, kPicture, kPlan };
 
 // A reader that begins in the middle of the file has description and plan within this time.
 constexpr Duration kRepeatEvery = std::chrono::seconds(1);

@@ -210,14 +210,27 @@ void Broadcaster::checkAccess() {
   if (removed && on_removed_) on_removed_();
 }
 
-bool Broadcaster::control(const Control& control, const std::shared_ptr<Session>& sender) {
-  if (!control_) return false;
+std::optional<WireError> Broadcaster::control(const Control& control,
+                                              const std::shared_ptr<Session>& sender) {
+  if (streams_ != nullptr) {
+    if (control.material != Material{})
+      return WireError{ErrorCode::kForbidden, "a viewer may pause, seek and set the speed only"};
+    streams_->onControl(*sender, control);
+    sender->confirm(control);
+    return std::nullopt;
+  }
+  const auto& grant = sender->grant();
+  if (!grant) return WireError{ErrorCode::kForbidden, "this server has no operators (--tokens)"};
+  if (grant->role != Role::kOperator)
+    return WireError{ErrorCode::kForbidden, "this access token is a viewer's, not an operator's"};
+  if (!control_)
+    return WireError{ErrorCode::kForbidden, "this server is an edge; control its origin"};
   control_(control, [this, control, weak = std::weak_ptr(sender)] {
     asio::post(io_, [control, weak] {
       if (const auto session = weak.lock()) session->confirm(control);
     });
   });
-  return true;
+  return std::nullopt;
 }
 
 std::optional<Grant> Broadcaster::findGrant(const Hello& hello) const {
@@ -281,6 +294,7 @@ void Broadcaster::onJoined(Session& session) {
   if (preparing_) session.queue(preparing_);  // onJoined()'s caller flushes the queue
   if (last_frame_) session.queue(*last_frame_);
   if (last_video_) session.queue(*last_video_);
+  if (streams_ != nullptr) streams_->onJoined(self);
   log(spdlog::level::info, session.label() + " joined");
 }
 
@@ -289,6 +303,7 @@ void Broadcaster::onClosing(const std::shared_ptr<Session>& session,
   const bool was_viewer = std::erase(viewers_, session) > 0;
   std::erase(pending_sessions_, session);
   countViewers();
+  if (was_viewer && streams_ != nullptr) streams_->onLeft(*session);
   if (datagrams_ != nullptr) datagrams_->left(session->datagramToken());
   addPending(session);
   if (!why) {

@@ -32,6 +32,18 @@ enum level_enum : int;  // NOLINT(readability-identifier-naming): the name of sp
 
 namespace hapticast::server {
 
+/// Streams of which each belongs to one viewer (--on-demand). Thread: the network's.
+class ViewerStreams {
+ public:
+  virtual ~ViewerStreams() = default;
+  /// A client was welcomed.
+  virtual void onJoined(const std::shared_ptr<Session>& viewer) = 0;
+  /// It is no viewer any more.
+  virtual void onLeft(const Session& viewer) = 0;
+  /// It requests another pause, place or speed of its stream.
+  virtual void onControl(const Session& viewer, const Control& control) = 0;
+};
+
 /// Owns the sessions of all viewers of one stream and sends it to them.
 class Broadcaster final : public StreamSink, private SessionHost {
  public:
@@ -65,6 +77,9 @@ class Broadcaster final : public StreamSink, private SessionHost {
   /// Sets the function that receives the requests of operators. Call it before the first viewer
   /// connects. Thread of `control`: the network's.
   void onControl(OnControl control) { control_ = std::move(control); }
+  /// Gives each viewer a stream of its own: publish() is not called then. Call it before the first
+  /// viewer connects. `streams` must outlive all sessions.
+  void serveEach(ViewerStreams& streams) { streams_ = &streams; }
   /// Sends a frame to every viewer, unless it is stale and a newer one follows (StaleFrameFilter).
   /// A viewer that joins later receives the newest frame at once. Thread: any.
   void publish(EncodedFrame frame) override;
@@ -125,8 +140,8 @@ class Broadcaster final : public StreamSink, private SessionHost {
   [[nodiscard]] std::optional<LocalTime> reserveRefusal(const Session& session,
                                                         LocalTime latest) override;
   [[nodiscard]] std::optional<Grant> findGrant(const Hello& hello) const override;
-  [[nodiscard]] bool control(const Control& control,
-                             const std::shared_ptr<Session>& sender) override;
+  [[nodiscard]] std::optional<WireError> control(const Control& control,
+                                                 const std::shared_ptr<Session>& sender) override;
   void completeWelcome(const Channel& channel, Welcome& welcome) override;
   void deliver(std::uint64_t datagram_token, const Delivery& delivery) override;
   void onJoined(Session& session) override;
@@ -174,6 +189,7 @@ class Broadcaster final : public StreamSink, private SessionHost {
   RefusalSchedule refusals_;                // of wrong tokens
   std::function<void()> on_removed_;
   OnControl control_;
+  ViewerStreams* streams_ = nullptr;
   DatagramSender* datagrams_ = nullptr;
   asio::steady_timer timer_;
   Sessions viewers_;           // welcomed and not closing; in the order in which frames are sent

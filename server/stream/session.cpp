@@ -265,16 +265,10 @@ void Session::handle(const ReceiverReport& report) {
 
 void Session::handle(const Control& control) {
   if (!hello_) return close({ErrorCode::kUnexpected, "a request before the hello"});
-  if (!grant_ || grant_->role != Role::kOperator) {
-    return close({ErrorCode::kForbidden, grant_
-                                             ? "this access token is a viewer's, not an operator's"
-                                             : "this server has no operators (--tokens)"});
-  }
   if (unconfirmed_ >= kMaxUnconfirmed)
     return close({ErrorCode::kUnexpected, "too many requests wait for the server"});
   ++unconfirmed_;
-  if (!host_.control(control, shared_from_this()))
-    close({ErrorCode::kForbidden, "this server is an edge; control its origin"});
+  if (const auto refusal = host_.control(control, shared_from_this())) close(*refusal);
 }
 
 void Session::confirm(const Control& control) {

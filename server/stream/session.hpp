@@ -37,10 +37,10 @@ class SessionHost {
                                                                 LocalTime latest) = 0;
   /// Returns the rights of the token in `hello`; nullopt if this server needs no tokens.
   [[nodiscard]] virtual std::optional<Grant> findGrant(const Hello& hello) const = 0;
-  /// Passes the request of an operator to the pipeline. Once the request is carried out, the host
-  /// calls confirm() of `sender`. Returns false if this server has no pipeline (an edge).
-  [[nodiscard]] virtual bool control(const Control& control,
-                                     const std::shared_ptr<Session>& sender) = 0;
+  /// Passes the request of a client to the pipeline. Once the request is carried out, the host
+  /// calls confirm() of `sender`. Returns an error if the client may not request that.
+  [[nodiscard]] virtual std::optional<WireError> control(
+      const Control& control, const std::shared_ptr<Session>& sender) = 0;
   /// Writes the key of the stream into `welcome`, and the parameters for datagrams, if datagrams
   /// are available to the client of `channel`.
   virtual void completeWelcome(const Channel& channel, Welcome& welcome) = 0;

@@ -340,7 +340,7 @@ TEST_F(DatagramsTest, ReportsAnImpossibleGroupInOneLine) {
   const auto complaint = [&](const server::MulticastChoice& choice) -> std::string {
     try {
       server::MulticastGroup group(io, choice, 1);
-    } catch (const server::AddressError& error) {
+    } catch (const AddressError& error) {
       return error.what();
     }
     return "";

@@ -13,13 +13,15 @@ namespace hapticast::client {
 
 namespace {
 
-constexpr std::array<std::pair<const char*, const char*>, 18> kKeys{
+constexpr std::array<std::pair<const char*, const char*>, 20> kKeys{
     {{"pointer", "moves the tip over the picture"},
      {"wheel down", "moves the tip into the picture: presses"},
      {"wheel up", "moves the tip out of the picture: lifts"},
      {"drag down, up", "presses, lifts"},
      {"Home", "brings the tip back above the picture"},
      {"space", "pauses and resumes time"},
+     {"left, right", "5 s back, ahead (a recording on demand)"},
+     {"page up, down", "faster, slower (a recording on demand)"},
      {"S, D", "static, dynamic force on and off"},
      {"M", "the thesis's method, and back"},
      {"R", "re-arms the force"},
@@ -85,7 +87,7 @@ bool pressKey(int sdl_key, UiState& ui_state, PanelState& state) {
       PointerInput::lift(ui_state.pointer);
       return true;
     default:
-      return pressDisplayKey(sdl_key, state);
+      return pressTimelineKey(sdl_key, ui_state, state.time_bar) || pressDisplayKey(sdl_key, state);
   }
 }
 

@@ -13,6 +13,7 @@
 #include "client/view/window/gui_renderer.hpp"
 #include "client/view/window/layout.hpp"
 #include "client/view/window/relief.hpp"
+#include "client/view/window/time_bar.hpp"
 
 namespace hapticast::client {
 
@@ -27,6 +28,7 @@ struct PanelState {
   bool folded = false;  ///< true: the last drawing had no panel
   /// Value of the friction slider. It applies only if the user replaces the author's friction.
   double friction = 0.5;
+  TimeBarState time_bar;
   std::string note;           ///< message in the window, such as the name of a saved picture
   double picture_off_ms = 0;  ///< media time of the shown picture minus that of the rendered frame
 };

@@ -147,6 +147,8 @@ void ViewerWindow::draw(UiState& ui_state) {
   } else {
     showPanel(layout, ticks_, history_, *gui_->gui_renderer, ui_state, state_);
   }
+  state_.time_bar.play_time = ticks_.last().play_time;
+  showTimeBar(layout, ui_state, state_.time_bar);
   showHelp(layout, state_.help);
   ImGui::Render();
   SDL_SetRenderDrawColor(gui_->renderer, 24, 26, 28, 255);

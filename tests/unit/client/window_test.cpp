@@ -336,5 +336,41 @@ TEST_F(WindowTest, WithoutADisplayItReportsSoInOneLine) {
   unsetenv("DISPLAY");
 }
 
+TEST_F(WindowTest, KeysAndTheTimeBarSeekInARecordingOnDemand) {
+  ViewerWindow window;
+  const auto press = [&](SDL_Keycode key) {
+    SDL_Event event{};
+    event.type = SDL_KEYDOWN;
+    event.key.keysym.sym = key;
+    SDL_PushEvent(&event);
+    EXPECT_TRUE(window.update(ui_state));
+  };
+  press(SDLK_RIGHT);
+  EXPECT_EQ(ui_state.timeline, TimelineRequest{}) << "a stream without a time line";
+  window.draw(ui_state);
+  const cv::Mat without = window.pixels();
+  ui_state.stream.timeline = Timeline{100.0, 40.0, mediaTime(1.0), 1.0};
+  window.onReport(touch());
+  window.draw(ui_state);
+  window.draw(ui_state);  // a new window of Dear ImGui is hidden in its first drawing
+  const cv::Mat bar = window.pixels();
+  const cv::Rect bottom(0, bar.rows - 20, bar.cols / 2, 20);
+  EXPECT_GT(cv::norm(bar(bottom), without(bottom), cv::NORM_L1), 1000.0);
+  if (const char* const folder = std::getenv("HAPTICAST_PICTURES"))
+    cv::imwrite(std::string(folder) + "/time_bar.png", bar);
+  press(SDLK_RIGHT);
+  EXPECT_NEAR(ui_state.timeline.seek_s.value_or(0.0), 45.0, 1e-9);
+  press(SDLK_LEFT);
+  press(SDLK_LEFT);
+  EXPECT_NEAR(ui_state.timeline.seek_s.value_or(0.0), 35.0, 1e-9);
+  press(SDLK_PAGEUP);
+  EXPECT_EQ(ui_state.timeline.speed, 1.5);
+  press(SDLK_PAGEDOWN);
+  press(SDLK_PAGEDOWN);
+  EXPECT_EQ(ui_state.timeline.speed, 0.5);
+  for (int i = 0; i < 30; ++i) press(SDLK_LEFT);
+  EXPECT_EQ(ui_state.timeline.seek_s, 0.0);
+}
+
 }  // namespace
 }  // namespace hapticast::client

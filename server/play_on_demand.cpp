@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+#include "server/play_on_demand.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <atomic>
+#include <thread>
+#include <utility>
+
+#include "server/origin.hpp"
+#include "server/recording/viewer_timeline.hpp"
+
+namespace hapticast::server {
+
+void playOnDemand(const Settings& settings, const Clock& clock, ReadSettings reread) {
+  Reloader reloader(settings, std::move(reread), clock);
+  const RecordingPlayer player(StreamReader::openSource(settings.source), false);
+  const LocalMediaClock media_clock(clock, player.reader().begin());
+  std::atomic<bool> stop{false};
+  Origin origin(settings, clock, media_clock, ViewerTimeline::describeBegin(player, settings.name));
+  StreamService& service = origin.service();
+  ViewerTimelines timelines({service.io(), media_clock, origin.signer(), settings.name},
+                            settings.source, settings.loop);
+  service.broadcaster().serveEach(timelines);
+  origin.start([&stop] { stop = true; }, [&reloader] { (void)reloader.reload(); }, nullptr,
+               [](Metrics&) {});
+  service.open(service.broadcaster().description().name);
+  spdlog::info("{} on demand: {:.1f} s, each viewer has a time line of its own", settings.source,
+               toSeconds(player.reader().length()));
+  while (!stop) {
+    service.manager().reportAlive();
+    std::this_thread::sleep_for(kSlice);
+  }
+  service.end();
+}
+
+}  // namespace hapticast::server

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: MIT
+// Playback of a recording for one viewer (--on-demand). The viewer may pause, seek, and set the
+// speed. The description of its stream has the place in the recording, and follows each change. A
+// flood of requests costs one seek in kSeekPause. Thread: the network's.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "common/transport/asio.hpp"
+#include "server/recording/recording_player.hpp"
+#include "server/stream/broadcaster.hpp"
+#include "server/stream/encoded.hpp"
+#include "server/stream/frame_signer.hpp"
+#include "server/stream/session.hpp"
+
+namespace hapticast::server {
+
+/// The stream of one viewer.
+class ViewerTimeline : public std::enable_shared_from_this<ViewerTimeline> {
+ public:
+  /// Least time between two seeks. Chosen: a seek reads a chunk of the file (about 1 ms).
+  static constexpr Duration kSeekPause = std::chrono::milliseconds(20);
+
+  /// What all viewers share; it must outlive the timeline.
+  struct Server {
+    asio::io_context& io;
+    const MediaClock& media_clock;
+    FrameSigner& signer;
+    std::string name;  ///< of the stream; empty: as recorded
+  };
+
+  ViewerTimeline(const Server& server, RecordingPlayer player,
+                 const std::shared_ptr<Session>& viewer);
+
+  /// Plays until stop() or until the viewer is gone.
+  asio::awaitable<void> play();
+  /// Requests a pause, a place or a speed.
+  void request(const Control& control);
+  /// Ends play().
+  void stop();
+  /// Returns the description of the stream before the first frame.
+  [[nodiscard]] static StreamDescription describeBegin(const RecordingPlayer& player,
+                                                       const std::string& name);
+
+ private:
+  /// Carries out the requests. Returns whether it has changed the place.
+  bool carryOut();
+  /// Waits for `time`, or until stop(). `for_requests`: or until a request.
+  asio::awaitable<void> waitFor(Duration time, bool for_requests);
+  /// Sends a prepared item to the viewer.
+  void publish(Session& viewer, RecordedItem item);
+  /// Sends the description, if it changed.
+  void describe(Session& viewer);
+
+  const Server& server_;
+  RecordingPlayer player_;
+  std::weak_ptr<Session> viewer_;
+  asio::steady_timer timer_;
+  FrameEncoder encoder_;
+  Control request_;
+  StreamDescription recorded_;  // the newest description in the recording
+  StreamDescription sent_;
+  double place_s_ = 0.0;  // of the last frame
+  bool paused_ = false, at_end_ = false, stopped_ = false, waits_for_requests_ = false;
+};
+
+/// The time lines of all viewers. Each opens the recording anew.
+class ViewerTimelines final : public ViewerStreams {
+ public:
+  /// `file`: the recording. `loop`: each time line starts again at its end.
+  ViewerTimelines(ViewerTimeline::Server server, std::string file, bool loop)
+      : server_(std::move(server)), file_(std::move(file)), loop_(loop) {}
+
+  void onJoined(const std::shared_ptr<Session>& viewer) override;
+  void onLeft(const Session& viewer) override;
+  void onControl(const Session& viewer, const Control& control) override;
+
+ private:
+  const ViewerTimeline::Server server_;
+  const std::string file_;
+  const bool loop_;
+  std::map<const Session*, std::shared_ptr<ViewerTimeline>> timelines_;
+};
+
+}  // namespace hapticast::server
