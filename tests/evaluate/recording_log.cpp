@@ -23,14 +23,15 @@ namespace {
 // Chosen: more than a panel has columns of pixels.
 constexpr double kBins = 800.0;
 
-constexpr std::array<const char*, 8> kColors = {"#111111", "#1f77b4", "#d95f02", "#2ca02c",
-                                                "#9467bd", "#e7298a", "#8c564b", "#7f7f7f"};
+// Black, and colours that colour-blind people can tell apart (Okabe and Ito).
+constexpr std::array<const char*, 8> kCurveColors = {"#000000", "#0072b2", "#d55e00", "#009e73",
+                                                     "#cc79a7", "#e69f00", "#56b4e9", "#7f7f7f"};
 
 /// A curve over the time of a recording.
 class Trace {
  public:
   Trace(std::string name, std::size_t color, double length_s)
-      : curve_{std::move(name), kColors[color % kColors.size()], {}},
+      : curve_{std::move(name), kCurveColors[color % kCurveColors.size()], {}},
         bin_s_(std::max(length_s / kBins, 1e-9)) {}
 
   void add(double time_s, double value) {
@@ -50,7 +51,7 @@ class Trace {
   void flush() {
     const bool rises = low_->x <= high_->x;
     curve_.points.push_back(rises ? *low_ : *high_);
-    if (low_->x != high_->x) curve_.points.push_back(rises ? *high_ : *low_);
+    if (low_->x != high_->x || low_->y != high_->y) curve_.points.push_back(rises ? *high_ : *low_);
     low_.reset();
     high_.reset();
   }
@@ -106,8 +107,11 @@ CurvePanel makePanel(const std::string& title, const std::string& y_label, doubl
     curve.width = 1.2;
     if (!curve.points.empty()) panel.curves.push_back(std::move(curve));
   }
-  if (panel.curves.empty()) panel.curves.push_back({"none", "#ffffff", {{0.0, 0.0}}});
-  return panel;
+  if (panel.curves.empty()) panel.curves.push_back({"none", "#000000", {{0.0, 0.0}}});
+  std::vector<CurvePanel> scaled{std::move(panel)};
+  shareScale(scaled);  // from 0 on
+  if (scaled[0].low == scaled[0].high) scaled[0].high = 1.0;
+  return std::move(scaled[0]);
 }
 
 /// The curves of a client's recording. Times are in s since the begin.
@@ -121,7 +125,7 @@ class RunCurves {
         dynamic_("dynamic", 2, length_s),
         penetration_("", 0, length_s),
         playout_("playout delay", 0, length_s),
-        arrival_("arrival of a frame after its time", 1, length_s),
+        arrival_("arrival of a frame", 1, length_s),
         losses_(length_s),
         lookups_(length_s),
         actions_(length_s) {
