@@ -138,7 +138,9 @@ py::array RecordingObject::ticks(const py::object& start_ns) const {
 
 py::tuple toNames(const std::vector<std::string>& names) { return py::cast(names); }
 
-void addFrameIterator(py::module_& module) {
+void addParts(py::module_& module) {
+  module.attr("lookups") = toNames(listLookups());
+  module.attr("faults") = toNames(listFaults());
   py::class_<RecordedFrames>(module, "RecordedFrames", "Iterates over the frames of a recording.")
       .def("__iter__", [](py::object self) { return self; })
       .def("__next__", [](RecordedFrames& self) {
@@ -171,7 +173,7 @@ void addRecording(py::module_& module) {
   PYBIND11_NUMPY_DTYPE(TickRow, tick, time_s, play_time_s, playout_delay_s, reading_mm, hip_mm,
                        force_N, static_force_N, dynamic_force_N, penetration_mm, buttons,
                        safety_actions, device, lookup, fault, contact, stopping);
-  addFrameIterator(module);
+  addParts(module);
   py::class_<RecordingObject>(module, "Recording", R"(Reads a file of --record.
 
 kind: "server" or "client". start_ns, end_ns: media time (server) or the client's local clock.
@@ -206,8 +208,6 @@ hapticast.lookups), fault (place in hapticast.faults), contact, stopping. A serv
       .def("__repr__", [](const RecordingObject& self) {
         return std::string("<hapticast.Recording of a ") + self.kind() + ">";
       });
-  module.attr("lookups") = toNames(listLookups());
-  module.attr("faults") = toNames(listFaults());
 }
 
 }  // namespace hapticast::python

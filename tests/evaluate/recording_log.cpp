@@ -3,6 +3,8 @@
 // each of kBins parts of the time, which is what the picture can show.
 #include "tests/evaluate/recording_log.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -35,6 +37,7 @@ class Trace {
         bin_s_(std::max(length_s / kBins, 1e-9)) {}
 
   void add(double time_s, double value) {
+    if (!std::isfinite(value)) return;
     const double bin = std::floor(time_s / bin_s_);
     if (low_ && bin != bin_) flush();
     bin_ = bin;
@@ -117,8 +120,8 @@ CurvePanel makePanel(const std::string& title, const std::string& y_label, doubl
 /// The curves of a client's recording. Times are in s since the begin.
 class RunCurves {
  public:
-  RunCurves(LocalTime begin, double length_s)
-      : begin_(begin),
+  RunCurves(double begin_s, double length_s)
+      : begin_s_(begin_s),
         length_s_(length_s),
         force_("at the device", 0, length_s),
         static_("static, before the limits", 1, length_s),
@@ -137,14 +140,13 @@ class RunCurves {
   }
 
   void add(const client::RecordedMessage& message) {
-    const LocalTime at(Duration(static_cast<std::int64_t>(message.time_ns)));
-    const double time_s = toSeconds(at - begin_);
+    const double time_s = 1e-9 * static_cast<double>(message.time_ns) - begin_s_;
     if (const auto* const ticks = std::get_if<std::vector<client::TickReport>>(&message.content)) {
       for (const client::TickReport& tick : *ticks) addTick(tick);
     } else if (const auto* const timing = std::get_if<client::RecordedTiming>(&message.content)) {
       timing_ = timing->timing;
     } else if (const auto* const frame = std::get_if<client::AssembledFrame>(&message.content)) {
-      addFrame(*frame, at, time_s);
+      addFrame(*frame, time_s);
     } else if (const auto* const prepared =
                    std::get_if<client::RecordedPreparation>(&message.content)) {
       if (!prepared->handed_over) losses_.add("frames dropped", time_s, 1.0);
@@ -164,7 +166,7 @@ class RunCurves {
 
  private:
   void addTick(const client::TickReport& tick) {
-    const double time_s = toSeconds(tick.time - begin_);
+    const double time_s = toSeconds(tick.time) - begin_s_;
     force_.add(time_s, tick.force_N.norm());
     static_.add(time_s, tick.static_force_N.norm());
     dynamic_.add(time_s, tick.dynamic_force_N.norm());
@@ -177,7 +179,7 @@ class RunCurves {
         actions_.add(client::kSafetyActionNames[i], time_s, 1.0);
     }
   }
-  void addFrame(const client::AssembledFrame& assembled, LocalTime at, double time_s) {
+  void addFrame(const client::AssembledFrame& assembled, double time_s) {
     const CodedFrame& frame = assembled.frame;
     const bool follows = last_id_ && assembled.place.epoch == last_epoch_ && frame.id > *last_id_;
     if (follows && !assembled.place.resync && frame.id > *last_id_ + 1)
@@ -190,12 +192,12 @@ class RunCurves {
                     static_cast<double>(object.relief->slice_count - object.relief->slices.size()));
     }
     if (!timing_ || !timing_->connected) return;
-    const Duration media = at.time_since_epoch() + timing_->clock_offset;
-    const Duration late = media - timing_->pipeline_latency - frame.media_time.time_since_epoch();
-    arrival_.add(time_s, 1e3 * toSeconds(late));
+    const double media_s = begin_s_ + time_s + toSeconds(timing_->clock_offset);
+    arrival_.add(time_s, 1e3 * (media_s - toSeconds(timing_->pipeline_latency) -
+                                toSeconds(frame.media_time)));
   }
 
-  LocalTime begin_;
+  double begin_s_;
   double length_s_;
   Trace force_, static_, dynamic_, penetration_, playout_, arrival_;
   Counts losses_, lookups_, actions_;
@@ -207,8 +209,8 @@ class RunCurves {
 /// The curves of a server's recording. Times are in s since the begin.
 class StreamCurves {
  public:
-  StreamCurves(MediaTime begin, double length_s)
-      : begin_(begin),
+  StreamCurves(double begin_s, double length_s)
+      : begin_s_(begin_s),
         length_s_(length_s),
         frame_("frame", 0, length_s),
         picture_("picture", 1, length_s),
@@ -220,7 +222,7 @@ class StreamCurves {
   void add(const client::RecordedMessage& message) {
     const double size_kB = 1e-3 * static_cast<double>(message.bytes);
     if (const auto* const picture = std::get_if<VideoFrame>(&message.content)) {
-      picture_.add(toSeconds(picture->media_time - begin_), size_kB);
+      picture_.add(toSeconds(picture->media_time) - begin_s_, size_kB);
     } else if (const auto* const frame = std::get_if<client::AssembledFrame>(&message.content)) {
       addFrame(frame->frame, size_kB);
     }
@@ -234,7 +236,7 @@ class StreamCurves {
 
  private:
   void addFrame(const CodedFrame& frame, double size_kB) {
-    const double time_s = toSeconds(frame.media_time - begin_);
+    const double time_s = toSeconds(frame.media_time) - begin_s_;
     frame_.add(time_s, size_kB);
     double changed = 0.0, speed_mm_s = 0.0;
     for (const CodedObject& object : frame.objects) {
@@ -248,7 +250,7 @@ class StreamCurves {
     last_ = frame.media_time;
   }
 
-  MediaTime begin_;
+  double begin_s_;
   double length_s_;
   Trace frame_, picture_, objects_, changed_, interval_, speed_;
   std::optional<MediaTime> last_;  // of the frame before
@@ -263,21 +265,27 @@ std::vector<CurvePanel> readPanels(client::RecordingReader& reader, Curves curve
 
 }  // namespace
 
-void plotRecording(const std::string& file, const std::filesystem::path& out) {
+RecordingCurves readCurves(const std::string& file) {
   auto opened = client::RecordingReader::open(file);
   if (!opened.ok()) throw std::runtime_error(file + ": " + opened.error().message);
   client::RecordingReader& reader = opened.value();
-  const Duration begin(static_cast<std::int64_t>(reader.begin_ns()));
-  const double length_s = 1e-9 * static_cast<double>(reader.end_ns() - reader.begin_ns());
+  const double begin_s = 1e-9 * static_cast<double>(reader.begin_ns());
+  const double length_s = 1e-9 * static_cast<double>(reader.end_ns()) - begin_s;
   if (!(length_s > 0.0)) throw std::runtime_error(file + ": has no two times to draw");
-  const auto panels = reader.isOfClient()
-                          ? readPanels(reader, RunCurves(LocalTime(begin), length_s))
-                          : readPanels(reader, StreamCurves(MediaTime(begin), length_s));
+  RecordingCurves curves;
+  curves.panels = reader.isOfClient() ? readPanels(reader, RunCurves(begin_s, length_s))
+                                      : readPanels(reader, StreamCurves(begin_s, length_s));
+  curves.line =
+      fmt::format("{:.1f} s of a {}", length_s, reader.isOfClient() ? "client" : "server");
+  if (!reader.problem().empty()) curves.line += "; the recording " + reader.problem();
+  return curves;
+}
+
+void plotRecording(const std::string& file, const std::filesystem::path& out) {
+  const RecordingCurves curves = readCurves(file);
   std::filesystem::create_directories(out);
-  plotCurves(out / "log.png", panels, 2);
-  std::printf("%s: %.1f s of a %s%s%s\n", (out / "log.png").c_str(), length_s,
-              reader.isOfClient() ? "client" : "server",
-              reader.problem().empty() ? "" : "; the recording ", reader.problem().c_str());
+  plotCurves(out / "log.png", curves.panels, 2);
+  std::printf("%s: %s\n", (out / "log.png").c_str(), curves.line.c_str());
 }
 
 }  // namespace hapticast::evaluate
