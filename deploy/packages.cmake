@@ -95,8 +95,8 @@ if(TARGET hapticast_python)
     DESTINATION usr/share/doc/python3-hapticast/examples COMPONENT python)
   set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-hapticast)
   set(CPACK_DEBIAN_PYTHON_DESCRIPTION "touch video: the library of hapticast for Python
-Reads haptic video, renders its forces, publishes it, and makes it of images
-with depth, all in numpy arrays.")
+Reads haptic video and recordings of it, renders its forces, publishes it,
+and makes it of images with depth, all in numpy arrays.")
   set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
   # A module of one version of Python.
   math(EXPR next_minor "${Python3_VERSION_MINOR} + 1")

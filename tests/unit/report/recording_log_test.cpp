@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdlib>
+#include <filesystem>
 #include <fstream>
 
 #include "client/device/device_profile.hpp"
@@ -133,6 +135,9 @@ TEST_F(RecordingLog, DrawsTheStreamOfAServer) {
   EXPECT_NEAR(largest(findCurve(curves, "Time since the frame before", "")), 200.0, 1e-3);
   EXPECT_EQ(largest(findCurve(curves, "Objects", "with new heights")), 1.0);
   EXPECT_GT(largest(findCurve(curves, "Size", "frame")), 1.0);
+  plotRecording(file, folder_ / "plots");
+  const bool can_draw = std::system("command -v gnuplot >/dev/null 2>&1") == 0;
+  EXPECT_EQ(std::filesystem::exists(folder_ / "plots/log.png"), can_draw);
 }
 
 TEST_F(RecordingLog, RefusesOtherFilesAndNamesDamage) {
