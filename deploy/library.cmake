@@ -1,11 +1,12 @@
 # The library for other programs: one archive libhapticast.a of position-independent code, the public headers, and the
-# CMake package `hapticast` with the components haptics, stream and vision. A component names what a program links with
+# CMake package `hapticast` with the components haptics, stream, recording and vision. A component names what a program links with
 # the archive; what a program does not use is not linked.
 include(CMakePackageConfigHelpers)
 
 add_library(hapticast_archive STATIC)
 set_target_properties(hapticast_archive PROPERTIES OUTPUT_NAME hapticast EXPORT_NAME archive)
 foreach(part frames common haptics profile api_haptics proto wire net found_servers trust api_receive stream api_publish
+    recording loop run_recording api_recording
     source vision api_vision)
   target_sources(hapticast_archive PRIVATE $<TARGET_OBJECTS:hapticast_${part}>)
 endforeach()
@@ -32,7 +33,9 @@ foreach(package avahi openni2)
   endif()
 endforeach()
 hapticast_component(haptics)
-hapticast_component(stream protobuf::libprotobuf-lite OpenSSL::SSL OpenSSL::Crypto spdlog::spdlog ${avahi_library})
+set(stream_libraries protobuf::libprotobuf-lite OpenSSL::SSL OpenSSL::Crypto spdlog::spdlog ${avahi_library})
+hapticast_component(stream ${stream_libraries})
+hapticast_component(recording ${stream_libraries} ZLIB::ZLIB PkgConfig::compressions)
 hapticast_component(vision ${OpenCV_LIBS} PkgConfig::libav PkgConfig::libzip spdlog::spdlog ${openni2_library})
 
 set(package_folder usr/lib/${CMAKE_LIBRARY_ARCHITECTURE}/cmake/hapticast)

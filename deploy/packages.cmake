@@ -77,10 +77,10 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/deploy/examples DESTINATION usr/share/do
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_NAME libhapticast-dev)
 set(CPACK_DEBIAN_LIBRARY_DESCRIPTION "touch video: the library of hapticast for C++ programs
 Headers, a static library and a CMake package: a renderer of forces, a
-receiver and a publisher of haptic video, and vision.")
+receiver and a publisher of haptic video, a reader of recordings, and vision.")
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_DEPENDS "libavcodec-dev, libavformat-dev, libavutil-dev, libeigen3-dev, libopencv-dev, \
-libprotobuf-dev, libspdlog-dev, libssl-dev, libswscale-dev, libzip-dev, pkg-config")
+liblz4-dev, libprotobuf-dev, libspdlog-dev, libssl-dev, libswscale-dev, libzip-dev, libzstd-dev, pkg-config, zlib1g-dev")
 foreach(package avahi-client openni2)  # what was found, the archive needs
   string(REGEX REPLACE "-.*" "" name ${package})
   if(TARGET hapticast_${name})
@@ -95,8 +95,8 @@ if(TARGET hapticast_python)
     DESTINATION usr/share/doc/python3-hapticast/examples COMPONENT python)
   set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-hapticast)
   set(CPACK_DEBIAN_PYTHON_DESCRIPTION "touch video: the library of hapticast for Python
-Reads haptic video, renders its forces, publishes it, and makes it of images
-with depth, all in numpy arrays.")
+Reads haptic video and recordings of it, renders its forces, publishes it,
+and makes it of images with depth, all in numpy arrays.")
   set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
   # A module of one version of Python.
   math(EXPR next_minor "${Python3_VERSION_MINOR} + 1")

@@ -40,7 +40,7 @@ set(rules
   "server/(pipeline|preview)/.*" "^(common/|server/(settings\\.hpp$|author/scene_file\\.hpp$|source/|vision/|stream/|pipeline/|preview/))"
   "server/[^/]*"       "^(common|server)/"
   "client/recording/.*" "^(common/|client/(haptics/|net/|device/device_profile\\.hpp$|recording/))"
-  "client/library/.*"  "^(common/|client/(haptics|net|device/device_profile\\.hpp|server_trust\\.hpp|settings\\.hpp|library|include))"
+  "client/library/.*"  "^(common/|client/(haptics|net|recording|device/device_profile\\.hpp|server_trust\\.hpp|settings\\.hpp|library|include))"
   "client/haptics/.*"  "^(common|client/haptics)/"
   "client/device/.*"   "^(common|client/haptics|client/device)/"
   "client/net/.*"      "^(common|client/haptics|client/net)/"

@@ -3,6 +3,7 @@
 // Thread: the loop writes it; any thread reads a copy.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 
@@ -26,6 +27,11 @@ enum class Fault : std::uint8_t {
   kTrustLost,  ///< too many safety actions due to the stream (safety/trust.hpp)
 };
 inline constexpr std::size_t kFaultKinds = 6;
+/// Names of faults and lookups in logs, by their value.
+inline constexpr std::array<const char*, kFaultKinds> kFaultNames = {
+    "none", "not_finite", "device_lost", "latency", "displacement_too_large", "trust_lost"};
+inline constexpr std::array<const char*, kLookupKinds> kLookupNames = {
+    "none", "interpolated", "extrapolated", "held", "faded"};
 
 /// What a tick read. With it, the frames and the settings, the tick can be rendered again (replay).
 struct TickInputs {

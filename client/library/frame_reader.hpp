@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Decodes received frames to frames of the library. Lost slices are concealed, as in the client.
-// Thread: network.
+// Thread: one.
 #pragma once
 
 #include <cstdint>
@@ -18,8 +18,13 @@ class FrameReader {
  public:
   /// Returns the frame with all its heights. `workspace` is that of the stream.
   [[nodiscard]] Frame read(const AssembledFrame& assembled, const Workspace& workspace);
+  /// Notes the heights of a frame that the caller does not need, without decoding them.
+  void skip(const AssembledFrame& assembled, const Workspace& workspace);
 
  private:
+  /// Forgets all heights where another stream or epoch begins.
+  void beginFrame(const AssembledFrame& assembled, const Workspace& workspace);
+
   ReliefCache reliefs_{false};
   FrameExporter exporter_;
   std::optional<Workspace> workspace_;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "client/report/tick_log.hpp"
 
-#include <array>
 #include <ostream>
 #include <stdexcept>
 #include <utility>
@@ -26,16 +25,10 @@ void writeTime(std::ostream& out, Time time) {
 }  // namespace
 
 const char* lookupName(Lookup lookup) noexcept {
-  constexpr std::array<const char*, kLookupKinds> kNames = {"none", "interpolated", "extrapolated",
-                                                            "held", "faded"};
-  return kNames[static_cast<std::size_t>(lookup)];
+  return kLookupNames[static_cast<std::size_t>(lookup)];
 }
 
-const char* faultName(Fault fault) noexcept {
-  constexpr std::array<const char*, kFaultKinds> kNames = {
-      "none", "not_finite", "device_lost", "latency", "displacement_too_large", "trust_lost"};
-  return kNames[static_cast<std::size_t>(fault)];
-}
+const char* faultName(Fault fault) noexcept { return kFaultNames[static_cast<std::size_t>(fault)]; }
 
 void writeReportHeading(std::ostream& out) {
   out << "t_s,media_s,x_mm,y_mm,z_mm,fx_N,fy_N,fz_N,sx_N,sy_N,sz_N,dx_N,dy_N,dz_N,penetration_mm,"

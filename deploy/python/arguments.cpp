@@ -107,6 +107,11 @@ bool toMethod(const py::handle& from) {
   throw py::value_error("method: '" + method + "' is neither hapticast nor thesis");
 }
 
+void checkSignals() {
+  const py::gil_scoped_acquire locked;
+  if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+}
+
 py::array_t<double> toPython(const Eigen::Vector3d& vector) {
   return py::array_t<double>(3, vector.data());
 }

@@ -42,6 +42,9 @@ py::array_t<T, py::array::c_style | py::array::forcecast> toArray(const py::hand
                                                                   const char* name,
                                                                   py::ssize_t dimensions);
 
+/// Raises KeyboardInterrupt after Ctrl-C. Takes Python's lock for that. Thread: one without it.
+void checkSignals();
+
 /// Returns an object with these heights. `mask` None: where the height is not NaN and above 0.
 Object makeObject(const py::object& height_mm, const py::object& mask, const py::kwargs& more);
 /// Returns an array of 3 numbers.
@@ -54,5 +57,6 @@ void addFrames(py::module_& module);
 void addRenderer(py::module_& module);
 void addStream(py::module_& module);
 void addPublisher(py::module_& module);
+void addRecording(py::module_& module);
 
 }  // namespace hapticast::python

@@ -7,6 +7,7 @@
 #include "frames.hpp"
 #include "hapticast/renderer.hpp"
 #include "hapticast/stream.hpp"
+#include "recording.hpp"
 
 namespace hapticast::python {
 
@@ -100,23 +101,23 @@ Positions toPositions(const py::object& positions_mm, const py::object& frame) {
 // Ticks between two checks for Ctrl-C, about 50 ms of computing.
 constexpr py::ssize_t kTicksBetweenChecks = 20'000;
 
-/// Raises KeyboardInterrupt after Ctrl-C. Takes Python's lock for that.
-void checkSignals() {
-  const py::gil_scoped_acquire locked;
-  if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-}
-
-void runFrames(Renderer& renderer, const std::vector<StreamFrame>& frames,
-               const Positions& positions, double begin_s, double dt_s, Ticks& ticks) {
-  std::size_t next = 0;
-  if (!frames.empty()) renderer.begin(*frames.front().info);
-  const double ahead_s = frames.empty() ? 0.0 : 2.0 / frames.front().info->fps + 0.02;
+/// Renders the frames that `readFrame` returns, an std::optional<StreamFrame> each. `begin_s`: time
+/// of the first tick; nullopt: that of the first frame.
+template <class ReadFrame>
+void runFrames(Renderer& renderer, const ReadFrame& readFrame, const Positions& positions,
+               std::optional<double> begin_s, double dt_s, Ticks& ticks) {
+  std::optional<StreamFrame> frame = readFrame();
+  double ahead_s = 0.0;
+  if (frame) {
+    renderer.begin(*frame->info);
+    ahead_s = 2.0 / frame->info->fps + 0.02;
+  }
+  const double first_s = begin_s.value_or(frame ? frame->frame.time_s : 0.0);
   for (py::ssize_t i = 0; i < positions.count(); ++i) {
     if (i % kTicksBetweenChecks == 0) checkSignals();
-    const double now_s = begin_s + dt_s * static_cast<double>(i);
-    while (next < frames.size() && frames[next].frame.time_s <= now_s + ahead_s &&
-           renderer.push(frames[next].frame))
-      ++next;
+    const double now_s = first_s + dt_s * static_cast<double>(i);
+    while (frame && frame->frame.time_s <= now_s + ahead_s && renderer.push(frame->frame))
+      frame = readFrame();
     ticks.store(i, renderer.tick(now_s, positions.at(i, renderer)));
   }
 }
@@ -159,7 +160,8 @@ struct Content {
 
   explicit Content(const py::object& from) {
     if (!py::isinstance<py::iterable>(from))
-      throw py::type_error("frames: needs a Stream, frames, or pairs of arrival_s and bytes");
+      throw py::type_error(
+          "frames: needs a Stream, a Recording, frames, or pairs of arrival_s and bytes");
     for (const py::handle each : from) {
       if (py::isinstance<StreamFrame>(each)) {
         frames.push_back(each.cast<StreamFrame>());
@@ -168,17 +170,29 @@ struct Content {
         const auto pair = py::reinterpret_borrow<py::tuple>(each);
         messages.push_back({toNumber(pair[0], "arrival_s"), pair[1].cast<std::string>()});
       } else {
-        throw py::type_error("frames: needs a Stream, frames, or pairs of arrival_s and bytes");
+        throw py::type_error(
+            "frames: needs a Stream, a Recording, frames, or pairs of arrival_s and bytes");
       }
     }
     if (!frames.empty() && !messages.empty())
       throw py::type_error("frames: has frames and messages; give one kind");
   }
-  [[nodiscard]] double begin_s() const {
-    if (!frames.empty()) return frames.front().frame.time_s;
-    return messages.empty() ? 0.0 : messages.front().arrival_s;
-  }
 };
+
+void runContent(Renderer& renderer, const Content& content, const Positions& positions,
+                std::optional<double> begin_s, double dt_s, Ticks& ticks) {
+  if (!content.messages.empty()) {
+    const double first_s = begin_s.value_or(content.messages.front().arrival_s);
+    runMessages(renderer, content.messages, positions, first_s, dt_s, ticks);
+    return;
+  }
+  std::size_t next = 0;
+  const auto readFrame = [&]() -> std::optional<StreamFrame> {
+    if (next == content.frames.size()) return std::nullopt;
+    return content.frames[next++];
+  };
+  runFrames(renderer, readFrame, positions, begin_s, dt_s, ticks);
+}
 
 /// Renders with the same settings in each run.
 class RendererObject {
@@ -198,21 +212,24 @@ class RendererObject {
     const double dt_s = toNumber(dt, "dt");
     if (!(dt_s >= 1e-4 && dt_s <= 1e-2))
       throw py::value_error("dt: " + std::to_string(dt_s) + " s is outside 0.0001..0.01 s");
+    std::optional<double> begin_s;
+    if (!begin.is_none()) begin_s = toNumber(begin, "begin_s");
     Ticks ticks(positions.count());
     Renderer renderer(settings_);
-    if (py::isinstance<Stream>(frames)) {
-      auto& stream = frames.cast<Stream&>();
+    const py::object source = openFrames(frames);
+    if (py::isinstance<Stream>(source)) {
+      auto& stream = source.cast<Stream&>();
       const py::gil_scoped_release unlocked;
       runStream(renderer, stream, positions, dt_s, ticks);
-    } else {
-      const Content content(frames);
-      const double begin_s = begin.is_none() ? content.begin_s() : toNumber(begin, "begin_s");
+    } else if (py::isinstance<RecordedFrames>(source)) {
+      auto& recorded = source.cast<RecordedFrames&>();
       const py::gil_scoped_release unlocked;
-      if (content.messages.empty()) {
-        runFrames(renderer, content.frames, positions, begin_s, dt_s, ticks);
-      } else {
-        runMessages(renderer, content.messages, positions, begin_s, dt_s, ticks);
-      }
+      runFrames(
+          renderer, [&] { return recorded.next(); }, positions, begin_s, dt_s, ticks);
+    } else {
+      const Content content(source);
+      const py::gil_scoped_release unlocked;
+      runContent(renderer, content, positions, begin_s, dt_s, ticks);
     }
     return ticks.toPython();
   }
@@ -241,8 +258,8 @@ stiffness: N/mm of all surfaces; None: the author's. surface: "proxy", "normal" 
            py::arg("dt") = 1e-3, py::arg("begin_s") = py::none(), py::arg("frame") = "nominal",
            R"(Renders one tick for each position. Each run starts anew.
 
-frames: frames of a Stream, of Vision or of your own; or pairs (arrival_s, bytes) of messages of the
-wire; or a Stream, which is then touched in real time.
+frames: frames of a Stream, of Vision or of your own; or a Recording, at its media times; or pairs
+(arrival_s, bytes) of messages of the wire; or a Stream, which is then touched in real time.
 positions_mm: array (ticks, 3) of the hand, in mm of the nominal frame, or with frame="device" in mm
 of the device frame. Begin outside of all objects: a hand inside gets no force.
 dt: s from tick to tick. begin_s: time of the first tick; None: that of the first frame or message.

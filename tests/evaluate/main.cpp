@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <opencv2/core/utility.hpp>
 
+#include "tests/evaluate/recording_log.hpp"
 #include "tests/evaluate/report_check.hpp"
 #include "tests/evaluate/report_page.hpp"
 #include "tests/evaluate/topics.hpp"
@@ -16,7 +17,8 @@ std::string listTopics() {
   for (const auto& [name, topic] : topics()) text += "  " + name + ": " + topic.about + "\n";
   return text +
          "  all: these topics, one after the other\n  report: no measurement, only report.md "
-         "from the CSV files in --out\n";
+         "from the CSV files in --out\n  log FILE.mcap: no measurement, only --out/log.png of a "
+         "recording (--record of hapticast-client or hapticast-server)\n";
 }
 
 void addOptions(CLI::App& app, Options& options) {
@@ -59,18 +61,25 @@ bool runTopics(const std::string& wanted, const Options& options) {
 int run(int argc, char** argv) {
   CLI::App app("Measures hapticast against exact truth: error against run time, per topic.");
   app.footer(listTopics());
-  std::string topic;
+  std::string topic, recording;
   Options options;
-  std::vector<std::string> names{"all", "report"};
+  std::vector<std::string> names{"all", "report", "log"};
   for (const auto& [name, topic] : topics()) names.push_back(name);
   app.add_option("topic", topic, "What to measure")->required()->check(CLI::IsMember(names));
+  app.add_option("recording", recording, "FILE.mcap of log");
   addOptions(app, options);
   try {
     app.parse(argc, argv);
+    if ((topic == "log") == recording.empty())
+      throw CLI::ValidationError("log", "draws one recording: hapticast-evaluate log FILE.mcap");
     if (options.check && options.set != 1)
       throw CLI::ValidationError("--check", "the baselines are of --set 1");
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
+  }
+  if (topic == "log") {
+    plotRecording(recording, options.out);
+    return 0;
   }
   if (options.baseline.empty())
     options.baseline = options.quick ? "tests/evaluate/baseline" : "tests/evaluate/report";

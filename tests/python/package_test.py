@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: MIT
 """Tests of the Python package. PYTHONPATH has the package; REFERENCE_RUN is the program beside this
-file; HAPTICAST_SERVER is the server."""
+file; HAPTICAST_SERVER and HAPTICAST_CLIENT are the programs."""
 
 import gc
 import os
+import pathlib
 import signal
 import struct
 import subprocess
@@ -298,6 +299,179 @@ class Publishing(unittest.TestCase):
         gc.collect()
         with open("/proc/self/statm") as file:
             return int(file.read().split()[1]) * 4
+
+
+class Recordings(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        """Records a server and a client that touches it for 3 s."""
+        cls.folder = tempfile.TemporaryDirectory()
+        own = {name: text for name, text in os.environ.items() if name != "LD_PRELOAD"}
+        cls.server, cls.client = (os.path.join(cls.folder.name, name)
+                                  for name in ("server.mcap", "client.mcap"))
+        server = subprocess.Popen(
+            [os.environ["HAPTICAST_SERVER"], "--source", "synthetic:bounce", "--loop", "--listen",
+             "127.0.0.1:0", "--map-range", "520,620", "--record", cls.server],
+            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=own)
+        address = next(line.split("listening on ")[1].split(";")[0] for line in server.stdout
+                       if "listening on " in line)
+        subprocess.run(
+            [os.environ["HAPTICAST_CLIENT"], address, "--device", "virtual", "--hand", "press",
+             "--view", "off", "--seconds", "3", "--record", cls.client],
+            check=True, env=own, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        server.send_signal(signal.SIGINT)
+        server.communicate(timeout=60)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def write(self, name, data):
+        path = os.path.join(self.folder.name, name)
+        with open(path, "wb") as file:
+            file.write(data)
+        return path
+
+    @staticmethod
+    def read(path):
+        with open(path, "rb") as file:
+            return file.read()
+
+    def test_has_the_content(self):
+        for path, kind in ((self.server, "server"), (self.client, "client")):
+            recording = hapticast.Recording(path)
+            self.assertEqual(recording.kind, kind)
+            self.assertEqual(recording.problem, "")
+            self.assertEqual(recording.description["size"], (640, 480))
+            self.assertGreater(recording.end_ns - recording.start_ns, 2e9)
+            frames = list(recording.frames())
+            self.assertGreater(len(frames), 40)
+            self.assertEqual(recording.frame_count, len(frames))
+            self.assertEqual(frames[0].info, recording.description)
+            self.assertTrue(all(frame.objects[0].height_mm.max() > 1 for frame in frames))
+            times = [frame.time_s for frame in frames]
+            self.assertEqual(sorted(times), times)
+        pictures = [frame.jpeg for frame in hapticast.Recording(self.server).frames()]
+        self.assertTrue(all(jpeg.startswith(b"\xff\xd8") for jpeg in pictures))
+
+    def test_ticks(self):
+        recording = hapticast.Recording(self.client)
+        ticks = recording.ticks()
+        self.assertEqual(ticks.shape, (recording.tick_count,))
+        self.assertGreater(len(ticks), 2500)
+        self.assertTrue(np.array_equal(ticks["tick"], np.arange(1, len(ticks) + 1)))
+        self.assertEqual(ticks["force_N"].shape, (len(ticks), 3))
+        strength = np.linalg.norm(ticks["force_N"], axis=1)
+        self.assertGreater(strength.max(), 0.5)
+        self.assertLessEqual(strength.max(), 3.31)
+        self.assertGreater(np.count_nonzero(ticks["contact"]), 500)
+        self.assertTrue((ticks["penetration_mm"][~ticks["contact"]] == 0).all())
+        self.assertIn("interpolated", {hapticast.lookups[i] for i in np.unique(ticks["lookup"])})
+        self.assertEqual(hapticast.faults[0], "none")
+        half_ns = (recording.start_ns + recording.end_ns) // 2
+        later = recording.ticks(start_ns=half_ns)
+        self.assertTrue(np.array_equal(later, ticks[-len(later):]))
+        self.assertGreaterEqual(later["time_s"][0], 1e-9 * half_ns - 1e-6)
+        self.assertEqual(hapticast.Recording(self.server).ticks().shape, (0,))
+
+    def test_two_iterations_and_a_seek(self):
+        recording = hapticast.Recording(self.server)
+        first, second = recording.frames(), recording.frames()
+        together = [(a.time_s, b.time_s) for a, b in zip(first, second)]
+        self.assertEqual(len(together), recording.frame_count)
+        self.assertTrue(all(a == b for a, b in together))
+        self.assertEqual(list(first), [])  # it has ended
+        later = list(recording.frames(start_ns=int(1e9 * together[30][0])))
+        self.assertLessEqual(abs(len(later) - len(together) + 30), 1)
+        self.assertIsNotNone(later[0].objects[0].height_mm)
+
+    def test_renders(self):
+        frames = list(hapticast.Recording(self.server).frames())
+        ball = np.array([frame.objects[0].position_mm for frame in frames])
+        top_mm = max(frame.objects[0].height_mm.max() for frame in frames)
+        ticks = np.arange(2000)
+        at_s, times_s = frames[0].time_s + 1e-3 * ticks, [frame.time_s for frame in frames]
+        hand = np.c_[np.interp(at_s, times_s, ball[:, 0]), np.interp(at_s, times_s, ball[:, 1]),
+                     np.maximum(top_mm - 4, 45 - 0.05 * ticks)]
+        recorded = hapticast.Renderer().run(hapticast.Recording(self.server), hand)
+        self.assertTrue(recorded.contact.any())
+        self.assertGreater(np.linalg.norm(recorded.force_N, axis=1).max(), 0.1)
+        for again in (frames, hapticast.Recording(self.server).frames()):
+            out = hapticast.Renderer().run(again, hand)
+            self.assertTrue(np.array_equal(out.force_N, recorded.force_N))
+
+    def test_the_file_of_a_killed_program(self):
+        whole, data = list(hapticast.Recording(self.client).frames()), self.read(self.client)
+        cut = hapticast.Recording(self.write("cut.mcap", data[:len(data) * 2 // 3]))
+        frames = list(cut.frames())
+        self.assertTrue(0 < len(frames) < len(whole))
+        self.assertEqual([f.time_s for f in frames], [f.time_s for f in whole[:len(frames)]])
+        self.assertEqual(cut.frame_count, len(frames))
+        self.assertEqual(cut.tick_count, len(cut.ticks()))
+        self.assertIn("cut off", cut.problem)
+        flipped = bytearray(data)
+        flipped[len(data) // 2] ^= 1
+        self.assertIn("checksum", hapticast.Recording(self.write("flipped.mcap", flipped)).problem)
+
+    def test_other_files(self):
+        def record(code, content):
+            return struct.pack("<BQ", code, len(content)) + content
+
+        def text(value):
+            return struct.pack("<I", len(value)) + value.encode()
+
+        other = self.write("other.mcap", b"\x89MCAP0\r\n" + record(1, text("") + text("")) +
+                           record(4, struct.pack("<HH", 1, 0) + text("/a") + text("json") + bytes(4)) +
+                           record(5, struct.pack("<HIQQ", 1, 0, 5, 5) + b"{}"))
+        plain = self.write("plain.mcap", b"text")
+        for error, call, words in (
+            (RuntimeError, lambda: hapticast.Recording("/no/such.mcap"), "No such file"),
+            (RuntimeError, lambda: hapticast.Recording(self.folder.name), "is no MCAP file"),
+            (RuntimeError, lambda: hapticast.Recording(plain), "is no MCAP file"),
+            (RuntimeError, lambda: hapticast.Recording(other), "no channel /frame or /tick"),
+            (TypeError, lambda: hapticast.Recording(7), "int"),
+            (TypeError, lambda: hapticast.Recording(), "file"),
+            (TypeError, lambda: hapticast.Recording(self.server).frames(start_ns=0.5), "start_ns"),
+            (ValueError, lambda: hapticast.Recording(self.server).ticks(start_ns=2**70), "start_ns"),
+        ):
+            with self.assertRaises(error) as caught:
+                call()
+            self.assertIn(words, str(caught.exception))
+
+    def test_frames_outlive_their_recording(self):
+        with hapticast.Recording(pathlib.Path(self.server)) as recording:
+            frames = recording.frames()
+            count = recording.frame_count
+        for use in (recording.frames, recording.ticks, lambda: recording.problem):
+            with self.assertRaises(RuntimeError):
+                use()
+        recording.close()  # a second time
+        del recording
+        gc.collect()
+        heights = next(frames).objects[0].height_mm
+        self.assertEqual(len(list(frames)), count - 1)
+        del frames
+        gc.collect()
+        self.assertGreater(float(heights.max()), 1.0)
+
+    def test_threads_share_an_iteration(self):
+        recording, seen = hapticast.Recording(self.server), []
+        frames = recording.frames()
+        threads = [threading.Thread(target=lambda: seen.extend(f.time_s for f in frames))
+                   for _ in range(4)]
+        for each in threads:
+            each.start()
+        for each in threads:
+            each.join()
+        self.assertEqual(sorted(seen), [frame.time_s for frame in recording.frames()])
+
+    def test_opens_leak_nothing(self):
+        recording, files = hapticast.Recording(self.client), count_files()
+        for _ in range(100):
+            next(recording.frames())
+            recording.ticks()
+        gc.collect()
+        self.assertEqual(count_files(), files)
 
 
 class Seeing(unittest.TestCase):

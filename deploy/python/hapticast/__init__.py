@@ -2,16 +2,18 @@
 """hapticast: touch a video while it is broadcast.
 
 Stream reads the frames of a server. Renderer computes the force on a hand. Publisher is a server.
-Vision makes frames of images with depth, and open() reads every source of hapticast-server.
+Recording reads files of --record. Vision makes frames of images with depth, and open() reads every
+source of hapticast-server.
 
 Units: mm, N, kg, s. Nominal frame: origin at the centre of the picture on the plane of height 0,
 x to the right, y up, z towards the viewer.
 """
 
-from ._hapticast import Frame, Object, Publisher, Renderer, Stream, safety_actions
+from ._hapticast import (Frame, Object, Publisher, Recording, Renderer, Stream, faults, lookups,
+                         safety_actions)
 
-__all__ = ["Frame", "Object", "Publisher", "Renderer", "Stream", "Vision", "open",
-           "safety_actions"]
+__all__ = ["Frame", "Object", "Publisher", "Recording", "Renderer", "Stream", "Vision", "faults",
+           "lookups", "open", "safety_actions"]
 
 
 def __getattr__(name):

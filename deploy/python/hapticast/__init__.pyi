@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: MIT
+import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from types import TracebackType
 from typing import Any, Literal, Protocol
@@ -11,6 +12,11 @@ Point = tuple[float, float]
 
 safety_actions: tuple[str, ...]
 """Names of the bits of Ticks.safety_actions, bit 0 first."""
+
+lookups: tuple[str, ...]
+"""Names of the values of `lookup` in Recording.ticks()."""
+faults: tuple[str, ...]
+"""Names of the values of `fault` in Recording.ticks()."""
 
 class Object:
     def __init__(
@@ -93,6 +99,32 @@ class Stream:
     @property
     def dropped(self) -> int: ...
 
+class Recording:
+    def __init__(self, file: str | os.PathLike[str]) -> None: ...
+    def frames(self, start_ns: int | None = None) -> Iterator[Frame]: ...
+    def ticks(self, start_ns: int | None = None) -> NDArray[np.void]:
+        """A structured array; help(Recording.ticks) lists its fields."""
+    def close(self) -> None: ...
+    def __enter__(self) -> Recording: ...
+    def __exit__(self, *error: type[BaseException] | BaseException | TracebackType | None) -> None: ...
+    @property
+    def kind(self) -> Literal["server", "client"]: ...
+    @property
+    def start_ns(self) -> int: ...
+    @property
+    def end_ns(self) -> int: ...
+    @property
+    def description(self) -> dict[str, Any] | None: ...
+    @property
+    def frame_count(self) -> int: ...
+    @property
+    def tick_count(self) -> int: ...
+    @property
+    def picture_count(self) -> int: ...
+    @property
+    def problem(self) -> str:
+        """Why the file ends early; an empty text: it does not."""
+
 class Ticks(Protocol):
     """Result of Renderer.run(): an element or a row for each tick."""
 
@@ -114,7 +146,7 @@ class Renderer:
         surface: Literal["proxy", "normal", "perturbed"] = "proxy",
     ) -> None: ...
     def run(
-        self, frames: Stream | Iterable[Frame] | Iterable[tuple[float, bytes]],
+        self, frames: Stream | Recording | Iterable[Frame] | Iterable[tuple[float, bytes]],
         positions_mm: ArrayLike, dt: float = 1e-3, begin_s: float | None = None,
         frame: Literal["nominal", "device"] = "nominal",
     ) -> Ticks: ...

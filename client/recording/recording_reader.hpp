@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: MIT
+// Reads the recordings of server and client message by message (proto/recording.md), for programs
+// that analyse them. The bytes are not trusted: the decoders of the wire and of run_codec.hpp check
+// them. Messages come in the order of the file. Thread: one.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "client/recording/run_codec.hpp"
+#include "common/protocol/messages.hpp"
+#include "common/recording/mcap_reader.hpp"
+#include "common/result.hpp"
+
+namespace hapticast::client {
+
+/// Kinds of messages, a bit each.
+enum RecordedKind : std::uint8_t {
+  kFrameMessages = 1,
+  kTickMessages = 2,
+  kPictureMessages = 4,
+  kDescriptionMessages = 8,
+  kTimingMessages = 16,
+  kPreparationMessages = 32,
+};
+
+/// A frame of a server's recording has no times of reception.
+using RecordedContent = std::variant<AssembledFrame, std::vector<TickReport>, VideoFrame,
+                                     StreamDescription, RecordedTiming, RecordedPreparation>;
+
+/// A message of a recording.
+struct RecordedMessage {
+  std::uint64_t time_ns = 0;  ///< media time (server) or local time (client)
+  std::size_t bytes = 0;      ///< size of the message
+  RecordedContent content;
+};
+
+/// A recording that is open for reading.
+class RecordingReader {
+ public:
+  /// Opens `file`. Returns an error without the file's name if it is no recording of hapticast, or
+  /// has no whole message.
+  [[nodiscard]] static Result<RecordingReader> open(const std::string& file);
+
+  /// Returns whether hapticast-client wrote the file. Otherwise hapticast-server did.
+  [[nodiscard]] bool isOfClient() const { return is_of_client_; }
+  /// Returns whether the file has a channel of `kind`.
+  [[nodiscard]] bool has(RecordedKind kind) const;
+  /// Return the times of the first and of the last message.
+  [[nodiscard]] std::uint64_t begin_ns() const { return begin_ns_; }
+  [[nodiscard]] std::uint64_t end_ns() const { return file_.end_ns(); }
+
+  /// Returns the next message of `kinds` (bits). Returns nullopt at the end, and at the first
+  /// damage (problem()). Leaves out frames of a server whose media times do not rise.
+  [[nodiscard]] std::optional<RecordedMessage> next(unsigned kinds);
+  /// Continues at or before the first message of `time_ns` or later.
+  void seek(std::uint64_t time_ns);
+  /// Returns why the messages end before the end of the file, as a phrase; empty: they do not, or
+  /// the end was not reached.
+  [[nodiscard]] const std::string& problem() const { return problem_; }
+
+ private:
+  explicit RecordingReader(McapReader file) : file_(std::move(file)) {}
+  [[nodiscard]] bool findChannels();
+  /// Returns whether a server's frame follows the one before.
+  [[nodiscard]] bool rises(const AssembledFrame& frame);
+
+  McapReader file_;
+  std::map<std::uint16_t, std::size_t> channels_;  // number in the file -> number of the decoder
+  bool is_of_client_ = false;
+  std::uint64_t begin_ns_ = 0;
+  std::optional<MediaTime> last_;  // of the last frame
+  std::string problem_;
+};
+
+}  // namespace hapticast::client
