@@ -53,6 +53,7 @@ void showTimeBar(const WindowLayout& layout, UiState& ui_state, TimeBarState& st
                   : timeline.speed == 0.0 ? "  the end"
                   : timeline.speed != 1.0 ? fmt::format("  x {:g}", timeline.speed)
                                           : "");
+  ImGui::AlignTextToFramePadding();
   ImGui::TextUnformatted(text.c_str());
   ImGui::SameLine(14.0F * ImGui::GetFontSize());
   ImGui::SetNextItemWidth(-1.0F);

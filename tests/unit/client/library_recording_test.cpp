@@ -102,7 +102,7 @@ class LibraryRecording : public ::testing::Test {
   /// arrive before their frames.
   [[nodiscard]] std::string recordClient() const {
     ManualClock clock;
-    client::RunRecorder recorder(path("client.mcap"), clock);
+    client::RunRecorder recorder({path("client.mcap"), std::nullopt}, clock);
     recorder.onSettings({.profile = client::loadDeviceProfile("omni")});
     recorder.onDescription(describeBodies());
     for (std::uint64_t tick = 0; tick < 40 * kFrames; ++tick) {

@@ -60,7 +60,7 @@ class RecordingLog : public ::testing::Test {
   /// Records 20 s: frame 7 is missing, frame 9 lacks a slice, frame 11 is dropped.
   [[nodiscard]] std::string recordRun() const {
     ManualClock clock;
-    client::RunRecorder recorder((folder_ / "run.mcap").string(), clock);
+    client::RunRecorder recorder({(folder_ / "run.mcap").string(), std::nullopt}, clock);
     recorder.onSettings({.profile = client::loadDeviceProfile("omni")});
     client::StreamTiming timing;
     timing.number = 1;
