@@ -305,14 +305,13 @@ void addOutputOptions(CLI::App& app, Settings& settings) {
 void addReplayOptions(CLI::App& app, Settings& settings) {
   addFile(app, "--replay", settings.replay_file, ".mcap",
           "Render a recorded run again, as fast as it can be, and end. The forces have the same "
-          "bits; --stiffness, --method, --surface and --stiffness-limit change them. --log writes "
-          "a row per tick");
+          "bits; --stiffness, --method, --surface and --stiffness-limit change them. --log, "
+          "--record, --film and --screenshot write files of it");
   addNumber(app, "--stiffness", settings.stiffness_N_mm, 0.01, 10.0, "N/mm",
             "With --replay: the stiffness of all surfaces; default: as recorded");
   app.final_callback([&settings, parsed = &app] {
-    if (!settings.replay_file.empty() && settings.outputs.wanted())
-      throw CLI::ValidationError(settings.outputs.live ? "--live" : "--record",
-                                 "--replay has no new readings; leave one flag out");
+    if (!settings.replay_file.empty() && settings.outputs.live)
+      throw CLI::ValidationError("--live", "--replay does not run in real time; record it");
     if (settings.replay_file.empty() && settings.stiffness_N_mm > 0.0)
       throw CLI::ValidationError("--stiffness", "needs --replay");
     settings.method_given = parsed->count("--method") > 0;

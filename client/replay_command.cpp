@@ -5,9 +5,12 @@
 #include <spdlog/spdlog.h>
 
 #include <cstdio>
+#include <optional>
+#include <span>
 #include <stdexcept>
 
 #include "client/recording/replay.hpp"
+#include "client/replay_outputs.hpp"
 #include "client/report/tick_log.hpp"
 #include "common/cli/run_program.hpp"
 #include "common/text.hpp"
@@ -26,6 +29,34 @@ ReplayChanges readChanges(const Settings& settings) {
   return changes;
 }
 
+/// Renders `replay` with `changes`, and writes the files of `settings`.
+ReplayCounts writeOutputs(const Settings& settings, Replay& replay, const ReplayChanges& changes) {
+  LogFile log(settings.log_file);
+  ReplayViews views(settings);
+  std::optional<ReplayRecording> recording;
+  if (!settings.outputs.record.empty()) recording.emplace(settings.outputs.record);
+  std::optional<LocalTime> begin;
+  ReplayOutputs outputs;
+  outputs.onTick = [&](const TickReport& report) {
+    if (recording) recording->onTick(report);
+    if (!begin) begin = report.time;
+    TickReport row = report;
+    row.time = LocalTime(report.time - *begin);
+    log.write(row);
+    views.onTick(row);
+  };
+  outputs.onMessage = [&](RunChannel channel, std::uint64_t time_ns,
+                          std::span<const std::uint8_t> data) {
+    if (recording) recording->onMessage(channel, time_ns, data);
+    views.onMessage(channel, data);
+  };
+  const ReplayCounts counts = replay.run(changes, outputs);
+  log.close();
+  if (recording) recording->finish();
+  if (counts.ticks > 0) views.finish();
+  return counts;
+}
+
 }  // namespace
 
 int runReplay(const Settings& settings) {
@@ -38,15 +69,7 @@ int runReplay(const Settings& settings) {
   }
   Replay& replay = *opened.value();
   const ReplayChanges changes = readChanges(settings);
-  LogFile log(settings.log_file);
-  std::optional<LocalTime> begin;
-  const ReplayCounts counts = replay.run(changes, [&](const TickReport& report) {
-    if (!begin) begin = report.time;
-    TickReport row = report;
-    row.time = LocalTime(report.time - *begin);
-    log.write(row);
-  });
-  log.close();
+  const ReplayCounts counts = writeOutputs(settings, replay, changes);
   if (!replay.problem().empty())
     spdlog::warn("{} {}: {} ticks are rendered", file, replay.problem(), counts.ticks);
   if (counts.ticks == 0) return kFailed;

@@ -24,25 +24,34 @@ bool hasSameBits(const Vec3& a, const Vec3& b) {
 }
 
 Result<std::unique_ptr<Replay>> Replay::open(const std::string& file) {
-  auto opened = McapReader::open(file);
-  if (!opened.ok()) return opened.error();
-  std::unique_ptr<Replay> replay(new Replay(std::move(opened).value()));
-  if (!replay->findChannels())
-    return Error{"has no channel /tick: it is no recording of hapticast-client"};
-  // The settings precede the first tick.
-  while (replay->ticks_.empty() && replay->readMessage()) {
+  std::unique_ptr<Replay> replay;
+  for (const bool is_probe : {true, false}) {  // the outputs receive all messages
+    auto opened = McapReader::open(file);
+    if (!opened.ok()) return opened.error();
+    replay.reset(new Replay(std::move(opened).value()));
+    if (!replay->findChannels())
+      return Error{"has no channel /tick: it is no recording of hapticast-client"};
+    if (!is_probe) continue;
+    if (auto obstacle = replay->findObstacle()) return std::move(*obstacle);
   }
-  if (!replay->has_settings_) return Error{"has no settings before its ticks"};
-  if (replay->ticks_.empty())
-    return Error{replay->problem_.empty() ? "has no ticks"
-                                          : "has no ticks: it " + replay->problem_};
   return replay;
+}
+
+std::optional<Error> Replay::findObstacle() {
+  // The settings precede the first tick.
+  while (ticks_.empty() && readMessage()) {
+  }
+  if (!has_settings_) return Error{"has no settings before its ticks"};
+  if (ticks_.empty())
+    return Error{problem_.empty() ? "has no ticks" : "has no ticks: it " + problem_};
+  return std::nullopt;
 }
 
 bool Replay::findChannels() {
   for (const auto& [id, channel] : file_.channels()) {
     for (std::size_t i = 0; i < kRunChannels; ++i) {
-      if (channel.schema.name == kRunChannelNames[i].message) channels_[id] = i;
+      if (channel.schema.name == kRunChannelNames[i].message)
+        channels_[id] = static_cast<RunChannel>(i);
     }
   }
   return std::any_of(channels_.begin(), channels_.end(),
@@ -67,20 +76,35 @@ bool Replay::readMessage() {
     return false;
   }
   ahead_bytes_ += message->data.size();
-  const auto channel = channels_.find(message->channel);
-  switch (channel == channels_.end() ? kRunChannels : channel->second) {
+  const auto found = channels_.find(message->channel);
+  if (found == channels_.end()) return true;
+  const RunChannel channel = found->second;
+  if (!readContent(channel, message->data)) return false;
+  if (!outputs_.onMessage || channel == kTickChannel) return true;
+  if (channel == kSettingsChannel) {
+    outputs_.onMessage(channel, message->time_ns, encodeSettings(settings_));
+  } else if (channel == kControlsChannel) {
+    outputs_.onMessage(channel, message->time_ns, encodeControls(newest_controls_));
+  } else {
+    outputs_.onMessage(channel, message->time_ns, message->data);
+  }
+  return true;
+}
+
+bool Replay::readContent(RunChannel channel, std::span<const std::uint8_t> data) {
+  switch (channel) {
     case kSettingsChannel:
-      return accept(decodeSettings(message->data));
+      return accept(decodeSettings(data));
     case kTickChannel:
-      return accept(decodeTicks(message->data));
+      return accept(decodeTicks(data));
     case kFrameChannel:
-      return accept(decodeReceivedFrame(message->data));
+      return accept(decodeReceivedFrame(data));
     case kPreparedChannel:
-      return accept(decodePreparation(message->data));
+      return accept(decodePreparation(data));
     case kTimingChannel:
-      return accept(decodeTiming(message->data));
+      return accept(decodeTiming(data));
     case kControlsChannel:
-      return accept(decodeControls(message->data));
+      return accept(decodeControls(data));
     default:
       return true;
   }
@@ -90,6 +114,13 @@ void Replay::add(RendererSettings settings) {
   if (has_settings_) return;  // the renderer refers to the first ones
   has_settings_ = true;
   settings_ = std::move(settings);
+  change(settings_);
+}
+
+void Replay::add(UserControls controls) {
+  if (changes_.method) controls.method.reset();
+  if (changes_.surface || changes_.method == Method::kThesis) controls.surface.reset();
+  newest_controls_ = controls_[controls.number] = controls;
 }
 
 void Replay::add(std::vector<TickReport> ticks) {
@@ -161,27 +192,21 @@ bool Replay::prepareNext() {
   return true;
 }
 
-void Replay::change(const ReplayChanges& changes) {
-  changes_ = changes;
-  settings_.method = changes.method.value_or(settings_.method);
-  settings_.surface = changes.surface.value_or(settings_.surface);
+void Replay::change(RendererSettings& settings) const {
+  settings.method = changes_.method.value_or(settings.method);
+  settings.surface = changes_.surface.value_or(settings.surface);
   // As the client does (--method).
-  if (changes.method == Method::kThesis) settings_.surface = SurfaceKind::kPerturbed;
-  settings_.stiffness_N_mm = changes.stiffness_N_mm.value_or(settings_.stiffness_N_mm);
-  settings_.stiffness_limit_N_mm =
-      changes.stiffness_limit_N_mm.value_or(settings_.stiffness_limit_N_mm);
+  if (changes_.method == Method::kThesis) settings.surface = SurfaceKind::kPerturbed;
+  settings.stiffness_N_mm = changes_.stiffness_N_mm.value_or(settings.stiffness_N_mm);
+  settings.stiffness_limit_N_mm =
+      changes_.stiffness_limit_N_mm.value_or(settings.stiffness_limit_N_mm);
 }
 
-UserControls Replay::findControls(std::uint64_t number) const {
-  UserControls controls = controls_.at(number);
-  if (changes_.method) controls.method.reset();
-  if (changes_.surface || changes_.method == Method::kThesis) controls.surface.reset();
-  return controls;
-}
-
-ReplayCounts Replay::run(const ReplayChanges& changes,
-                         const std::function<void(const TickReport&)>& on_tick) {
-  change(changes);
+ReplayCounts Replay::run(const ReplayChanges& changes, const ReplayOutputs& outputs) {
+  changes_ = changes;
+  outputs_ = outputs;
+  while (!has_settings_ && readMessage()) {
+  }
   // The loop flushes denormals, the decode thread does not.
   std::fenv_t decode_mode{}, tick_mode{};
   std::fegetenv(&decode_mode);
@@ -205,7 +230,7 @@ ReplayCounts Replay::run(const ReplayChanges& changes,
     }
     std::fesetenv(&tick_mode);
     if (recorded.inputs.timing != 0) timing.store(timings_.at(recorded.inputs.timing));
-    if (recorded.inputs.controls != 0) controls.store(findControls(recorded.inputs.controls));
+    if (recorded.inputs.controls != 0) controls.store(controls_.at(recorded.inputs.controls));
     timings_.erase(timings_.begin(), timings_.lower_bound(recorded.inputs.timing));
     controls_.erase(controls_.begin(), controls_.lower_bound(recorded.inputs.controls));
     if (recorded.inputs.stopping) renderer->stop();
@@ -214,7 +239,7 @@ ReplayCounts Replay::run(const ReplayChanges& changes,
     counts.different += hasSameBits(report.force_N, recorded.force_N) ? 0 : 1;
     counts.largest_difference_N =
         std::max(counts.largest_difference_N, (report.force_N - recorded.force_N).norm());
-    on_tick(report);
+    if (outputs_.onTick) outputs_.onTick(report);
   }
   return counts;
 }

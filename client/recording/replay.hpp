@@ -13,6 +13,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <variant>
 
@@ -45,15 +46,23 @@ struct ReplayCounts {
   double largest_difference_N = 0.0;
 };
 
+/// Receivers of what a replay reads and renders; each may be empty.
+struct ReplayOutputs {
+  std::function<void(const TickReport&)> onTick = {};
+  /// Receives each other message of the recording before the ticks that need it; settings and
+  /// controls with the changes.
+  std::function<void(RunChannel channel, std::uint64_t time_ns, std::span<const std::uint8_t> data)>
+      onMessage = {};
+};
+
 /// A recorded run.
 class Replay {
  public:
   /// Opens `file`. Returns an error without the file's name if it is no recording of a client.
   [[nodiscard]] static Result<std::unique_ptr<Replay>> open(const std::string& file);
 
-  /// Renders all ticks with `changes`. `on_tick` receives the report of each. Call it once.
-  ReplayCounts run(const ReplayChanges& changes,
-                   const std::function<void(const TickReport&)>& on_tick);
+  /// Renders all ticks with `changes`. Call it once.
+  ReplayCounts run(const ReplayChanges& changes, const ReplayOutputs& outputs);
   /// Returns why the ticks end before the end of the file, as a phrase; empty: they do not.
   [[nodiscard]] const std::string& problem() const { return problem_; }
 
@@ -68,6 +77,9 @@ class Replay {
 
   explicit Replay(McapReader file) : file_(std::move(file)) {}
   [[nodiscard]] bool findChannels();
+  /// Returns why the recording cannot be rendered; nullopt: it can.
+  [[nodiscard]] std::optional<Error> findObstacle();
+  [[nodiscard]] bool readContent(RunChannel channel, std::span<const std::uint8_t> data);
   /// Reads messages up to the next ticks. Returns false at the end, or at the first damage.
   bool readMessage();
   template <class Content>
@@ -80,10 +92,9 @@ class Replay {
     known_frames_ += preparation.handed_over ? 1 : 0;
   }
   void add(const RecordedTiming& timing);
-  void add(const UserControls& controls) { controls_[controls.number] = controls; }
-  /// Returns the controls with this number, with the changes.
-  [[nodiscard]] UserControls findControls(std::uint64_t number) const;
-  void change(const ReplayChanges& changes);
+  void add(UserControls controls);
+  /// Replaces the recorded settings by those of the user.
+  void change(RendererSettings& settings) const;
   /// Reads on until all inputs of `tick` are known. Returns false if they are missing.
   bool readInputsOf(const TickReport& tick);
   [[nodiscard]] bool hasInputsOf(const TickReport& tick) const;
@@ -92,7 +103,8 @@ class Replay {
   [[nodiscard]] std::optional<std::size_t> findFrame(std::uint64_t id) const;
 
   McapReader file_;
-  std::map<std::uint16_t, std::size_t> channels_;  // number in the file -> RunChannel
+  std::map<std::uint16_t, RunChannel> channels_;  // by number in the file
+  ReplayOutputs outputs_;
   RendererSettings settings_;
   bool has_settings_ = false;
   ReplayChanges changes_;
@@ -102,6 +114,7 @@ class Replay {
   std::map<std::uint64_t, StreamTiming> timings_;
   Workspace workspace_;  // of the newest timing
   std::map<std::uint64_t, UserControls> controls_;
+  UserControls newest_controls_;
   std::uint64_t known_frames_ = 0;  // of all preparations so far that were handed over
   std::uint64_t handed_over_ = 0;
   std::size_t ahead_bytes_ = 0;  // read since the last tick had its inputs

@@ -3,6 +3,9 @@
 #pragma once
 
 #include <cstddef>
+#include <vector>
+
+#include "common/recording/schemas.hpp"
 
 namespace hapticast::client {
 
@@ -35,5 +38,17 @@ inline constexpr RunChannelName kRunChannelNames[kRunChannels] = {
     {"/description", "hapticast.proto.StreamDescription", true},
     {"/picture", "foxglove.CompressedImage"},
 };
+
+/// Ticks in one message.
+inline constexpr std::size_t kTicksPerMessage = 10;
+
+/// Returns the channels of a recording, by number.
+[[nodiscard]] inline std::vector<McapChannel> listRunChannels() {
+  std::vector<McapChannel> channels;
+  channels.reserve(kRunChannels);
+  for (const RunChannelName& each : kRunChannelNames)
+    channels.push_back(makeChannel(each.topic, each.message, each.is_state));
+  return channels;
+}
 
 }  // namespace hapticast::client

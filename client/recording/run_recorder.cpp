@@ -1,22 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "client/recording/run_recorder.hpp"
 
-#include <vector>
-
 #include "common/protocol/recorded.hpp"
-#include "common/recording/schemas.hpp"
 
 namespace hapticast::client {
 
 namespace {
-
-std::vector<McapChannel> listChannels() {
-  std::vector<McapChannel> channels;
-  channels.reserve(kRunChannels);
-  for (const RunChannelName& each : kRunChannelNames)
-    channels.push_back(makeChannel(each.topic, each.message, each.is_state));
-  return channels;
-}
 
 std::uint64_t toFileTime(LocalTime time) {
   return static_cast<std::uint64_t>(time.time_since_epoch().count());
@@ -27,7 +16,7 @@ std::uint64_t toFileTime(LocalTime time) {
 RunRecorder::RunRecorder(const OutputSettings& settings, const Clock& clock)
     : clock_(clock),
       outputs_(settings, "hapticast-client",
-               "the motion of the hand, and the pictures of the stream", listChannels(),
+               "the motion of the hand, and the pictures of the stream", listRunChannels(),
                [&clock] { return toFileTime(clock.now()); }) {
   ticks_.reserve(kTicksPerMessage);
 }

@@ -18,9 +18,6 @@ namespace hapticast::client {
 /// The recording of one run.
 class RunRecorder {
  public:
-  /// Ticks in one message.
-  static constexpr std::size_t kTicksPerMessage = 10;
-
   /// Opens the outputs as MessageOutputs does. `clock` must outlive this object.
   RunRecorder(const OutputSettings& settings, const Clock& clock);
   ~RunRecorder();

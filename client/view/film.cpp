@@ -80,6 +80,11 @@ bool FilmView::update(UiState& ui_state) {
   return true;
 }
 
+bool FilmView::isBusy() {
+  const std::lock_guard lock(mutex_);
+  return !failed_ && waiting_.size() > kMostWaiting / 2;
+}
+
 void FilmView::finish() {
   stop();
   if (failed_) std::rethrow_exception(failed_);

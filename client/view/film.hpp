@@ -35,6 +35,7 @@ class FilmView final : public View {
   void onPicture(VideoFrame picture, const Workspace& workspace) override;
   void onReport(const TickReport& report) override;
   [[nodiscard]] bool update(UiState& ui_state) override;
+  [[nodiscard]] bool isBusy() override;
   /// Waits until the film is complete. Throws like View::finish().
   void finish() override;
 

@@ -74,6 +74,8 @@ class View {
   /// Returns true if the view needs the stream's pictures. Without such a view the client requests
   /// none.
   [[nodiscard]] virtual bool wantsVideo() const { return true; }
+  /// Returns true if much waits for the view's own thread. A replay then waits. Thread: main.
+  [[nodiscard]] virtual bool isBusy() { return false; }
   /// Returns true if the user can move the pointer over the view, so that a mouse can be a device.
   [[nodiscard]] virtual bool points() const { return false; }
   /// Returns a histogram of the difference in play time between the shown picture and the rendered

@@ -2,6 +2,7 @@
 // Recorded runs under the virtual clock: a replay has the bits of the run; damaged recordings end
 // with a sentence.
 #include "client/recording/replay.hpp"
+#include "client/replay_outputs.hpp"
 
 #include <gtest/gtest.h>
 
@@ -114,25 +115,54 @@ TEST_F(ReplayTest, HasTheBitsOfTheRun) {
     const std::vector<TickReport> run = DrawnRun(seed).record(file);
     const auto replay = open(file);
     std::size_t next = 0, contacts = 0, different = 0;
-    const ReplayCounts counts = replay->run({}, [&](const TickReport& report) {
-      ASSERT_LT(next, run.size());
-      const TickReport& recorded = run[next++];
-      const bool same = hasSameBits(report.force_N, recorded.force_N) &&
-                        hasSameBits(report.static_force_N, recorded.static_force_N) &&
-                        hasSameBits(report.dynamic_force_N, recorded.dynamic_force_N) &&
-                        hasSameBits(report.ahead_mm, recorded.ahead_mm) &&
-                        report.play_time == recorded.play_time &&
-                        report.safety_actions == recorded.safety_actions &&
-                        report.lookup == recorded.lookup && report.fault == recorded.fault;
-      different += same ? 0 : 1;
-      contacts += report.contact ? 1 : 0;
-    });
+    const ReplayCounts counts = replay->run(
+        {}, {.onTick = [&](const TickReport& report) {
+          ASSERT_LT(next, run.size());
+          const TickReport& recorded = run[next++];
+          const bool same = hasSameBits(report.force_N, recorded.force_N) &&
+                            hasSameBits(report.static_force_N, recorded.static_force_N) &&
+                            hasSameBits(report.dynamic_force_N, recorded.dynamic_force_N) &&
+                            hasSameBits(report.ahead_mm, recorded.ahead_mm) &&
+                            report.play_time == recorded.play_time &&
+                            report.safety_actions == recorded.safety_actions &&
+                            report.lookup == recorded.lookup && report.fault == recorded.fault;
+          different += same ? 0 : 1;
+          contacts += report.contact ? 1 : 0;
+        }});
     EXPECT_EQ(replay->problem(), "");
     EXPECT_EQ(counts.ticks, run.size());
     EXPECT_EQ(counts.different, 0U);
     EXPECT_EQ(different, 0U);
     EXPECT_GT(contacts, 50U);
   }
+}
+
+TEST_F(ReplayTest, ARecordingOfAReplayIsThatOfItsForces) {
+  const std::string file = path("run.mcap");
+  const std::vector<TickReport> run = DrawnRun(3).record(file);
+  ReplayChanges soft;
+  soft.stiffness_N_mm = 0.1;
+  for (const ReplayChanges& changes : {ReplayChanges{}, soft}) {
+    const std::string name = path(changes.any() ? "soft.mcap" : "same.mcap");
+    ReplayRecording recording(name);
+    const auto first = open(file);
+    const ReplayCounts counts = first->run(
+        changes,
+        {.onTick = [&](const TickReport& report) { recording.onTick(report); },
+         .onMessage =
+             [&](RunChannel channel, std::uint64_t time_ns, std::span<const std::uint8_t> data) {
+               recording.onMessage(channel, time_ns, data);
+             }});
+    recording.finish();
+    EXPECT_EQ(counts.ticks, run.size());
+    EXPECT_EQ(counts.different > 0, changes.any());
+    const auto again = open(name);
+    const ReplayCounts same = again->run({}, {});
+    EXPECT_EQ(again->problem(), "");
+    EXPECT_EQ(same.ticks, run.size());
+    EXPECT_EQ(same.different, 0U);
+  }
+  EXPECT_THROW(ReplayRecording{file}, RecordingError);
 }
 
 TEST_F(ReplayTest, OtherSettingsGiveOtherForcesWithinTheirLimits) {
@@ -144,9 +174,10 @@ TEST_F(ReplayTest, OtherSettingsGiveOtherForcesWithinTheirLimits) {
   thesis.method = Method::kThesis;
   for (const ReplayChanges& changes : {soft, thesis}) {
     double strongest_N = 0.0;
-    const ReplayCounts counts = open(file)->run(changes, [&](const TickReport& report) {
-      strongest_N = std::max(strongest_N, report.force_N.norm());
-    });
+    const ReplayCounts counts = open(file)->run(changes, {.onTick = [&](const TickReport& report) {
+                                                  strongest_N =
+                                                      std::max(strongest_N, report.force_N.norm());
+                                                }});
     EXPECT_GT(counts.different, 50U);
     EXPECT_GT(counts.largest_difference_N, 0.01);
     EXPECT_LE(strongest_N, loadDeviceProfile("omni").peak_N);
@@ -164,7 +195,7 @@ TEST_F(ReplayTest, ADamagedRecordingRendersItsBegin) {
     if (i % 2 == 0) damaged[random() % damaged.size()] ^= static_cast<char>(1 + random() % 255);
     const auto opened = Replay::open(folder_.write("damaged.mcap", damaged));
     if (!opened.ok()) continue;
-    const ReplayCounts counts = opened.value()->run({}, [](const TickReport&) {});
+    const ReplayCounts counts = opened.value()->run({}, {});
     EXPECT_LE(counts.ticks, run.size());
     EXPECT_EQ(counts.different, 0U) << opened.value()->problem();
     if (counts.ticks < run.size()) {
