@@ -6,7 +6,7 @@ include(CMakePackageConfigHelpers)
 add_library(hapticast_archive STATIC)
 set_target_properties(hapticast_archive PROPERTIES OUTPUT_NAME hapticast EXPORT_NAME archive)
 foreach(part frames common haptics profile api_haptics proto wire net found_servers trust api_receive stream api_publish
-    source vision api_vision)
+    recording source vision api_vision)
   target_sources(hapticast_archive PRIVATE $<TARGET_OBJECTS:hapticast_${part}>)
 endforeach()
 target_link_libraries(hapticast_archive INTERFACE Threads::Threads Eigen3::Eigen)
@@ -33,7 +33,8 @@ foreach(package avahi openni2)
 endforeach()
 hapticast_component(haptics)
 hapticast_component(stream protobuf::libprotobuf-lite OpenSSL::SSL OpenSSL::Crypto spdlog::spdlog ${avahi_library})
-hapticast_component(vision ${OpenCV_LIBS} PkgConfig::libav PkgConfig::libzip spdlog::spdlog ${openni2_library})
+hapticast_component(vision ${OpenCV_LIBS} PkgConfig::libav PkgConfig::libzip ZLIB::ZLIB PkgConfig::compressions
+  spdlog::spdlog ${openni2_library})
 
 set(package_folder usr/lib/${CMAKE_LIBRARY_ARCHITECTURE}/cmake/hapticast)
 install(TARGETS hapticast_archive EXPORT hapticast

@@ -80,7 +80,7 @@ Headers, a static library and a CMake package: a renderer of forces, a
 receiver and a publisher of haptic video, and vision.")
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_DEPENDS "libavcodec-dev, libavformat-dev, libavutil-dev, libeigen3-dev, libopencv-dev, \
-libprotobuf-dev, libspdlog-dev, libssl-dev, libswscale-dev, libzip-dev, pkg-config")
+liblz4-dev, libprotobuf-dev, libspdlog-dev, libssl-dev, libswscale-dev, libzip-dev, libzstd-dev, pkg-config, zlib1g-dev")
 foreach(package avahi-client openni2)  # what was found, the archive needs
   string(REGEX REPLACE "-.*" "" name ${package})
   if(TARGET hapticast_${name})

@@ -9,6 +9,7 @@
 #include "common/build_options.hpp"
 #include "common/cli/options.hpp"
 #include "common/cli/parse.hpp"
+#include "common/recording/mcap_reader.hpp"
 #include "server/author/author_options.hpp"
 #include "server/scene_option.hpp"
 #include "server/settings.hpp"
@@ -28,6 +29,22 @@ const std::map<std::string, DepthCode> kDepthCodes{
     {"grey", DepthCode::kGrey}, {"inverse", DepthCode::kInverse}, {"hue", DepthCode::kHue}};
 const std::map<std::string, DepthCode> kDepthNear{{"bright", DepthCode::kGrey},
                                                   {"dark", DepthCode::kInverse}};
+
+/// Adds --topics. Its value is two names.
+void addTopics(CLI::App& app, VideoLayout& layout) {
+  const auto set = [&layout](const std::string& text) {
+    const std::size_t comma = text.find(',');
+    if (comma == std::string::npos || comma == 0 || comma + 1 == text.size())
+      throw CLI::ValidationError("--topics", quote(text) + " is not COLOR,DEPTH");
+    layout.color_topic = text.substr(0, comma);
+    layout.depth_topic = text.substr(comma + 1);
+  };
+  app.add_option_function<std::string>(
+         "--topics", set,
+         "The topics of colour and depth in a recording of another program (ROS 2 or Foxglove in "
+         "MCAP), e.g. /camera/color/image_raw,/camera/depth/image_raw. Default: the only ones")
+      ->type_name("COLOR,DEPTH");
+}
 
 /// Adds the flags about the files, the place, the code and the unit of depth.
 void addLayoutOptions(CLI::App& app, VideoLayout& layout) {
@@ -55,6 +72,7 @@ void addLayoutOptions(CLI::App& app, VideoLayout& layout) {
   app.add_option("--depth", layout.depth_glob,
                  "The depth images of a folder, as a pattern relative to it, e.g. 'depth_*.png'")
       ->type_name("GLOB");
+  addTopics(app, layout);
 }
 
 void addSourceOptions(CLI::App& app, Settings& settings) {
@@ -70,7 +88,8 @@ void addSourceOptions(CLI::App& app, Settings& settings) {
          "http, "
          "https, udp, tcp or rtp), or nats://HOST[:PORT][,HOST2]/CHANNEL (an edge: it forwards the "
          "stream that an origin "
-         "publishes), or FILE.mcap (a recording that --record has made)")
+         "publishes), or FILE.mcap (a recording that --record has made, or one of ROS 2 or "
+         "Foxglove with colour and depth images)")
       ->required();
   addNumber(app, "--fps", settings.fps, 1.0, 240.0, "1..240",
             "Frames a second; default: the source's own");
@@ -370,8 +389,15 @@ Result<Settings> rereadCommandLine(int argc, const char* const* argv) {
 }
 
 bool isRecording(const Settings& settings) {
-  return settings.source.find("://") == std::string::npos &&
-         hasEnding(settings.source, kRecordingEnding);
+  if (settings.source.find("://") != std::string::npos ||
+      !hasEnding(settings.source, kRecordingEnding))
+    return false;
+  const auto reader = McapReader::open(settings.source, 1);
+  if (!reader.ok()) return true;  // the player says why
+  const auto& channels = reader.value().channels();
+  return std::any_of(channels.begin(), channels.end(), [](const auto& channel) {
+    return channel.second.schema.name == "hapticast.proto.HapticFrame";
+  });
 }
 
 bool isEdge(const Settings& settings) { return settings.source.starts_with(kNatsScheme); }

@@ -56,7 +56,8 @@ struct Settings {
 /// Returns whether the source is the channel of an origin, so that this server is an edge.
 [[nodiscard]] bool isEdge(const Settings& settings);
 
-/// Returns whether the source is a recording, which is played without vision.
+/// Returns whether the source is a recording of hapticast, which is played without vision. Reads
+/// the head of the file. A recording that cannot be read counts as one of hapticast.
 [[nodiscard]] bool isRecording(const Settings& settings);
 
 }  // namespace hapticast::server
