@@ -30,22 +30,6 @@ const std::map<std::string, DepthCode> kDepthCodes{
 const std::map<std::string, DepthCode> kDepthNear{{"bright", DepthCode::kGrey},
                                                   {"dark", DepthCode::kInverse}};
 
-/// Adds --topics. Its value is two names.
-void addTopics(CLI::App& app, VideoLayout& layout) {
-  const auto set = [&layout](const std::string& text) {
-    const std::size_t comma = text.find(',');
-    if (comma == std::string::npos || comma == 0 || comma + 1 == text.size())
-      throw CLI::ValidationError("--topics", quote(text) + " is not COLOR,DEPTH");
-    layout.color_topic = text.substr(0, comma);
-    layout.depth_topic = text.substr(comma + 1);
-  };
-  app.add_option_function<std::string>(
-         "--topics", set,
-         "The topics of colour and depth in a recording of another program (ROS 2 or Foxglove in "
-         "MCAP), e.g. /camera/color/image_raw,/camera/depth/image_raw. Default: the only ones")
-      ->type_name("COLOR,DEPTH");
-}
-
 /// Adds the flags about the files, the place, the code and the unit of depth.
 void addLayoutOptions(CLI::App& app, VideoLayout& layout) {
   addChoice(
@@ -72,7 +56,10 @@ void addLayoutOptions(CLI::App& app, VideoLayout& layout) {
   app.add_option("--depth", layout.depth_glob,
                  "The depth images of a folder, as a pattern relative to it, e.g. 'depth_*.png'")
       ->type_name("GLOB");
-  addTopics(app, layout);
+  app.add_option("--topics", layout.topics,
+                 "The topics of colour and depth in a recording of ROS 2 or Foxglove (MCAP), e.g. "
+                 "/camera/color/image_raw,/camera/depth/image_raw. Default: the only ones")
+      ->type_name("COLOR,DEPTH");
 }
 
 void addSourceOptions(CLI::App& app, Settings& settings) {

@@ -148,7 +148,7 @@ void requireFlags(const std::string& spec, bool is_video, bool is_named,
   std::error_code error;
   const bool folder = fs::is_directory(spec, error);
   const bool recording = is_video && isFile(spec) && isRecordingFile(spec);
-  if (!layout.color_topic.empty() && !recording)
+  if (!layout.topics.empty() && !recording)
     throw SourceError(hideCredentials(spec) +
                       ": only a recording (MCAP) has --topics; leave the flag out");
   if (!layout.color_glob.empty() && !folder && (is_video || is_named))

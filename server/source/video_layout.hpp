@@ -32,9 +32,8 @@ struct VideoLayout {
   /// Patterns of the images in a folder, relative to it. Empty: the server recognises the layout.
   std::string color_glob = "";
   std::string depth_glob = "";
-  /// Topics of a recording. Empty: the only ones.
-  std::string color_topic = "";
-  std::string depth_topic = "";
+  /// Topics in a recording: "COLOR,DEPTH". Empty: the only ones.
+  std::string topics = "";
   bool operator==(const VideoLayout&) const = default;
 };
 

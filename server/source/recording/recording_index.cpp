@@ -141,11 +141,12 @@ RecordingIndex indexRecording(McapReader& reader) {
   return index;
 }
 
-TopicPair chooseTopics(const RecordingIndex& index, const std::string& color,
-                       const std::string& depth, const std::string& file) {
-  if (!color.empty())
-    return {&findNamed(index, color, ImageKind::kColor, file),
-            &findNamed(index, depth, ImageKind::kDepth, file)};
+TopicPair chooseTopics(const RecordingIndex& index, const std::string& named,
+                       const std::string& file) {
+  if (const std::size_t comma = named.find(','); comma != std::string::npos)
+    return {&findNamed(index, named.substr(0, comma), ImageKind::kColor, file),
+            &findNamed(index, named.substr(comma + 1), ImageKind::kDepth, file)};
+  if (!named.empty()) throw SourceError("--topics: " + quote(named) + " is not COLOR,DEPTH");
   const auto colors = findTopics(index, ImageKind::kColor);
   const auto depths = findTopics(index, ImageKind::kDepth);
   if (colors.empty() || depths.empty()) {

@@ -52,10 +52,11 @@ struct TopicPair {
   const ImageTopic* depth = nullptr;
 };
 
-/// Returns the topics of the names `color` and `depth`. If they are empty, returns the only colour
-/// and the only depth of `index`. Throws SourceError that names `file`, the topics and --topics.
-[[nodiscard]] TopicPair chooseTopics(const RecordingIndex& index, const std::string& color,
-                                     const std::string& depth, const std::string& file);
+/// Returns the topics that `named` names, the value of --topics: "COLOR,DEPTH". If it is empty,
+/// returns the only colour and the only depth of `index`. Throws SourceError that names `file`, the
+/// topics and --topics.
+[[nodiscard]] TopicPair chooseTopics(const RecordingIndex& index, const std::string& named,
+                                     const std::string& file);
 
 /// Returns the intrinsics of the colour topic `color`: those of the same namespace ("/camera" of
 /// "/camera/image_raw" and "/camera/image_raw/compressed"), else the only ones. nullptr: there are

@@ -82,7 +82,7 @@ RecordingSource::RecordingSource(const std::string& file, double fps, const Vide
   McapReader reader = openMcap(file);
   refuseOwnRecording(reader, file);
   const RecordingIndex index = indexRecording(reader);
-  const TopicPair topics = chooseTopics(index, layout.color_topic, layout.depth_topic, file);
+  const TopicPair topics = chooseTopics(index, layout.topics, file);
   if (!index.problem.empty())
     spdlog::warn("--source {}: {}; the server plays the images before that", file, index.problem);
   warnOfOtherView(topics, file);
