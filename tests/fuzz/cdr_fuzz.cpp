@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Messages with images in recordings of ROS 2 (CDR) and Foxglove (protobuf): one byte with the type,
-// then the message. Whatever they are, a picture has a size that sources read, or a problem.
+// Messages with images in recordings of ROS 2 (CDR) and Foxglove (protobuf): one byte with the
+// type, then the message. Whatever they are, a picture has a size that sources read, or a problem.
 #include <cstdint>
 #include <cstdlib>
 #include <span>

@@ -44,9 +44,7 @@ const RawEncoding* findEncoding(std::string_view name) {
 }
 
 std::string unknownEncoding(const ImageMessage& image) {
-  return "has the encoding " + quote(image.encoding) +
-         "; the server reads rgb8, bgr8, rgba8, bgra8 and mono8, and depth as 16UC1, mono16 and "
-         "32FC1";
+  return "has the encoding " + quote(image.encoding) + ", which the server does not read";
 }
 
 /// Reverses the bytes of each value.

@@ -251,7 +251,7 @@ TEST(ImageMessageTest, WrongPicturesAreRefused) {
   };
   EXPECT_EQ(problemOf(rosImage(depth, "16UC1")), "");
   EXPECT_EQ(problemOf(withSize(2, 3, 6)), "");
-  EXPECT_THAT(problemOf(rosImage(depth, "bayer_rggb8")), HasSubstr("\"bayer_rggb8\""));
+  EXPECT_THAT(problemOf(rosImage(depth, "bayer_rggb8")), HasSubstr("'bayer_rggb8'"));
   EXPECT_THAT(problemOf(withSize(0, 3, 6)), HasSubstr("has no pixels"));
   EXPECT_THAT(problemOf(withSize(2, 3, 5)), HasSubstr("shorter than its pixels"));
   EXPECT_THAT(problemOf(withSize(2, 2, 5)), HasSubstr("odd number of bytes"));
