@@ -46,9 +46,9 @@ void addLayoutOptions(CLI::App& app, VideoLayout& layout) {
       ->default_str("")  // a configuration file with all defaults would have both
       ->excludes(code);
   addNumber(app, "--depth-unit", layout.depth_unit_mm, 1e-3, 1e4, "MM",
-            "mm of one unit of depth, in folders, videos and v4l2: 0.2 for TUM and ORB-SLAM "
-            "(1/5000 m), 1 for mm, 1000 for metres. Default: as the source states, else 1 for "
-            "integers and 1000 for floats");
+            "mm of one unit of depth, in folders, videos, recordings and v4l2: 0.2 for TUM and "
+            "ORB-SLAM (1/5000 m), 1 for mm, 1000 for metres. Default: as the source states, else 1 "
+            "for integers and 1000 for floats");
   app.add_option("--color", layout.color_glob,
                  "The colour images of a folder, as a pattern relative to it, e.g. 'frame_*.jpg'; "
                  "needs --depth. Default: the server recognises the layout")

@@ -47,6 +47,8 @@ constexpr std::array kKnownFiles{
     KnownFile{"\xFD"
               "7zXZ\0"sv,
               "", "is an archive", "; unpack it, then use its folder"},
+    KnownFile{"\x28\xB5\x2F\xFD", "", "is compressed",
+              "; unpack it (unzstd FILE), then use FILE.mcap"},
     KnownFile{"\x93NUMPY", "", "has depth only", "; name the colour video too: COLOR,FILE.npy"},
     KnownFile{"\x89PNG", "", "is one picture", "; use a folder with rgb/ and depth/"},
     KnownFile{"\xFF\xD8\xFF", "", "is one picture", "; use a folder with rgb/ and depth/"},

@@ -61,18 +61,18 @@ bool isRecordingFile(const std::string& file) {
 std::string findBagFile(const std::string& folder) try {
   if (!fs::exists(fs::path(folder) / "metadata.yaml")) return "";
   std::vector<std::string> parts;
-  std::string database;
+  std::string other;  // refused with its remedy (known_files.hpp)
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
     const std::string file = entry.path().string();
     if (hasEnding(file, ".mcap")) parts.push_back(file);
-    if (hasEnding(file, ".db3")) database = file;
+    if (hasEnding(file, ".db3") || hasEnding(file, ".mcap.zstd")) other = file;
   }
   if (parts.size() == 1) return parts.front();
   if (parts.size() > 1)
     throw SourceError(folder + ": is a bag of " + std::to_string(parts.size()) +
                       " MCAP files; name one of them, or join them (mcap merge FILE.mcap "
                       "FILE2.mcap -o WHOLE.mcap)");
-  return database;
+  return other;
 } catch (const fs::filesystem_error& error) {
   throw SourceError(folder + ": cannot be read (" + error.code().message() + ")");
 }

@@ -21,8 +21,9 @@ namespace hapticast::server {
 /// MCAP.
 [[nodiscard]] bool isRecordingFile(const std::string& file);
 
-/// Returns the recording in `folder` if that is a ROS 2 bag, which has metadata.yaml. Returns "" if
-/// it is none. Throws SourceError if the bag has no MCAP file, or several.
+/// Returns the recording in `folder` if that is a ROS 2 bag, which has metadata.yaml: the MCAP
+/// file, else a file of another form, which refuseKnownFile() explains. Returns "" if it is no bag.
+/// Throws SourceError if the bag has several MCAP files.
 [[nodiscard]] std::string findBagFile(const std::string& folder);
 
 /// Source whose frames are pairs of messages.

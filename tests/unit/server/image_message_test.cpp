@@ -239,7 +239,7 @@ TEST(ImageMessageTest, InverseDepthIsInMetres) {
 }
 
 TEST(ImageMessageTest, WrongPicturesAreRefused) {
-  const auto problemOf = [](const MessageBytes& bytes) {
+  const auto describeProblem = [](const MessageBytes& bytes) {
     const auto image = readImageMessage(MessageType::kRosImage, bytes);
     return image.ok() ? readDepth(image.value()).problem : image.error().message;
   };
@@ -249,17 +249,18 @@ TEST(ImageMessageTest, WrongPicturesAreRefused) {
     out.uint32(height).uint32(width).text("16UC1").uint8(0).uint32(row_bytes);
     return out.bytes(MessageBytes(12)).message();
   };
-  EXPECT_EQ(problemOf(rosImage(depth, "16UC1")), "");
-  EXPECT_EQ(problemOf(withSize(2, 3, 6)), "");
-  EXPECT_THAT(problemOf(rosImage(depth, "bayer_rggb8")), HasSubstr("'bayer_rggb8'"));
-  EXPECT_THAT(problemOf(withSize(0, 3, 6)), HasSubstr("has no pixels"));
-  EXPECT_THAT(problemOf(withSize(2, 3, 5)), HasSubstr("shorter than its pixels"));
-  EXPECT_THAT(problemOf(withSize(2, 2, 5)), HasSubstr("odd number of bytes"));
-  EXPECT_THAT(problemOf(withSize(3, 3, 6)), HasSubstr("less data"));
-  EXPECT_THAT(problemOf(withSize(9000, 3, 6)), HasSubstr("is 3x9000, larger than"));
-  EXPECT_THAT(problemOf(withSize(0xFFFFFFFF, 0xFFFFFFFF, 0xFFFFFFFF)), HasSubstr("larger than"));
-  EXPECT_THAT(problemOf({0, 7, 0, 0, 1, 2, 3, 4}), HasSubstr("CDR 1"));
-  EXPECT_THAT(problemOf({}), HasSubstr("cut off"));
+  EXPECT_EQ(describeProblem(rosImage(depth, "16UC1")), "");
+  EXPECT_EQ(describeProblem(withSize(2, 3, 6)), "");
+  EXPECT_THAT(describeProblem(rosImage(depth, "bayer_rggb8")), HasSubstr("'bayer_rggb8'"));
+  EXPECT_THAT(describeProblem(withSize(0, 3, 6)), HasSubstr("has no pixels"));
+  EXPECT_THAT(describeProblem(withSize(2, 3, 5)), HasSubstr("shorter than its pixels"));
+  EXPECT_THAT(describeProblem(withSize(2, 2, 5)), HasSubstr("odd number of bytes"));
+  EXPECT_THAT(describeProblem(withSize(3, 3, 6)), HasSubstr("less data"));
+  EXPECT_THAT(describeProblem(withSize(9000, 3, 6)), HasSubstr("is 3x9000, larger than"));
+  EXPECT_THAT(describeProblem(withSize(0xFFFFFFFF, 0xFFFFFFFF, 0xFFFFFFFF)),
+              HasSubstr("larger than"));
+  EXPECT_THAT(describeProblem({0, 7, 0, 0, 1, 2, 3, 4}), HasSubstr("CDR 1"));
+  EXPECT_THAT(describeProblem({}), HasSubstr("cut off"));
   const MessageBytes rvl = rosCompressed(pluginDepth(depth), "16UC1; compressedDepth rvl");
   EXPECT_THAT(readDepth(readImageMessage(MessageType::kRosCompressedImage, rvl).value()).problem,
               HasSubstr("RVL"));

@@ -297,6 +297,10 @@ TEST_F(RecordingSourceTest, ABagIsAFolderWithOneRecording) {
   expectFrame(*openSource(bag, 0.0), 0, 0);
   (void)write("bag/bag_1.mcap", rosChannels(), rosFrames(2));
   EXPECT_THAT(openError(bag), HasSubstr("is a bag of 2 MCAP files"));
+  folder.TempFolder::write("packed/metadata.yaml", "rosbag2_bagfile_information:\n");
+  folder.TempFolder::write("packed/packed_0.mcap.zstd", "\x28\xB5\x2F\xFD and more");
+  EXPECT_THAT(openError((folder / "packed").string()),
+              HasSubstr("packed_0.mcap.zstd: is compressed; unpack it (unzstd FILE)"));
   folder.TempFolder::write("old/metadata.yaml", "rosbag2_bagfile_information:\n");
   const std::string database =
       folder.TempFolder::write("old/old_0.db3", "SQLite format 3 and more");
