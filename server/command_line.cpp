@@ -380,7 +380,7 @@ bool isRecording(const Settings& settings) {
       !hasEnding(settings.source, kRecordingEnding))
     return false;
   const auto reader = McapReader::open(settings.source, 1);
-  if (!reader.ok()) return true;  // the player says why
+  if (!reader.ok()) return false;  // openSource() says why
   const auto& channels = reader.value().channels();
   return std::any_of(channels.begin(), channels.end(), [](const auto& channel) {
     return channel.second.schema.name == "hapticast.proto.HapticFrame";
