@@ -57,7 +57,7 @@ struct Settings {
 [[nodiscard]] bool isEdge(const Settings& settings);
 
 /// Returns whether the source is a recording of hapticast, which is played without vision. Reads
-/// the head of the file. A recording that cannot be read counts as one of hapticast.
+/// the head of the file. A file that cannot be read is none.
 [[nodiscard]] bool isRecording(const Settings& settings);
 
 }  // namespace hapticast::server
