@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <random>
 
+#include "server/settings.hpp"
 #include "tests/unit/server/image_messages.hpp"
 #include "tests/unit/server/source_files.hpp"
 
@@ -221,6 +222,18 @@ TEST_F(RecordingSourceTest, AFileWithoutBothIsRefusedWithItsTopics) {
   EXPECT_THAT(openError(own), HasSubstr("is a recording of hapticast-server"));
   EXPECT_THAT(openError(folder.TempFolder::write("text.mcap", "no recording")),
               HasSubstr("is no MCAP file"));
+}
+
+TEST_F(RecordingSourceTest, OnlyARecordingOfHapticastPlaysWithoutVision) {
+  Settings settings;
+  settings.source = write("ros.mcap", rosChannels(), rosFrames(2));
+  EXPECT_FALSE(isRecording(settings));
+  settings.source =
+      write("own.mcap", {{"/frame", "protobuf", {"hapticast.proto.HapticFrame", "protobuf", ""}}},
+            {{0, 1, {1}}});
+  EXPECT_TRUE(isRecording(settings));
+  settings.source = (folder / "none.mcap").string();
+  EXPECT_FALSE(isRecording(settings));
 }
 
 TEST_F(RecordingSourceTest, FlagsOfOtherSourcesAreRefused) {
