@@ -18,12 +18,4 @@ namespace hapticast::server {
                                                      std::span<const std::uint8_t> bytes);
 [[nodiscard]] std::optional<CameraMessage> readFoxgloveCamera(std::span<const std::uint8_t> bytes);
 
-/// Returns the time stamp of a message in nanoseconds, or 0 if it is none.
-[[nodiscard]] std::int64_t toStamp_ns(std::int64_t seconds, std::int64_t nanoseconds);
-
-/// Returns `camera` with the intrinsics of the matrix `k`: fx, 0, cx; 0, fy, cy; 0, 0, 1 (rows, the
-/// convention of OpenCV). Returns nullopt if they are out of range.
-[[nodiscard]] std::optional<CameraMessage> withMatrix(CameraMessage camera,
-                                                      std::span<const double, 9> k);
-
 }  // namespace hapticast::server
