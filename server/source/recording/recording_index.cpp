@@ -86,6 +86,7 @@ std::string listWords(std::vector<std::string> words) {
 
 std::string listNames(const std::vector<const ImageTopic*>& topics) {
   std::vector<std::string> names;
+  names.reserve(topics.size());
   for (const ImageTopic* topic : topics) names.push_back(topic->name);
   return names.empty() ? "none" : listWords(names);
 }
