@@ -51,7 +51,7 @@ class RecordingSourceTest : public ::testing::Test {
  protected:
   std::string write(const std::string& name, const std::vector<McapChannel>& channels,
                     const std::vector<Sent>& messages) const {
-    const std::string file = (folder / name).string();
+    std::string file = (folder / name).string();
     McapWriter writer(file, channels);
     for (const Sent& each : messages)
       writer.write(each.channel, std::uint64_t(each.time_ns), each.bytes);
