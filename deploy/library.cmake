@@ -36,7 +36,8 @@ hapticast_component(haptics)
 set(stream_libraries protobuf::libprotobuf-lite OpenSSL::SSL OpenSSL::Crypto spdlog::spdlog ${avahi_library})
 hapticast_component(stream ${stream_libraries})
 hapticast_component(recording ${stream_libraries} ZLIB::ZLIB PkgConfig::compressions)
-hapticast_component(vision ${OpenCV_LIBS} PkgConfig::libav PkgConfig::libzip spdlog::spdlog ${openni2_library})
+hapticast_component(vision ${OpenCV_LIBS} PkgConfig::libav PkgConfig::libzip ZLIB::ZLIB PkgConfig::compressions
+  spdlog::spdlog ${openni2_library})
 
 set(package_folder usr/lib/${CMAKE_LIBRARY_ARCHITECTURE}/cmake/hapticast)
 install(TARGETS hapticast_archive EXPORT hapticast

@@ -10,14 +10,13 @@
 #include "common/cli/options.hpp"
 #include "common/cli/parse.hpp"
 #include "server/author/author_options.hpp"
+#include "server/flag_rules.hpp"
 #include "server/scene_option.hpp"
 #include "server/settings.hpp"
 
 namespace hapticast::server {
 
 namespace {
-
-constexpr std::string_view kRecordingEnding = ".mcap";
 
 const std::map<std::string, bool> kTransports{{"udp", true}, {"tcp", false}};
 
@@ -45,9 +44,9 @@ void addLayoutOptions(CLI::App& app, VideoLayout& layout) {
       ->default_str("")  // a configuration file with all defaults would have both
       ->excludes(code);
   addNumber(app, "--depth-unit", layout.depth_unit_mm, 1e-3, 1e4, "MM",
-            "mm of one unit of depth, in folders, videos and v4l2: 0.2 for TUM and ORB-SLAM "
-            "(1/5000 m), 1 for mm, 1000 for metres. Default: as the source states, else 1 for "
-            "integers and 1000 for floats");
+            "mm of one unit of depth, in folders, videos, recordings and v4l2: 0.2 for TUM and "
+            "ORB-SLAM (1/5000 m), 1 for mm, 1000 for metres. Default: as the source states, else 1 "
+            "for integers and 1000 for floats");
   app.add_option("--color", layout.color_glob,
                  "The colour images of a folder, as a pattern relative to it, e.g. 'frame_*.jpg'; "
                  "needs --depth. Default: the server recognises the layout")
@@ -55,6 +54,10 @@ void addLayoutOptions(CLI::App& app, VideoLayout& layout) {
   app.add_option("--depth", layout.depth_glob,
                  "The depth images of a folder, as a pattern relative to it, e.g. 'depth_*.png'")
       ->type_name("GLOB");
+  app.add_option("--topics", layout.topics,
+                 "The topics of colour and depth in a recording of ROS 2 or Foxglove (MCAP), e.g. "
+                 "/camera/color/image_raw,/camera/depth/image_raw. Default: the only ones")
+      ->type_name("COLOR,DEPTH");
 }
 
 void addSourceOptions(CLI::App& app, Settings& settings) {
@@ -70,7 +73,8 @@ void addSourceOptions(CLI::App& app, Settings& settings) {
          "http, "
          "https, udp, tcp or rtp), or nats://HOST[:PORT][,HOST2]/CHANNEL (an edge: it forwards the "
          "stream that an origin "
-         "publishes), or FILE.mcap (a recording that --record has made)")
+         "publishes), or FILE.mcap (a recording that --record has made, or one of ROS 2 or "
+         "Foxglove with colour and depth images)")
       ->required();
   addNumber(app, "--fps", settings.fps, 1.0, 240.0, "1..240",
             "Frames a second; default: the source's own");
@@ -157,20 +161,6 @@ void addTlsOptions(CLI::App& app, Settings& settings) {
   app.add_flag("--insecure", settings.insecure,
                "With --tokens: accept other machines without TLS, so that anybody on the way can "
                "read their tokens");
-}
-
-/// Throws CLI::ValidationError for flags of the network that need another one.
-void requireNetworkFlags(const Settings& settings) {
-  const TlsFiles& tls = settings.tls;
-  if (tls.certificate.empty() != tls.key.empty())
-    throw CLI::ValidationError(tls.key.empty() ? "--tls-cert" : "--tls-key",
-                               "--tls-cert and --tls-key belong together");
-  if (tls.automatic && !tls.certificate.empty())
-    throw CLI::ValidationError("--tls", "auto and --tls-cert exclude each other");
-  if (settings.insecure && settings.tokens_file.empty())
-    throw CLI::ValidationError("--insecure", "needs --tokens");
-  if (!settings.host_names.empty() && !settings.http)
-    throw CLI::ValidationError("--host-name", "needs --http");
 }
 
 /// Returns `text` if it has only characters that occur in host names.
@@ -272,59 +262,6 @@ void addOriginKey(CLI::App& app, std::vector<KeyBytes>& keys) {
       "KEY (64 hex digits of the origin's public key)");
 }
 
-/// Returns the first flag that was set and that a server without vision cannot obey; empty if there
-/// is none. `more`: flags that this server can obey besides those of every server.
-std::string findVisionFlag(const CLI::App& app, const std::vector<std::string>& more) {
-  const std::vector<std::string> allowed{
-      "--source",      "--listen",   "--transport",  "--multicast", "--multicast-ttl",
-      "--max-clients", "--announce", "--tls-cert",   "--tls-key",   "--tls",
-      "--tokens",      "--insecure", "--nats-creds", "--nats-ca",   "--quiet",
-      "--config",      "--http",     "--host-name",  "--origin-key"};
-  for (const CLI::Option* option : app.get_options()) {
-    std::string name = option->get_name();
-    const auto isIn = [&name](const std::vector<std::string>& flags) {
-      return std::find(flags.begin(), flags.end(), name) != flags.end();
-    };
-    if (option->count() > 0 && !isIn(allowed) && !isIn(more)) return name;
-  }
-  return "";
-}
-
-/// Refuses each flag that only a server with a stream of its own can obey.
-void requireEdgeFlags(const CLI::App& app) {
-  const std::string name = findVisionFlag(app, {});
-  if (name.empty()) return;
-  throw CLI::ValidationError(
-      name, name == "--publish"
-                ? "an edge publishes nothing; clusters and leaf nodes of NATS pass streams on"
-                : "an edge forwards an origin's stream; give this flag to the origin");
-}
-
-/// Refuses each flag that changes what a recording has already.
-void requireRecordingFlags(const CLI::App& app) {
-  const std::string name =
-      findVisionFlag(app, {"--publish", "--signing-key", "--loop", "--frames", "--wait-for-viewer",
-                           "--name", "--record", "--live", "--on-demand"});
-  if (!name.empty())
-    throw CLI::ValidationError(name,
-                               "a recording has its frames already; give this flag to the "
-                               "server that records");
-}
-
-/// Refuses the flags that contradict --on-demand. Each viewer then receives by TCP.
-void requireOnDemandFlags(const CLI::App& app, Settings& settings) {
-  if (!settings.on_demand) return;
-  if (!isRecording(settings)) throw CLI::ValidationError("--on-demand", "needs --source FILE.mcap");
-  const bool wants_datagrams = app.count("--transport") > 0 && settings.datagrams;
-  settings.datagrams = false;
-  if (wants_datagrams) throw CLI::ValidationError("--transport", "--on-demand sends by TCP only");
-  for (const char* const name :
-       {"--multicast", "--publish", "--record", "--live", "--frames", "--wait-for-viewer"}) {
-    if (app.count(name) > 0)
-      throw CLI::ValidationError(name, "with --on-demand there is no stream for all viewers");
-  }
-}
-
 }  // namespace
 
 std::unique_ptr<CLI::App> commandLine(Settings& settings) {
@@ -352,17 +289,8 @@ std::unique_ptr<CLI::App> commandLine(Settings& settings) {
   app->add_flag("--quiet", settings.quiet, "Only warnings and errors");
   addConfigFile(*app);
   app->final_callback([&settings, parsed = app.get()] {
-    requireNetworkFlags(settings);
-    if (!isEdge(settings) && !settings.origin_keys.empty() && !settings.publish)
-      throw CLI::ValidationError("--origin-key", "needs --source nats://... or --publish");
-    if (isRecording(settings)) {
-      requireRecordingFlags(*parsed);
-    } else if (isEdge(settings)) {
-      requireEdgeFlags(*parsed);
-    } else {
-      mergeScene(*parsed, settings);
-    }
-    requireOnDemandFlags(*parsed, settings);
+    requireFlags(*parsed, settings);
+    if (!isEdge(settings) && !isRecording(settings)) mergeScene(*parsed, settings);
     settings.flags = listFlags(*parsed);
   });
   return app;
@@ -379,12 +307,5 @@ Result<Settings> rereadCommandLine(int argc, const char* const* argv) {
   if (const auto problem = parseArguments(*app, argc, argv)) return Error{*problem};
   return settings;
 }
-
-bool isRecording(const Settings& settings) {
-  return settings.source.find("://") == std::string::npos &&
-         hasEnding(settings.source, kRecordingEnding);
-}
-
-bool isEdge(const Settings& settings) { return settings.source.starts_with(kNatsScheme); }
 
 }  // namespace hapticast::server

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/endpoint.hpp"
@@ -58,7 +59,9 @@ struct Settings {
 /// Returns whether the source is the channel of an origin, so that this server is an edge.
 [[nodiscard]] bool isEdge(const Settings& settings);
 
-/// Returns whether the source is a recording, which is played without vision.
+inline constexpr std::string_view kRecordingEnding = ".mcap";
+/// Returns whether the source is a recording of hapticast, which is played without vision. Reads
+/// the head of the file. A file that cannot be read is none.
 [[nodiscard]] bool isRecording(const Settings& settings);
 
 }  // namespace hapticast::server

@@ -21,6 +21,7 @@ set(rules
   "server/source/folder/.*"    "^(common/|server/source/([a-z_]+\\.hpp$|(picture|folder)/))"
   "server/source/video/.*"     "^(common/|server/source/([a-z_]+\\.hpp$|(picture|video)/))"
   "server/source/live/.*"      "^(common/|server/source/([a-z_]+\\.hpp$|(picture|video|live)/))"
+  "server/source/recording/.*" "^(common/|server/source/([a-z_]+\\.hpp$|(picture|folder|recording)/))"
   "server/source/synthetic/.*" "^(common/|server/source/([a-z_]+\\.hpp$|synthetic/))"
   "server/source/.*"           "^(common|server/source)/"
   "server/vision/vision_settings\\.hpp" "^(common/|server/source/camera_model\\.hpp$)"

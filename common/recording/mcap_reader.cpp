@@ -39,7 +39,7 @@ std::optional<McapMessage> readMessage(const McapRecord& record) {
 
 }  // namespace
 
-Result<McapReader> McapReader::open(const std::string& file) {
+Result<McapReader> McapReader::open(const std::string& file, std::size_t most_blocks) {
   const int opened = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
   struct stat facts {};
   if (opened < 0 || ::fstat(opened, &facts) != 0) {
@@ -52,7 +52,7 @@ Result<McapReader> McapReader::open(const std::string& file) {
   if (!S_ISREG(facts.st_mode) || head.size() < kHeadBytes ||
       !std::equal(kMcapMagic.begin(), kMcapMagic.end(), head.begin()))
     return Error{"is no MCAP file"};
-  if (!reader.readSummary()) reader.scan();
+  if (!reader.readSummary()) reader.scan(most_blocks);
   if (reader.blocks_.empty())
     return Error{reader.damage_.empty() ? "has no messages"
                                         : "has no messages: it " + reader.damage_};
@@ -81,6 +81,7 @@ McapReader& McapReader::operator=(McapReader&& from) noexcept {
   next_block_ = from.next_block_;
   block_ = std::move(from.block_);
   at_ = from.at_;
+  message_at_ = from.message_at_;
   return *this;
 }
 
@@ -162,10 +163,10 @@ bool McapReader::readChunkIndex(std::span<const std::uint8_t> content) {
   return true;
 }
 
-void McapReader::scan() {
+void McapReader::scan(std::size_t most_blocks) {
   std::uint64_t offset = kMcapMagic.size();
   std::uint64_t run = offset;  // begin of the records outside of chunks
-  while (damage_.empty()) {
+  while (damage_.empty() && blocks_.size() < most_blocks) {
     const auto head = readBytes(offset, kMcapRecordHeadBytes);
     McapIn in(head);
     const auto code = static_cast<McapCode>(in.number<std::uint8_t>());
@@ -278,7 +279,7 @@ std::optional<McapMessage> McapReader::next() {
     McapIn in(std::span(std::as_const(block_)).subspan(at_));
     const std::size_t before = in.rest().size();
     if (const auto record = readRecord(in)) {
-      at_ += before - in.rest().size();
+      message_at_ = std::exchange(at_, at_ + before - in.rest().size());
       readDefinition(*record);
       const auto message = readMessage(*record);
       if (message && channels_.contains(message->channel)) return message;
@@ -303,6 +304,15 @@ void McapReader::seek(std::uint64_t time_ns) {
   block_.clear();
   at_ = 0;
   problem_.clear();
+}
+
+void McapReader::seek(McapPlace place) {
+  problem_.clear();
+  if (next_block_ != place.block + 1 || block_.empty()) {
+    next_block_ = place.block + 1;
+    if (!load(place.block)) return;
+  }
+  at_ = std::min(place.at, block_.size());
 }
 
 }  // namespace hapticast

@@ -6,7 +6,9 @@
 // with a summary they are left out. Thread: one.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <optional>
 #include <span>
@@ -25,12 +27,21 @@ struct McapMessage {
   std::span<const std::uint8_t> data;
 };
 
+/// Place of a message in a file, for McapReader::seek().
+struct McapPlace {
+  std::size_t block = 0;  ///< number of its chunk, or of its run of records outside of chunks
+  std::size_t at = 0;     ///< place of its record in the block, bytes
+  bool operator==(const McapPlace&) const = default;
+};
+
 /// An MCAP file that is open for reading.
 class McapReader {
  public:
   /// Opens `file`. Returns an error without the file's name ("is no MCAP file") if it cannot be
-  /// read, or has no whole message.
-  [[nodiscard]] static Result<McapReader> open(const std::string& file);
+  /// read, or has no whole message. `most_blocks`: a file without a summary is scanned up to so
+  /// many chunks. One is enough for the first channels.
+  [[nodiscard]] static Result<McapReader> open(
+      const std::string& file, std::size_t most_blocks = std::numeric_limits<std::size_t>::max());
   ~McapReader();
   McapReader(McapReader&& from) noexcept;
   McapReader& operator=(McapReader&& from) noexcept;
@@ -45,6 +56,10 @@ class McapReader {
   /// Continues with the first chunk that has a message of `time_ns` or later. Earlier messages of
   /// that chunk come, too.
   void seek(std::uint64_t time_ns);
+  /// Returns the place of the message that next() returned last.
+  [[nodiscard]] McapPlace place() const { return {next_block_ - 1, message_at_}; }
+  /// Continues with the message at `place`. Requires a place of a reader of the same file.
+  void seek(McapPlace place);
   /// Returns why the messages end before the end of the file, as a phrase such as "is cut off";
   /// empty: they do not, or the end was not reached.
   [[nodiscard]] const std::string& problem() const { return problem_; }
@@ -66,7 +81,7 @@ class McapReader {
   /// Returns the records of the summary, or nothing if there is none with a correct checksum.
   [[nodiscard]] std::vector<std::uint8_t> readSummaryBytes() const;
   /// Finds the blocks without a summary, and the damage that ends them.
-  void scan();
+  void scan(std::size_t most_blocks);
   void scanRun(std::uint64_t begin, std::uint64_t end);
   void scanChunk(std::uint64_t begin, std::uint64_t end);
   /// Adds the block, whose records are in block_. Its times are those of its messages.
@@ -86,6 +101,7 @@ class McapReader {
   std::size_t next_block_ = 0;
   std::vector<std::uint8_t> block_;  // records of the present block
   std::size_t at_ = 0;               // place of the next record in block_
+  std::size_t message_at_ = 0;       // place of the last message in block_
 };
 
 }  // namespace hapticast

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Recognises files that are no video, by their first bytes: recordings of robots and apps,
+// Recognises files that are no video, by their first bytes: older recordings of robots and apps,
 // archives, arrays, single pictures. Thread: any.
 #pragma once
 

@@ -15,6 +15,7 @@
 #include "server/source/live/openni_camera.hpp"
 #include "server/source/live/v4l2_camera.hpp"
 #include "server/source/picture/npy_stack.hpp"
+#include "server/source/recording/recording_source.hpp"
 #include "server/source/rgbd_source.hpp"
 #include "server/source/stream_url.hpp"
 #include "server/source/synthetic/synthetic_source.hpp"
@@ -146,6 +147,10 @@ void requireFlags(const std::string& spec, bool is_video, bool is_named,
                   const VideoLayout& layout) {
   std::error_code error;
   const bool folder = fs::is_directory(spec, error);
+  const bool recording = is_video && isFile(spec) && isRecordingFile(spec);
+  if (!layout.topics.empty() && !recording)
+    throw SourceError(hideCredentials(spec) +
+                      ": only a recording (MCAP) has --topics; leave the flag out");
   if (!layout.color_glob.empty() && !folder && (is_video || is_named))
     throw SourceError(hideCredentials(spec) +
                       ": only a folder of images has --color and --depth; leave them out");
@@ -154,11 +159,11 @@ void requireFlags(const std::string& spec, bool is_video, bool is_named,
     throw SourceError(hideCredentials(spec) +
                       ": states the unit of its depth itself; leave --depth-unit out");
   const bool inverse_folder = layout.code == DepthCode::kInverse && folder;
-  const bool single = is_video && isFile(spec);
+  const bool single = is_video && isFile(spec) && !recording;
   if (layout.layout != Layout::kSeparate && !single)
     throw SourceError(hideCredentials(spec) +
                       ": only a single video file has a --layout; leave the flag out");
-  if (layout.code != DepthCode::kGrey && !is_video && !inverse_folder) {
+  if (layout.code != DepthCode::kGrey && (!is_video || recording) && !inverse_folder) {
     throw SourceError(hideCredentials(spec) +
                       ": cannot obey --depth-near dark or --depth-code (hue: only videos; inverse: "
                       "videos and folders); leave the flag out");
@@ -197,11 +202,13 @@ std::string fileName(const fs::path& path) {
   return (error ? path : whole).filename().string();
 }
 
-std::unique_ptr<RgbdSource> openSource(const std::string& spec, double fps, bool to_and_fro,
+std::unique_ptr<RgbdSource> openSource(const std::string& named, double fps, bool to_and_fro,
                                        const VideoLayout& layout) {
   if (fps != 0.0 && !(fps >= 1.0 && fps <= 240.0)) {
     throw SourceError("frame rate " + std::to_string(fps) + ": allowed is 1 to 240 per second");
   }
+  const std::string bag = isFolder(named) ? findBagFile(named) : "";
+  const std::string& spec = bag.empty() ? named : bag;
   const std::string_view view = spec;
   if (isStreamUrl(spec)) return openLive(spec, fps, to_and_fro, layout);
   std::error_code error;
@@ -221,6 +228,7 @@ std::unique_ptr<RgbdSource> openSource(const std::string& spec, double fps, bool
   if (view.starts_with(kOpenni)) return openOpenniCamera(spec.substr(kOpenni.size()), fps);
   if (is_folder) return openFolder(spec, fps, to_and_fro, layout);
   if (isFile(spec)) {
+    if (isRecordingFile(spec)) return std::make_unique<RecordingSource>(spec, fps, layout);
     if (layout.layout == Layout::kSeparate) refuseKnownFile(spec);
     return openSingle(spec, fps, layout);
   }

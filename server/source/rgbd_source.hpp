@@ -87,7 +87,8 @@ class RgbdSource {
 std::string fileName(const std::filesystem::path& path);
 
 /// Opens the source that `spec` names, the value of --source: synthetic:NAME, DIR, COLOR,DEPTH,
-/// FILE, camera:N,M, openni:DEVICE, v4l2:COLOR,DEPTH or the address of a live stream. `fps` > 0
+/// FILE (a video or a recording), camera:N,M, openni:DEVICE, v4l2:COLOR,DEPTH or the address of a
+/// live stream. `fps` > 0
 /// overrides its rate, frames/s. `to_and_fro`: the images of a folder play forwards, then
 /// backwards. `layout`: place and code of the depth in videos. Throws SourceError, also if this
 /// kind of source does not support an argument.

@@ -23,7 +23,7 @@ enum class DepthCode : std::uint8_t {
   kHue,      ///< mm = 3000 * hue (HSV, 0..1), as Record3D writes it; 100..2800 mm are valid
 };
 
-/// Values of the flags --layout, --depth-code, --depth-unit, --color and --depth.
+/// Values of the flags --layout, --depth-code, --depth-unit, --color, --depth and --topics.
 struct VideoLayout {
   Layout layout = Layout::kSeparate;
   DepthCode code = DepthCode::kGrey;
@@ -32,6 +32,8 @@ struct VideoLayout {
   /// Patterns of the images in a folder, relative to it. Empty: the server recognises the layout.
   std::string color_glob = "";
   std::string depth_glob = "";
+  /// Topics in a recording: "COLOR,DEPTH". Empty: the only ones.
+  std::string topics = "";
   bool operator==(const VideoLayout&) const = default;
 };
 

@@ -37,6 +37,16 @@ TEST_F(ProgramsRecordingTest, ARecordingIsTouchedAsItsStreamWas) {
   interrupt(*server);
 }
 
+TEST_F(ProgramsRecordingTest, ARecordingRefusesFlagsOfVision) {
+  const std::string file = record("short.mcap", 5);
+  const auto server = startServer({"--source", file, "--object", "3,4"});
+  EXPECT_EQ(server->wait(kSoon), 2);
+  EXPECT_NE(server->output().find("--object: a recording has its frames already; give this flag to "
+                                  "the server that records"),
+            std::string::npos)
+      << server->output();
+}
+
 TEST_F(ProgramsRecordingTest, AnOperatorChangesThePlayback) {
   const std::string file = record("bounce.mcap", 100);
   // SHA-256 of the token.

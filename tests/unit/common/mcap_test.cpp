@@ -125,6 +125,38 @@ TEST_F(Mcap, TheReaderReturnsWhatTheWriterWrote) {
   }
 }
 
+TEST_F(Mcap, EachMessageIsFoundAgainAtItsPlace) {
+  const auto messages = drawMessages(7, 500, 100);
+  auto opened = McapReader::open(makeFile(messages));
+  ASSERT_TRUE(opened.ok());
+  McapReader reader = std::move(opened).value();
+  std::vector<McapPlace> places;
+  while (reader.next()) places.push_back(reader.place());
+  ASSERT_EQ(places.size(), messages.size());
+  std::mt19937 random(8);
+  for (int i = 0; i < 1000; ++i) {
+    const std::size_t wanted = random() % messages.size();
+    reader.seek(places[wanted]);
+    for (std::size_t at = wanted; at < std::min(wanted + 3, messages.size()); ++at) {
+      const auto message = reader.next();
+      ASSERT_TRUE(message);
+      EXPECT_EQ(message->time_ns, messages[at].time_ns);
+      EXPECT_EQ(reader.place(), places[at]);
+    }
+  }
+}
+
+TEST_F(Mcap, OneBlockHasTheFirstChannels) {
+  const auto messages = drawMessages(9, 100, 100);
+  Bytes bytes = readBytes(makeFile(messages));
+  bytes.resize(bytes.size() - 20);  // without the summary, so the file is scanned
+  auto opened = McapReader::open(changed(bytes), 1);
+  ASSERT_TRUE(opened.ok());
+  McapReader reader = std::move(opened).value();
+  EXPECT_EQ(reader.channels().size(), 3U);
+  EXPECT_EQ(readAll(reader).size(), 20U);
+}
+
 TEST_F(Mcap, SeekContinuesWithTheChunkOfTheTime) {
   const auto messages = drawMessages(6, 1000, 100);
   auto opened = McapReader::open(makeFile(messages));

@@ -204,9 +204,9 @@ TEST_F(LayoutsTest, FilesThatAreNoVideoAreNamed) {
   };
   const std::string zip("PK\x03\x04 and more");
   for (const Row& row : std::vector<Row>{
-           {"a.bag", "#ROSBAG V2.0\n", "is a ROS bag; extract"},
-           {"a.mcap", "\x89MCAP0\r\n and more", "is an MCAP recording; extract"},
-           {"a.db3", "SQLite format 3 and more", "is a rosbag2 database; extract"},
+           {"a.bag", "#ROSBAG V2.0\n",
+            "a.bag --dst a_mcap --dst-storage mcap), and use the folder"},
+           {"a.db3", "SQLite format 3 and more", "a.db3 -o out.yaml), and use the folder a_mcap"},
            {"a.r3d", zip, "is a capture of Record3D; export it there as an RGBD video"},
            {"a.npz", zip, "has depth only; name the colour video too: COLOR,FILE.npz"},
            {"a.npy", "\x93NUMPY and more", "has depth only; name the colour video too"},
