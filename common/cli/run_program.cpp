@@ -42,6 +42,7 @@ void startLog(const std::string& name) {
 int runProgram(bool quiet, const std::function<int()>& run) {
   if (quiet) spdlog::set_level(spdlog::level::warn);
   std::signal(SIGPIPE, SIG_IGN);  // the reader of the log may end first
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error of its writer
   std::cerr.rdbuf(nullptr);       // only libraries write there, for example about a damaged picture
   try {
     return run();

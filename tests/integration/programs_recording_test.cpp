@@ -123,5 +123,49 @@ TEST_F(ProgramsRecordingTest, AKilledServerLeavesARecordingThatPlays) {
       << whole->output();
 }
 
+TEST_F(ProgramsRecordingTest, AFullDiskLosesMessagesAndDelaysNothing) {
+  // The shell's limit of a file's size (512-byte blocks) is a disk of 1 MB.
+  Process server({"/bin/sh", "-c", "ulimit -f 2000; exec \"$@\"", "sh", HAPTICAST_SERVER_PROGRAM,
+                  "--source", "synthetic:bounce", "--loop", "--map-range", "520,620", "--listen",
+                  "127.0.0.1:0", "--record", path("full.mcap")});
+  const auto summary = touch(addressOf(server), "summary.json");
+  EXPECT_GT(summary.at("frames").at("received"), 60);
+  EXPECT_EQ(summary.at("frames").at("lost"), 0);
+  EXPECT_TRUE(server.says("messages are lost (File too large)", kSoon)) << server.output();
+  interrupt(server);
+  EXPECT_NE(server.output().find("full.mcap lacks"), std::string::npos) << server.output();
+  EXPECT_LE(std::filesystem::file_size(path("full.mcap")), 2000U * 512U);
+  // What was written plays.
+  const auto player = startServer({"--source", path("full.mcap"), "--frames", "5"});
+  EXPECT_EQ(player->wait(kStart), 0) << player->output();
+}
+
+TEST_F(ProgramsRecordingTest, AReplayWritesFilmPictureAndRecording) {
+  const auto server = startServer({"--source", "synthetic:bounce", "--loop"});
+  const auto client =
+      startClient({addressOf(*server), "--device", "virtual", "--hand", "press", "--view", "off",
+                   "--seconds", "3", "--record", path("run.mcap")});
+  EXPECT_EQ(client->wait(kSoon), 0) << client->output();
+  interrupt(*server);
+  const auto replay = startClient({"--replay", path("run.mcap"), "--stiffness", "0.2", "--record",
+                                   path("soft.mcap"), "--film", path("film.mp4"), "--screenshot",
+                                   path("touch.png")});
+  EXPECT_EQ(replay->wait(kSoon), 0) << replay->output();
+  EXPECT_GT(std::filesystem::file_size(path("film.mp4")), 20'000U);
+  EXPECT_GT(std::filesystem::file_size(path("touch.png")), 20'000U);
+  const auto again = startClient({"--replay", path("soft.mcap")});
+  EXPECT_EQ(again->wait(kSoon), 0) << again->output();
+  EXPECT_NE(again->output().find("all forces have the recorded bits"), std::string::npos)
+      << again->output();
+}
+
+TEST_F(ProgramsRecordingTest, AViewerSeesARecordingOnDemandFromItsBegin) {
+  const std::string file = record("bounce.mcap", 100);
+  const auto server = startServer({"--source", file, "--on-demand", "--loop"});
+  for (const char* const name : {"first.json", "second.json"})
+    EXPECT_GT(touch(addressOf(*server), name).at("contact_ticks"), 500);
+  interrupt(*server);
+}
+
 }  // namespace
 }  // namespace hapticast::testing
