@@ -57,9 +57,9 @@ set(rules
 )
 # One door per library: who may include it.
 set(doors
-  "^boost/"                          "^(common/transport/asio\\.hpp|client/device/inverse3/websocket\\.cpp|server/http/http_(response|server)\\.[ch]pp|tests/.*)$"
-  "^common/transport/asio\\.hpp$"              "^(server/library/publisher\\.cpp$|(common/transport|server/stream|server/relay|server/http|client/net|client/discovery|tests)/|(server|client)/[^/]*$)"
-  "\\.pb\\.h$"                       "^(common/protocol/(decode|encode|read_frame|write_frame|fragment|relay|recorded)\\.[ch]pp|client/recording/run_codec\\.cpp)$"
+  "^boost/"                          "^(common/transport/asio\\.hpp|client/device/inverse3/websocket\\.cpp|server/http/http_(response|server)\\.[ch]pp|common/live/watcher\\.[ch]pp|tests/.*)$"
+  "^common/transport/asio\\.hpp$"              "^(server/library/publisher\\.cpp$|(common/transport|common/live|server/stream|server/recording|server/relay|server/http|client/net|client/discovery|tests)/|(server|client)/[^/]*$)"
+  "\\.pb\\.h$"                       "^(common/protocol/(decode|encode|read_frame|write_frame|fragment|relay|recorded)\\.[ch]pp|client/recording/run_codec\\.cpp|server/pipeline/plan_log\\.cpp)$"
   "^google/protobuf"                 "^common/protocol/(decode|encode|scan)\\.cpp$"
   "^(zlib|zstd|lz4frame)\\.h$"        "^(common/recording/mcap_(records|chunk)\\.cpp|tests/.*)$"
   "^openssl/"                        "^(common/transport/(signature|tls|seal)\\.cpp|server/stream/access_list\\.cpp)$"

@@ -23,6 +23,12 @@ bool hasSameBits(const Vec3& a, const Vec3& b) {
   });
 }
 
+void ReplayCounts::add(const Vec3& force_N, const Vec3& recorded_N) {
+  ++ticks;
+  different += hasSameBits(force_N, recorded_N) ? 0 : 1;
+  largest_difference_N = std::max(largest_difference_N, (force_N - recorded_N).norm());
+}
+
 Result<std::unique_ptr<Replay>> Replay::open(const std::string& file) {
   std::unique_ptr<Replay> replay;
   for (const bool is_probe : {true, false}) {  // the outputs receive all messages
@@ -235,10 +241,7 @@ ReplayCounts Replay::run(const ReplayChanges& changes, const ReplayOutputs& outp
     controls_.erase(controls_.begin(), controls_.lower_bound(recorded.inputs.controls));
     if (recorded.inputs.stopping) renderer->stop();
     const TickReport& report = renderer->tick(recorded.time, recorded.inputs.reading);
-    ++counts.ticks;
-    counts.different += hasSameBits(report.force_N, recorded.force_N) ? 0 : 1;
-    counts.largest_difference_N =
-        std::max(counts.largest_difference_N, (report.force_N - recorded.force_N).norm());
+    counts.add(report.force_N, recorded.force_N);
     if (outputs_.onTick) outputs_.onTick(report);
   }
   return counts;

@@ -44,6 +44,9 @@ struct ReplayCounts {
   std::uint64_t ticks = 0;
   std::uint64_t different = 0;  ///< ticks whose force has other bits than the recorded one
   double largest_difference_N = 0.0;
+
+  /// Counts a tick with these forces.
+  void add(const Vec3& force_N, const Vec3& recorded_N);
 };
 
 /// Receivers of what a replay reads and renders; each may be empty.
