@@ -14,6 +14,7 @@ set(rules
   "common/transport/.*" "^common/([^/]*$|transport/)"
   "common/protocol/.*" "^common/([^/]*$|codec/|transport/|protocol/)"
   "common/recording/.*" "^common/([^/]*$|recording/)"
+  "common/live/.*"     "^common/([^/]*$|recording/|transport/|live/)|^common/protocol/recorded\\.hpp$"
   "common/cli/.*"      "^common/([^/]*$|cli/)"
   "common/library/.*"  "^common/([^/]*$|library/|include/)"
   "server/source/[a-z_]+\\.hpp"  "^(common/|server/source/[a-z_]+\\.hpp$)"
@@ -58,15 +59,15 @@ set(rules
 # One door per library: who may include it.
 set(doors
   "^boost/"                          "^(common/transport/asio\\.hpp|client/device/inverse3/websocket\\.cpp|server/http/http_(response|server)\\.[ch]pp|common/live/watcher\\.[ch]pp|tests/.*)$"
-  "^common/transport/asio\\.hpp$"              "^(server/library/publisher\\.cpp$|(common/transport|common/live|server/stream|server/recording|server/relay|server/http|client/net|client/discovery|tests)/|(server|client)/[^/]*$)"
+  "^common/transport/asio\\.hpp$"              "^(server/library/publisher\\.cpp$|(common/(transport|live)|server/stream|server/recording|server/relay|server/http|client/net|client/discovery|tests)/|(server|client)/[^/]*$)"
   "\\.pb\\.h$"                       "^(common/protocol/(decode|encode|read_frame|write_frame|fragment|relay|recorded)\\.[ch]pp|client/recording/run_codec\\.cpp|server/pipeline/plan_log\\.cpp)$"
   "^google/protobuf"                 "^common/protocol/(decode|encode|scan)\\.cpp$"
   "^(zlib|zstd|lz4frame)\\.h$"        "^(common/recording/mcap_(records|chunk)\\.cpp|tests/.*)$"
-  "^openssl/"                        "^(common/transport/(signature|tls|seal)\\.cpp|server/stream/access_list\\.cpp)$"
+  "^openssl/"                        "^(common/transport/(signature|tls|seal)\\.cpp|common/live/live_protocol\\.cpp|server/stream/access_list\\.cpp)$"
   "^opencv2/"                        "^((server/(source|vision|library)|client/view|tests)/|server/preview)"
   "^lib(av[a-z]+|swscale)/"           "^server/source/video/(video_(file\\.cpp|format\\.[ch]pp)|display_matrix\\.hpp)$"
   "^turbojpeg\\.h$"                  "^client/view/picture\\.cpp$"
-  "^nlohmann/"                       "^(server/(source/picture/json_object\\.hpp|author/scene_file\\.cpp|http/metrics_text\\.cpp)$|client/(report/summary|device/inverse3/protocol)\\.cpp$|tests/)"
+  "^nlohmann/"                       "^(common/live/live_protocol\\.cpp$|server/(source/picture/json_object\\.hpp|author/scene_file\\.cpp|http/metrics_text\\.cpp)$|client/(report/summary|device/inverse3/protocol)\\.cpp$|tests/)"
   "^SDL"                             "^(client/(view/(window/|sound)|device/gamepad)|tests/)"
   "^(imgui|backends/imgui)"          "^(client/view/window/|tests/)"
   "^avahi-"                          "^(common/transport/mdns_session|client/discovery/mdns_browser|server/stream/announce)\\.cpp$"
@@ -74,7 +75,7 @@ set(doors
   "^OpenNI\\.h$"                     "^server/source/live/openni_camera\\.cpp$"
   "^systemd/"                        "^server/service_manager\\.cpp$"
   "^libusb"                          "^client/device/falcon/usb\\.cpp$"
-  "^common/(codec|protocol|transport)/" "^(common/(codec|protocol|transport)/|server/(library/publisher\\.cpp$|stream/|recording/|relay/|pipeline/|http/|[^/]*$)|client/(net/|discovery/|report/|library/|recording/|[^/]*$)|tests/)"
+  "^common/(codec|protocol|transport)/" "^(common/(codec|protocol|transport|live)/|server/(library/publisher\\.cpp$|stream/|recording/|relay/|pipeline/|http/|[^/]*$)|client/(net/|discovery/|report/|library/|recording/|[^/]*$)|tests/)"
 )
 
 file(GLOB_RECURSE files RELATIVE ${ROOT} ${ROOT}/common/*.?pp ${ROOT}/server/*.?pp ${ROOT}/client/*.?pp
