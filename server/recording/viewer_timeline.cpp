@@ -45,6 +45,7 @@ void ViewerTimeline::stop() {
 
 asio::awaitable<void> ViewerTimeline::play() {
   const auto self = shared_from_this();
+  co_await asio::post(server_.io, asio::use_awaitable);  // the welcome comes first
   while (!stopped_) {
     const auto viewer = viewer_.lock();
     if (!viewer) co_return;

@@ -3,6 +3,7 @@
 #include "common/live/live_server.hpp"
 
 #include <gtest/gtest.h>
+#include <spdlog/spdlog.h>
 
 #include <boost/beast/core/buffers_to_string.hpp>
 #include <boost/beast/websocket.hpp>
@@ -13,7 +14,11 @@
 #include <thread>
 #include <vector>
 
+#include "common/cli/run_program.hpp"
+#include "common/live/message_outputs.hpp"
+#include "common/recording/mcap_reader.hpp"
 #include "common/recording/schemas.hpp"
+#include "tests/support/temp_folder.hpp"
 
 namespace hapticast {
 namespace {
@@ -244,6 +249,41 @@ TEST_F(LiveServerTest, ClosesOneConnectionTooMany) {
   EXPECT_FALSE(Client(server_).isOpen());
   clients.pop_back();
   while (!Client(server_).isOpen()) std::this_thread::yield();
+}
+
+TEST(MessageOutputs, RecordingAndWatchersHaveTheLinesOfTheLog) {
+  const TempFolder folder;
+  const std::string file = (folder / "run.mcap").string();
+  const auto before = spdlog::default_logger();
+  startLog("outputs");
+  {
+    MessageOutputs outputs({file, Endpoint{"127.0.0.1", 0}}, "program", "no people",
+                           {makeChannel("/state", "hapticast.proto.Plan", true)},
+                           [] { return std::uint64_t{1'500'000'000}; });
+    EXPECT_TRUE(outputs.isWanted(0));
+    spdlog::warn("a line of the log");
+    spdlog::debug("not in the log");
+  }
+  spdlog::warn("after the run");
+  spdlog::set_default_logger(before);
+  auto reader = McapReader::open(file);
+  ASSERT_TRUE(reader.ok()) << reader.error().message;
+  std::vector<std::string> lines;
+  while (const auto message = reader.value().next()) {
+    if (reader.value().channels().at(message->channel).topic != "/log") continue;
+    EXPECT_EQ(message->time_ns, 1'500'000'000U);
+    lines.emplace_back(message->data.begin(), message->data.end());
+  }
+  ASSERT_EQ(lines.size(), 1U);
+  // Timestamp of 1.5 s, level 3 (warning), text, program.
+  EXPECT_EQ(lines[0], std::string("\x0A\x08\x08\x01\x10\x80\xCA\xB5\xEE\x01\x10\x03\x1A\x11", 14) +
+                          "a line of the log\x22\x07program");
+}
+
+TEST(MessageOutputs, WithoutWatchersOrARecordingNothingIsWanted) {
+  MessageOutputs outputs({"", Endpoint{"127.0.0.1", 0}}, "program", "no people",
+                         {makeChannel("/events", "foxglove.Log")}, [] { return std::uint64_t{0}; });
+  EXPECT_FALSE(outputs.isWanted(0));
 }
 
 }  // namespace
