@@ -97,9 +97,9 @@ class Bake {
 };
 
 std::unique_ptr<RgbdSource> openClip(const Settings& settings) {
-  auto source = addKeyMasks(
-      openSource(settings.source, settings.fps, settings.to_and_fro, settings.layout),
-      settings.key_masks);
+  auto source =
+      addKeyMasks(openSource(settings.source, settings.fps, settings.to_and_fro, settings.layout),
+                  settings.key_masks);
   if (source->info().live)
     throw SourceError(settings.source + ": a live source has no later frames; record it instead");
   return source;
@@ -134,8 +134,9 @@ bool Bake::scan() {
   if (!whole || stop_signal != 0) return false;
   DepthRangeLog().log(vision_.vision().mapped());
   if (!vision_.vision().mapped() && can_touch)
-    spdlog::warn("{}: no object was found, so there is nothing to touch; name one with --object U,V",
-                 settings_.server.source);
+    spdlog::warn(
+        "{}: no object was found, so there is nothing to touch; name one with --object U,V",
+        settings_.server.source);
   return true;
 }
 

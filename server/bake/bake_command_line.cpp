@@ -17,13 +17,12 @@ namespace {
 
 // The flags of the server that a bake obeys, too. All others are for a stream.
 constexpr auto kBakeFlags = std::to_array<std::string_view>(
-    {"fps",       "layout",      "depth-code",   "depth-near",      "depth-unit",
-     "color",     "depth",       "to-and-fro",   "frames",          "name",
-     "segment",   "fov",         "stretch",      "motion",          "compensate-pan",
-     "method",    "object",      "not",          "depth-range",     "map-range",
-     "stiffness", "damping",     "friction",     "texture-depth",   "mass",
-     "scene",     "plan",        "error-budget", "quiet",           "config",
-     "help",      "version",     "print-config"});
+    {"fps",         "layout",     "depth-code",     "depth-near",   "depth-unit", "color",
+     "depth",       "to-and-fro", "frames",         "name",         "segment",    "fov",
+     "stretch",     "motion",     "compensate-pan", "method",       "object",     "not",
+     "depth-range", "map-range",  "stiffness",      "damping",      "friction",   "texture-depth",
+     "mass",        "scene",      "plan",           "error-budget", "quiet",      "config",
+     "help",        "version",    "print-config"});
 
 bool isBakeFlag(const CLI::Option& option) {
   return std::find(kBakeFlags.begin(), kBakeFlags.end(), option.get_single_name()) !=
@@ -34,9 +33,9 @@ bool isBakeFlag(const CLI::Option& option) {
 void requireClip(const Settings& settings) {
   constexpr std::array kLive{"camera:", "openni:", "v4l2:"};
   const std::string& source = settings.source;
-  const bool live = isAddress(source) ||
-                    std::any_of(kLive.begin(), kLive.end(),
-                                [&](const char* kind) { return source.starts_with(kind); });
+  const bool live =
+      isAddress(source) || std::any_of(kLive.begin(), kLive.end(),
+                                       [&](const char* kind) { return source.starts_with(kind); });
   if (live)
     throw CLI::ValidationError(
         "bake " + hideCredentials(source),
@@ -96,8 +95,7 @@ std::unique_ptr<CLI::App> bakeCommandLine(BakeSettings& settings) {
   return app;
 }
 
-std::optional<int> readBakeCommandLine(BakeSettings& settings, int argc,
-                                       const char* const* argv) {
+std::optional<int> readBakeCommandLine(BakeSettings& settings, int argc, const char* const* argv) {
   const auto app = bakeCommandLine(settings);
   return parseCommandLine(*app, argc - 1, argv + 1);
 }

@@ -46,12 +46,14 @@ void BakeProgress::clear() {
 std::string describeProgress(const std::string& work, std::uint64_t done, std::uint64_t total,
                              double elapsed_s) {
   const double rate = elapsed_s > 0.0 ? static_cast<double>(done) / elapsed_s : 0.0;
-  if (total == 0 || rate <= 0.0) return fmt::format("{}: {} frames, {:.1f} frames/s", work, done, rate);
+  if (total == 0 || rate <= 0.0)
+    return fmt::format("{}: {} frames, {:.1f} frames/s", work, done, rate);
   const std::uint64_t left = total - std::min(done, total);
   const auto left_s = static_cast<std::uint64_t>(static_cast<double>(left) / rate + 0.5);
-  return fmt::format("{}: {:.0f} %, {:.1f} frames/s, {}:{:02} left", work,
-                     100.0 * static_cast<double>(std::min(done, total)) / static_cast<double>(total),
-                     rate, left_s / 60, left_s % 60);
+  return fmt::format(
+      "{}: {:.0f} %, {:.1f} frames/s, {}:{:02} left", work,
+      100.0 * static_cast<double>(std::min(done, total)) / static_cast<double>(total), rate,
+      left_s / 60, left_s % 60);
 }
 
 }  // namespace hapticast::server

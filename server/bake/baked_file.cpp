@@ -50,7 +50,8 @@ class PartReader {
   [[nodiscard]] std::optional<Message> next() {
     const auto message = file_.next();
     if (!message || message->channel == 0 || message->channel > kChannels) return std::nullopt;
-    return Message{message->channel - std::size_t{1}, message->time_ns,
+    return Message{message->channel - std::size_t{1},
+                   message->time_ns,
                    {message->data.begin(), message->data.end()}};
   }
   /// Returns the messages of the next block; empty: it is not whole.
@@ -124,7 +125,8 @@ void BakedFile::keepBlocks(const std::string& fingerprint) {
   writer_->write(kLog, 0, first_line);
   writer_->flush();
   for (auto block = part.nextBlock(); !block.empty(); block = part.nextBlock()) {
-    for (const Message& message : block) writer_->write(message.channel, message.time_ns, message.data);
+    for (const Message& message : block)
+      writer_->write(message.channel, message.time_ns, message.data);
     writer_->flush();
     frames_ += block_;
   }

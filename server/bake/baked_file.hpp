@@ -17,10 +17,10 @@ namespace hapticast::server {
 /// A recording that a bake writes.
 class BakedFile {
  public:
-  /// Creates `file`.part. `fingerprint`: text about clip and flags, the first line of the log in the
-  /// file. `block`: frames of a block. `resume`: an existing .part of the same fingerprint keeps its
-  /// whole blocks. Throws RecordingError with one line if `file` exists, if a .part exists that
-  /// cannot be continued, or if the file cannot be written.
+  /// Creates `file`.part. `fingerprint`: text about clip and flags, the first line of the log in
+  /// the file. `block`: frames of a block. `resume`: an existing .part of the same fingerprint
+  /// keeps its whole blocks. Throws RecordingError with one line if `file` exists, if a .part
+  /// exists that cannot be continued, or if the file cannot be written.
   BakedFile(const std::string& file, const std::string& fingerprint, std::uint64_t block,
             bool resume);
   /// Writes what waits. A .part without a frame is removed.

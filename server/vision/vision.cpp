@@ -219,7 +219,8 @@ class Vision::Impl {
         if (!hasRoomFor(described.layers[i], frame)) continue;
         frame.objects.push_back(std::move(described.layers[i]));
         if (settings_.offline)
-          result.measured.push_back(i < described.measured.size() ? described.measured[i] : nullptr);
+          result.measured.push_back(i < described.measured.size() ? described.measured[i]
+                                                                  : nullptr);
       }
     }
     last_objects_ = frame.objects;

@@ -19,22 +19,25 @@ class OfflineVision {
  public:
   /// `source` must outlive this object and must not be live. `info`: that of the source, with the
   /// name of the stream. Throws SourceError as Vision does.
-  OfflineVision(RgbdSource& source, const SourceInfo& info, VisionSettings settings);
+  OfflineVision(RgbdSource& source, const SourceInfo& info, const VisionSettings& settings);
 
   /// Scans the clip as Vision::scan() does. Call it first.
   bool scan(const Vision::Progress& progress);
-  /// Returns the next frame; nullopt at the end. `wanted`: false leaves out the averages, for frames
-  /// that are done. Throws SourceError.
+  /// Returns the next frame; nullopt at the end. `wanted`: false leaves out the averages, for
+  /// frames that are done. Throws SourceError.
   [[nodiscard]] std::optional<VisionResult> next(bool wanted = true);
   /// Makes the reliefs of the next frame independent of those returned before.
-  void beginBlock() { fusion_.beginBlock(); }
+  void beginBlock() {
+    if (fusion_) fusion_->beginBlock();
+  }
 
   [[nodiscard]] const Vision& vision() const { return vision_; }
 
  private:
   RgbdSource& source_;
   Vision vision_;
-  ReliefFusion fusion_;
+  CameraModel camera_;
+  std::optional<ReliefFusion> fusion_;  // from the first frame on
   bool ended_ = false;
 };
 

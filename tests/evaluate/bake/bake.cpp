@@ -25,7 +25,7 @@ namespace {
 
 constexpr double kStiffness_N_mm = 0.5;
 constexpr double kMass_kg = 0.5;
-constexpr int kRim_px = 5;           // of the mask, in which no depth is measured well
+constexpr int kRim_px = 5;  // of the mask, in which no depth is measured well
 constexpr double kNearImpact_s = 0.1;
 constexpr double kMostWorse = 1.01;  // required: bake over live
 constexpr double kNothing_N = 1e-4;  // an error below it has no ratio
@@ -42,15 +42,14 @@ class ErrorSums {
   ErrorSums(const BakeClip& clip, const server::DepthRange& range) : clip_(clip), range_(range) {}
 
   void add(const HapticFrame& frame) {
-    const auto index = static_cast<std::size_t>(
-        std::lround(toSeconds(frame.media_time) * clip_.info.fps));
+    const auto index =
+        static_cast<std::size_t>(std::lround(toSeconds(frame.media_time) * clip_.info.fps));
     const BakeClip::Truth& truth = clip_.truth[index];
     const cv::Mat core = server::erodeBy(truth.mask, kRim_px);
     for (const HapticObject& object : frame.objects) addRelief(*object.relief, core, truth.depth);
-    const bool bounces = std::any_of(
-        clip_.impacts_s.begin(), clip_.impacts_s.end(), [&](double t) {
-          return std::abs(t - toSeconds(frame.media_time)) < kNearImpact_s;
-        });
+    const bool bounces = std::any_of(clip_.impacts_s.begin(), clip_.impacts_s.end(), [&](double t) {
+      return std::abs(t - toSeconds(frame.media_time)) < kNearImpact_s;
+    });
     if (bounces || frame.objects.empty() || !truth.acceleration_mm_s2) return;
     dynamic_ +=
         (frame.objects[0].motion.acceleration_mm_s2 - *truth.acceleration_mm_s2).squaredNorm();
@@ -189,8 +188,9 @@ static void evaluateBake(const Options& options) {
   onAllCores(all.size(), [&](std::size_t i) {
     errors[i] = all[i].measure();
     const auto& [live, bake] = errors[i];
-    std::fprintf(stderr, "%-34s %.5f + %.5f N, %.5f + %.5f N, %.3f\n", all[i].name.c_str(), live.static_N,
-                 live.dynamic_N, bake.static_N, bake.dynamic_N, ratioOf(bake.sum_N(), live.sum_N()));
+    std::fprintf(stderr, "%-34s %.5f + %.5f N, %.5f + %.5f N, %.3f\n", all[i].name.c_str(),
+                 live.static_N, live.dynamic_N, bake.static_N, bake.dynamic_N,
+                 ratioOf(bake.sum_N(), live.sum_N()));
   });
   Table lines{{"scene", "live, N", "bake, N", "ratio", "ratio of the static force"}};
   double worst = 0, logs = 0, static_logs = 0;
