@@ -47,7 +47,7 @@ std::vector<NamedBakeClip> bakeClips(bool quick) {
   constexpr std::array kSensors{NamedSensor{"stereo", Sensor::Depth::kStereo},
                                 NamedSensor{"time of flight", Sensor::Depth::kTimeOfFlight},
                                 NamedSensor{"8 bit", Sensor::Depth::kEightBit}};
-  constexpr std::array kQuick{"general", "static", "still", "bounce_real", "box"};
+  constexpr std::array kQuick{"general", "still", "bounce_real"};
   std::vector<TestScene> scenes = motionScenes();
   for (TestScene& scene : segmentationScenes()) scenes.push_back(std::move(scene));
   std::vector<NamedBakeClip> out;
@@ -62,7 +62,7 @@ std::vector<NamedBakeClip> bakeClips(bool quick) {
   }
   std::size_t held_scenes = 0;
   for (const held::Scene& scene : held::heldScenes(1)) {
-    if (quick && ++held_scenes > 2) break;
+    if (quick && ++held_scenes > 1) break;
     out.push_back({"held " + scene.name, [=] { return drawHeld(scene); }});
   }
   return out;
