@@ -267,7 +267,8 @@ void addOriginKey(CLI::App& app, std::vector<KeyBytes>& keys) {
 std::unique_ptr<CLI::App> commandLine(Settings& settings) {
   auto app = std::make_unique<CLI::App>(
       "Turns RGB-D video into haptic frames and streams them to hapticast-client. Ctrl-C ends the "
-      "server.",
+      "server. `hapticast-server bake SOURCE -o FILE.mcap` computes a clip without a limit of time "
+      "(bake --help).",
       "hapticast-server");
   addVersion(*app, std::string("sources: synthetic, images, videos, cameras; transports: udp, "
                                "multicast, tcp; discovery: ") +

@@ -4,12 +4,14 @@
 #include <exception>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "common/cli/run_program.hpp"
 #include "common/recording/recorder.hpp"
 #include "common/text.hpp"
 #include "server/app.hpp"
+#include "server/bake/bake.hpp"
 #include "server/command_line.hpp"
 #include "server/edge.hpp"
 #include "server/play_recording.hpp"
@@ -24,10 +26,33 @@ using hapticast::kDone;
 using hapticast::kFailed;
 using hapticast::kWrongInput;
 
+/// Calls `run`, and turns errors of the input into a line of the log and an exit code. `streaming`
+/// returns whether a later error is a failure at run time. `flag`: names the source.
+template <class Run, class Streaming>
+int runReporting(const char* flag, const Run& run, const Streaming& streaming) {
+  try {
+    return run();
+  } catch (const hapticast::server::SourceError& error) {
+    const std::string what = hapticast::sanitizeUtf8(error.what());
+    // Some messages are about another flag and begin with it.
+    spdlog::error("{}{}", what.starts_with("--") ? "" : flag, what);
+    return streaming() ? kFailed : kWrongInput;
+  } catch (const hapticast::AddressError& error) {
+    spdlog::error("{}", hapticast::sanitizeUtf8(error.what()));
+    return kWrongInput;
+  } catch (const hapticast::server::KeyFileError& error) {
+    spdlog::error("{}", hapticast::sanitizeUtf8(error.what()));
+    return kWrongInput;
+  } catch (const hapticast::RecordingError& error) {
+    spdlog::error("{}", hapticast::sanitizeUtf8(error.what()));
+    return kWrongInput;
+  }
+}
+
 int serve(const hapticast::server::Settings& settings, hapticast::server::ReadSettings reread) {
   const hapticast::SteadyClock clock;
   std::unique_ptr<hapticast::server::App> app;
-  try {
+  const auto run = [&]() -> int {
     if (!settings.preview.empty()) {
       hapticast::server::writePreview(settings, clock);
       return kDone;
@@ -42,27 +67,28 @@ int serve(const hapticast::server::Settings& settings, hapticast::server::ReadSe
     }
     app = std::make_unique<hapticast::server::App>(settings, clock, std::move(reread));
     app->run();
-  } catch (const hapticast::server::SourceError& error) {
-    const std::string what = hapticast::sanitizeUtf8(error.what());
-    // Some messages are about another flag and begin with it.
-    spdlog::error("{}{}", what.starts_with("--") ? "" : "--source ", what);
-    return app && app->streaming() ? kFailed : kWrongInput;
-  } catch (const hapticast::AddressError& error) {
-    spdlog::error("{}", hapticast::sanitizeUtf8(error.what()));
-    return kWrongInput;
-  } catch (const hapticast::server::KeyFileError& error) {
-    spdlog::error("{}", hapticast::sanitizeUtf8(error.what()));
-    return kWrongInput;
-  } catch (const hapticast::RecordingError& error) {
-    spdlog::error("{}", hapticast::sanitizeUtf8(error.what()));
-    return kWrongInput;
-  }
-  return kDone;
+    return kDone;
+  };
+  return runReporting("--source ", run, [&] { return app && app->streaming(); });
+}
+
+int bakeClip(const hapticast::server::BakeSettings& settings) {
+  const hapticast::SteadyClock clock;
+  bool started = false;
+  return runReporting(
+      "bake ", [&] { return hapticast::server::bake(settings, clock, started); },
+      [&] { return started; });
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (argc > 1 && std::string_view(argv[1]) == hapticast::server::kBakeCommand) {
+    hapticast::server::BakeSettings bake;
+    if (const auto exit_code = hapticast::server::readBakeCommandLine(bake, argc, argv))
+      return *exit_code;
+    return hapticast::runProgram(bake.server.quiet, [&] { return bakeClip(bake); });
+  }
   hapticast::server::Settings settings;
   if (const auto exit_code = hapticast::server::readCommandLine(settings, argc, argv))
     return *exit_code;

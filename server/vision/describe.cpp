@@ -35,6 +35,33 @@ std::shared_ptr<const Relief> makeRelief(const TrackedObject& object, const Nomi
   return smoothed;
 }
 
+// Returns the heights that this frame alone measured of a layer; null if it measured none. Pixels
+// without a measurement, or with one that is `step_mm` off (another layer's), have the layer's own.
+std::shared_ptr<const Relief> makeMeasured(const TrackedObject& object, const Relief& layer,
+                                           double step_mm, const NominalFrame& nominal,
+                                           const VisionSettings& settings) {
+  const PixelRect& rect = layer.rect;
+  const cv::Rect box(rect.u, rect.v, rect.width, rect.height);
+  const Surface& sent = object.surface;
+  if (object.measured.box.empty() || (box & sent.box) != box) return nullptr;
+  const cv::Rect inner = box - sent.box.tl();
+  Surface part{box,
+               cv::Mat(box.size(), CV_8UC1, const_cast<std::uint8_t*>(layer.mask.data())) * 255,
+               sent.depth(inner).clone(),
+               sent.measured(inner).clone(),
+               sent.quantum_mm,
+               sent.reduction};
+  part.measured &= part.mask;
+  const cv::Rect common = box & object.measured.box;
+  if (common.empty()) return nullptr;
+  const cv::Mat depth = object.measured.depth(common - object.measured.box.tl());
+  cv::Mat out = part.depth(common - box.tl());
+  const cv::Mat near = cv::abs(depth - out) < step_mm;
+  depth.copyTo(out, near & object.measured.mask(common - object.measured.box.tl()));
+  return makeRelief(part, nominal.range, nominal.workspace, settings.method,
+                    object.smooths || object.measures_smooth);
+}
+
 // Returns whether unchanged heights are sent too.
 bool sendsAllHeights(const PlanSettings& plan) {
   return plan.forced[std::size_t(Stage::kHeights)].value_or(plan.everything);
@@ -66,10 +93,12 @@ HapticObject describeObject(const TrackedObject& object, std::uint64_t frame_id,
   return out;
 }
 
-Described describeLayers(const TrackedObject& object, std::uint64_t frame_id,
-                         const std::vector<HapticObject>& last, const DepthNoise& noise,
-                         const NominalFrame& nominal, const VisionSettings& settings,
-                         const Clock* clock, LayerCutter& cutter) {
+namespace {
+
+Described describeSent(const TrackedObject& object, std::uint64_t frame_id,
+                       const std::vector<HapticObject>& last, double step_mm,
+                       const NominalFrame& nominal, const VisionSettings& settings,
+                       const Clock* clock, LayerCutter& cutter) {
   std::vector<const HapticObject*> before(kMaxLayers, nullptr);
   for (const HapticObject& other : last) {
     if (other.id == object.id && other.layer < before.size()) before[other.layer] = &other;
@@ -92,8 +121,6 @@ Described describeLayers(const TrackedObject& object, std::uint64_t frame_id,
     add(object, 0);
     return out;
   }
-  const double step_mm =
-      std::max(noise.step_mm(object.pose.depth_mm), kStep_mm / std::abs(nominal.mmPerStep().z()));
   std::uint32_t layer = 0;
   TrackedObject part = object;
   for (Surface& surface : cutter.cut(object.surface, step_mm, nominal.range)) {
@@ -101,6 +128,21 @@ Described describeLayers(const TrackedObject& object, std::uint64_t frame_id,
     if (!part.surface.box.empty()) add(part, layer);
     ++layer;
   }
+  return out;
+}
+
+}  // namespace
+
+Described describeLayers(const TrackedObject& object, std::uint64_t frame_id,
+                         const std::vector<HapticObject>& last, const DepthNoise& noise,
+                         const NominalFrame& nominal, const VisionSettings& settings,
+                         const Clock* clock, LayerCutter& cutter) {
+  const double step_mm =
+      std::max(noise.step_mm(object.pose.depth_mm), kStep_mm / std::abs(nominal.mmPerStep().z()));
+  Described out = describeSent(object, frame_id, last, step_mm, nominal, settings, clock, cutter);
+  if (!settings.offline || settings.method == Method::kThesis) return out;
+  for (const HapticObject& layer : out.layers)
+    out.measured.push_back(makeMeasured(object, *layer.relief, step_mm, nominal, settings));
   return out;
 }
 

@@ -28,6 +28,7 @@ HapticObject describeObject(const TrackedObject& object, std::uint64_t frame_id,
 struct Described {
   std::vector<HapticObject> layers;
   StageReport report;
+  std::vector<std::shared_ptr<const Relief>> measured;  ///< as VisionResult::measured
 };
 /// Returns one descriptor for each layer of `object`. Depth steps separate the layers. With the
 /// thesis's method there is one layer only. `last`: the descriptors of all objects in the frame

@@ -64,6 +64,7 @@ Track::Track(const TrackSettings& settings, const Segment& segment, const FrameP
   now_.number = segment.number;
   now_.quality = segment.quality;
   now_.pose = motion_.pose();
+  now_.measured = now_.surface;
   hold(frames, false);
 }
 
@@ -94,6 +95,7 @@ const ObjectFlow& Track::computeFlow(const FramePair& frames) {
 void Track::update(const Segment& segment, const FramePair& frames) {
   lost_ = 0;
   now_.seen = true;
+  now_.measured = {};
   if (rests_) {
     plan_.setResting(true);
     now_.held_share = 1.0;
@@ -108,6 +110,7 @@ void Track::update(const Segment& segment, const FramePair& frames) {
   const Surface seen = repeated ? warpSurface(segment.mask, before, flow_.similarity)
                                 : denoiseSurface(segment, frames);
   now_.surface = seen;
+  if (!repeated) now_.measured = seen;
   updatePresence(segment, blind);
   hold(frames, repeated);
   plan_.setResting(now_.atRest(), toText(hold_.cause()));
@@ -132,6 +135,7 @@ void Track::update(const Segment& segment, const FramePair& frames) {
 void Track::lose() {
   ++lost_;
   now_.seen = false;
+  now_.measured = {};
   now_.pose.background_px = background_px_;
   const double left = 1.0 - double(lost_) / (kKeepLost + 1);
   now_.quality = std::min(now_.quality, left);

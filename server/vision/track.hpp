@@ -27,6 +27,7 @@ struct TrackedObject {
   int number = 0;    ///< see Segment
   bool seen = true;  ///< false: the object is lost and remains at its last position
   Surface surface;
+  Surface measured;  ///< the surface that this frame alone measured; empty if it measured none
   ObjectPose pose;
   CellFlow cells;        ///< residual motion in cells; empty if the plan or the method omits it
   double quality = 1.0;  ///< quality of the tracking, 0..1

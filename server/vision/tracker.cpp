@@ -12,12 +12,16 @@ namespace {
 // 3 % of the acceleration (measured on scenes with exact truth).
 constexpr double kUsualFieldOfView_deg = 56.0;
 
+}  // namespace
+
 CameraModel selectCamera(const SourceInfo& info, const VisionSettings& settings) {
   if (settings.camera) return *settings.camera;
   if (info.camera && !settings.fov_deg) return *info.camera;
   return CameraModel::ofFieldOfView(settings.fov_deg.value_or(kUsualFieldOfView_deg), info.width_px,
                                     info.height_px);
 }
+
+namespace {
 
 PoseSettings poseSettings(const SourceInfo& info, const VisionSettings& settings) {
   PoseSettings out;

@@ -18,6 +18,9 @@
 
 namespace hapticast::server {
 
+/// Returns the camera of the settings or of the source, else a usual one. Thread: any.
+[[nodiscard]] CameraModel selectCamera(const SourceInfo& info, const VisionSettings& settings);
+
 /// Tracks all objects of one clip.
 class Tracker {
  public:

@@ -127,7 +127,7 @@ class Vision::Impl {
     pending.result.frame.id = id;
     pending.result.frame.media_time = media_time;
     pending.result.color = frame.color;
-    fillObjects(objects, pending.result.frame);
+    fillObjects(objects, pending.result);
     motion_.add(id, time_s, objects);
     pending_.push_back(std::move(pending));
     if (pending_.size() > static_cast<std::size_t>(lookahead_)) complete();
@@ -173,8 +173,10 @@ class Vision::Impl {
     ClipMotion clip;
     RangeFinder finder;
     const auto with_annotations = static_cast<std::uint64_t>(lastWord_s() * info_.fps) + 2;
-    const std::uint64_t longest = std::max(kLongestScan, with_annotations);
-    const std::uint64_t total = std::min(longest, info_.frame_count.value_or(longest));
+    const std::uint64_t longest =
+        settings_.offline ? UINT64_MAX : std::max(kLongestScan, with_annotations);
+    const std::uint64_t total =
+        std::min(longest, info_.frame_count.value_or(std::max(kLongestScan, with_annotations)));
     std::uint64_t done = 0;
     for (; done < longest; ++done) {
       const std::optional<RgbdFrame> frame = source.read();
@@ -206,14 +208,19 @@ class Vision::Impl {
   }
 
   // Adds the reliefs of the objects to the frame, as many as a client accepts.
-  void fillObjects(const std::vector<TrackedObject>& objects, HapticFrame& frame) {
+  void fillObjects(const std::vector<TrackedObject>& objects, VisionResult& result) {
+    HapticFrame& frame = result.frame;
     for (const TrackedObject& object : objects) {
       numbers_[object.id] = object.number;
       Described described = describeLayers(object, frame.id, last_objects_, tracker_->noise(),
                                            nominal(), settings_, clock_, cutters_[object.id]);
       tracker_->report(object.id, described.report);
-      for (HapticObject& layer : described.layers) {
-        if (hasRoomFor(layer, frame)) frame.objects.push_back(std::move(layer));
+      for (std::size_t i = 0; i < described.layers.size(); ++i) {
+        if (!hasRoomFor(described.layers[i], frame)) continue;
+        frame.objects.push_back(std::move(described.layers[i]));
+        if (settings_.offline)
+          result.measured.push_back(i < described.measured.size() ? described.measured[i]
+                                                                  : nullptr);
       }
     }
     last_objects_ = frame.objects;

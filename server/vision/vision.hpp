@@ -25,6 +25,9 @@ namespace hapticast::server {
 struct VisionResult {
   HapticFrame frame;  ///< the frame, with the reliefs of all its objects
   cv::Mat color;      ///< picture of the same frame
+  /// For each object of `frame` the heights that this frame alone measured, over the rectangle and
+  /// mask of its relief; null: none. Empty without VisionSettings::offline.
+  std::vector<std::shared_ptr<const Relief>> measured = {};
 };
 
 /// Converts the images of one source to haptic frames.

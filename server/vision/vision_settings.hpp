@@ -90,6 +90,8 @@ struct VisionSettings {
   /// picture.
   bool compensate_pan = false;
   bool explain = false;  ///< --explain: log how the first mask was chosen
+  /// bake: scan() reads the whole clip, and each result has what its frame alone measured.
+  bool offline = false;
 
   /// Returns the material of the object with this number.
   [[nodiscard]] const Material& findMaterial(int number) const {

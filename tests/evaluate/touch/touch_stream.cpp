@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "server/stream/encoded.hpp"
+#include "server/vision/offline/offline_vision.hpp"
 #include "tests/evaluate/thread_time.hpp"
 
 namespace hapticast::evaluate {
@@ -76,6 +77,25 @@ Stream play(server::RgbdSource& source, const server::VisionSettings& settings, 
 
 }  // namespace
 
+namespace {
+
+Stream playOffline(server::RgbdSource& source, const server::VisionSettings& settings,
+                   double longest_s, const SliceSettings& slices) {
+  server::OfflineVision vision(source, source.info(), settings);
+  vision.scan(nullptr);
+  server::FrameEncoder encoder;
+  Stream out;
+  while (const auto result = vision.next()) {
+    const double time_s = toSeconds(result->frame.media_time);
+    if (time_s > longest_s) break;
+    out.frames.push_back({time_s, encoder.encode(result->frame, slices).delta});
+  }
+  out.description = vision.vision().description();
+  return out;
+}
+
+}  // namespace
+
 Stream makeStream(const TouchScene& scene, const StreamKind& kind) {
   const auto source = scene.open(kind.seen);
   server::VisionSettings settings;
@@ -87,6 +107,7 @@ Stream makeStream(const TouchScene& scene, const StreamKind& kind) {
     settings.segment =
         kind.method == Method::kThesis ? server::SegmentMode::kEdges : server::SegmentMode::kBand;
   }
+  if (kind.offline) return playOffline(*source, settings, kind.longest_s, kind.slices);
   double mask_error_px = 0.0;
   std::size_t looked = 0;
   Stream out = play(*source, settings, kind.scan, kind.longest_s, kind.slices,

@@ -19,6 +19,7 @@ struct StreamKind {
   bool exact_pose = false;  ///< vision's motion is replaced by the truth
   double longest_s = 1e9;   ///< the scene ends here
   bool scan = false;        ///< the clip is looked through first, for its largest acceleration
+  bool offline = false;     ///< as `hapticast-server bake` does
   Material material;
   std::optional<double> mass_kg;
   /// As fine as slices go: what they add at their default is measured by the topic codec.
