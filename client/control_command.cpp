@@ -46,7 +46,11 @@ struct Exchange {
 
 /// Handles a message of the server. Returns the next message to send, if there is one.
 std::optional<Control> answer(Exchange& exchange, const Message& message, const Control& control) {
-  if (std::holds_alternative<Welcome>(message)) {
+  if (const auto* const welcome = std::get_if<Welcome>(&message)) {
+    if (welcome->description.timeline) {
+      exchange.end("each viewer of this server has a time line of its own (--on-demand)");
+      return std::nullopt;
+    }
     exchange.limit(kCarryOutPatience, "the server has not carried out the request in 2 minutes");
     return control;
   }

@@ -5,6 +5,7 @@
 #include <spdlog/spdlog.h>
 
 #include <cstdio>
+#include <exception>
 #include <optional>
 #include <span>
 #include <stdexcept>
@@ -29,8 +30,10 @@ ReplayChanges readChanges(const Settings& settings) {
   return changes;
 }
 
-/// Renders `replay` with `changes`, and writes the files of `settings`.
-ReplayCounts writeOutputs(const Settings& settings, Replay& replay, const ReplayChanges& changes) {
+/// Renders `replay` with `changes`, and writes the files of `settings`. Returns nullopt if one of
+/// them is not complete; the log has the reason.
+std::optional<ReplayCounts> writeOutputs(const Settings& settings, Replay& replay,
+                                         const ReplayChanges& changes) {
   LogFile log(settings.log_file);
   ReplayViews views(settings);
   std::optional<ReplayRecording> recording;
@@ -51,10 +54,19 @@ ReplayCounts writeOutputs(const Settings& settings, Replay& replay, const Replay
     views.onMessage(channel, data);
   };
   const ReplayCounts counts = replay.run(changes, outputs);
-  log.close();
-  if (recording) recording->finish();
-  if (counts.ticks > 0) views.finish();
-  return counts;
+  bool complete = true;
+  const auto finish = [&complete](const auto& output) {
+    try {
+      output();
+    } catch (const std::exception& error) {
+      spdlog::error("{}", sanitizeUtf8(error.what()));
+      complete = false;
+    }
+  };
+  finish([&] { log.close(); });
+  if (recording) finish([&] { recording->finish(); });
+  if (counts.ticks > 0) finish([&] { views.finish(); });
+  return complete ? std::optional(counts) : std::nullopt;
 }
 
 }  // namespace
@@ -69,7 +81,9 @@ int runReplay(const Settings& settings) {
   }
   Replay& replay = *opened.value();
   const ReplayChanges changes = readChanges(settings);
-  const ReplayCounts counts = writeOutputs(settings, replay, changes);
+  const auto rendered = writeOutputs(settings, replay, changes);
+  if (!rendered) return kFailed;
+  const ReplayCounts& counts = *rendered;
   if (!replay.problem().empty())
     spdlog::warn("{} {}: {} ticks are rendered", file, replay.problem(), counts.ticks);
   if (counts.ticks == 0) return kFailed;

@@ -16,7 +16,7 @@
 
 namespace hapticast::client {
 
-/// A recording with the messages of the replayed one and the new ticks.
+/// A recording with the messages of the replayed one, without its log, and the new ticks.
 class ReplayRecording {
  public:
   /// Creates `file`. Throws RecordingError.

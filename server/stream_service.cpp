@@ -26,7 +26,8 @@ StreamSettings makeStreamSettings(const Settings& settings) {
       settings.tls.wanted() ? Broadcaster::kMaxPendingTls : Broadcaster::kMaxPending;
   const std::size_t http =
       settings.http ? HttpServer::kMostConnections + HttpServer::kMostSilent : 0;
-  return {.max_clients = raiseFileLimit(settings.max_clients, pending + http),
+  const std::size_t recordings = settings.on_demand ? settings.max_clients : 0;
+  return {.max_clients = raiseFileLimit(settings.max_clients, pending + http + recordings),
           .max_pending = pending,
           .insecure = settings.insecure};
 }

@@ -16,8 +16,9 @@ namespace {
 
 using client::RecordingReader;
 
-// A server repeats description and reliefs within a second; the rest is for late frames.
-constexpr std::uint64_t kRepeatWithin_ns = 1'500'000'000;
+// A server repeats the description within a second, and then the reliefs within another one; the
+// rest is for late frames.
+constexpr std::uint64_t kRepeatWithin_ns = 2'500'000'000;
 // As many later frames are read to find the picture of a frame (as FrameInbox waits for them).
 constexpr std::size_t kFramesToPicture = 4;
 

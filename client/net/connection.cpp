@@ -348,7 +348,7 @@ std::optional<WireError> Connection::handle(Session& session, Message message) {
     receiver_.describe(*description, now);
     if (events_.described) events_.described(*description);
   } else if (!std::holds_alternative<Control>(message) || !session.description.timeline) {
-    // A control comes back once it is carried out; the description has its effect.
+    // A control comes back; the description has its effect.
     failure = WireError{ErrorCode::kUnexpected, "the server sent a message that only clients send"};
   }
   session.deadline = now + settings_.silence_limit;

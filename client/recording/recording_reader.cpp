@@ -57,7 +57,8 @@ Result<RecordingReader> RecordingReader::open(const std::string& file) {
     return Error{
         "has no channel /frame or /tick of hapticast: it is no recording of hapticast-server or "
         "hapticast-client"};
-  const auto first = reader.file_.next();
+  auto first = reader.file_.next();
+  while (first && !reader.channels_.contains(first->channel)) first = reader.file_.next();
   if (!first) return Error{"has no messages: it " + reader.file_.problem()};
   reader.begin_ns_ = first->time_ns;
   reader.seek(0);

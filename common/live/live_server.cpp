@@ -73,18 +73,29 @@ asio::awaitable<void> LiveServer::acceptAll() {
   while (acceptor_.is_open()) {
     boost::system::error_code ec;
     auto socket = co_await acceptor_.async_accept(asio::redirect_error(asio::use_awaitable, ec));
-    if (!ec && watchers_.size() < kMostWatchers) {
-      watchers_.push_back(std::make_shared<Watcher>(std::move(socket), server_));
-      asio::co_spawn(
-          io_, [this, watcher = watchers_.back()] { return serve(watcher); }, asio::detached);
-    }
+    if (!acceptor_.is_open()) co_return;  // a connection that came before the end
+    if (!ec && watchers_.size() < kMostWatchers) add(std::move(socket));
     pause_.expires_after(kPauseAfterAccept);
     co_await pause_.async_wait(asio::redirect_error(asio::use_awaitable, ec));
   }
 }
 
+void LiveServer::add(asio::ip::tcp::socket socket) {
+  try {
+    watchers_.push_back(std::make_shared<Watcher>(std::move(socket), server_));
+    asio::co_spawn(
+        io_, [this, watcher = watchers_.back()] { return serve(watcher); }, asio::detached);
+  } catch (const std::bad_alloc&) {
+    // The connection is closed.
+  }
+}
+
 asio::awaitable<void> LiveServer::serve(std::shared_ptr<Watcher> watcher) {
-  co_await watcher->serve();
+  try {
+    co_await watcher->serve();
+  } catch (const std::bad_alloc&) {
+    watcher->close();
+  }
   std::erase(watchers_, watcher);
 }
 

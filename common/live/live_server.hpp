@@ -45,6 +45,7 @@ class LiveServer {
  private:
   void run();
   asio::awaitable<void> acceptAll();
+  void add(asio::ip::tcp::socket socket);
   asio::awaitable<void> serve(std::shared_ptr<Watcher> watcher);
   void onSubscription(Watcher& watcher, std::size_t channel, bool begins);
   void deliver(std::shared_ptr<const LiveMessage> message);

@@ -15,6 +15,7 @@ namespace websocket = beast::websocket;
 
 constexpr std::uint32_t kMostHead_bytes = 8192;  // as the port of --http
 constexpr std::chrono::seconds kHandshake{5};    // chosen
+constexpr std::chrono::seconds kWarnEvery{1};    // chosen
 constexpr std::chrono::seconds kSilence{30};     // a ping comes after half of it
 
 auto into(boost::system::error_code& error) {
@@ -163,9 +164,22 @@ void Watcher::push(Waiting waiting) {
   const std::size_t size = waiting.size() + sizeof(Waiting);
   if (waiting_bytes_ + size > kMostWaitingBytes) {
     ++lost_;
+    if (std::chrono::steady_clock::now() - warned_at_ >= kWarnEvery) warnOfLost();
     return;
   }
-  waiting_bytes_ += size;
+  enqueue(std::move(waiting));
+}
+
+void Watcher::warnOfLost() {
+  warned_at_ = std::chrono::steady_clock::now();
+  // Beyond the limit, so that a watcher that stays too slow gets it, too.
+  enqueue({makeWarning(std::to_string(std::exchange(lost_, 0)) +
+                       " messages are lost, because this watcher is too slow"),
+           nullptr});
+}
+
+void Watcher::enqueue(Waiting waiting) {
+  waiting_bytes_ += waiting.size() + sizeof(Waiting);
   waiting_.push_back(std::move(waiting));
   if (std::exchange(writes_, true)) return;
   asio::co_spawn(
@@ -188,10 +202,7 @@ asio::awaitable<void> Watcher::writeAll() {
       co_await socket_.async_write(asio::buffer(next.text), into(ec));
     }
     if (ec) close();
-    if (waiting_.empty() && lost_ > 0)
-      push({makeWarning(std::to_string(std::exchange(lost_, 0)) +
-                        " messages are lost, because this watcher is too slow"),
-            nullptr});
+    if (is_open_ && waiting_.empty() && lost_ > 0) warnOfLost();
   }
   writes_ = false;
 }

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: MIT
 // One watcher of a LiveServer: a WebSocket. A queue of limited size holds the messages that wait
-// for the network. When it is full, new messages are lost, and the watcher gets a warning with
-// their number. A limit of bytes in a second bounds what a flood of requests or pings costs.
-// Thread: the live server's.
+// for the network. When it is full, new messages are lost. The watcher gets a warning with their
+// number at once, then once a second, and when the queue is empty again. A limit of bytes in a
+// second bounds what a flood of requests or pings costs. Thread: the live server's.
 #pragma once
 
 #include <boost/beast/core/basic_stream.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/core/rate_policy.hpp>
 #include <boost/beast/websocket.hpp>
+#include <chrono>
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -77,6 +78,9 @@ class Watcher : public std::enable_shared_from_this<Watcher> {
   void obey(const LiveRequest& request);
   void begin(const LiveRequest::Subscription& subscription);
   void push(Waiting waiting);
+  void enqueue(Waiting waiting);
+  /// Queues the number of lost messages.
+  void warnOfLost();
   asio::awaitable<void> writeAll();
 
   boost::beast::websocket::stream<Stream> socket_;
@@ -85,7 +89,8 @@ class Watcher : public std::enable_shared_from_this<Watcher> {
   std::map<std::uint32_t, std::size_t> subscriptions_;  // channels, by the watcher's number
   std::deque<Waiting> waiting_;
   std::size_t waiting_bytes_ = 0;
-  std::uint64_t lost_ = 0;
+  std::uint64_t lost_ = 0;  // since the last warning
+  std::chrono::steady_clock::time_point warned_at_{};
   bool is_open_ = false, writes_ = false;
 };
 

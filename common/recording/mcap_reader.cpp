@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstring>
 #include <limits>
 #include <system_error>
 #include <utility>
@@ -58,6 +59,18 @@ Result<McapReader> McapReader::open(const std::string& file, std::size_t most_bl
                                         : "has no messages: it " + reader.damage_};
   for (const Block& block : reader.blocks_) reader.end_ns_ = std::max(reader.end_ns_, block.end_ns);
   reader.block_.clear();
+  return reader;
+}
+
+Result<McapReader> McapReader::reopen() const {
+  const int file = ::fcntl(file_, F_DUPFD_CLOEXEC, 0);
+  if (file < 0) return Error{std::string("cannot be opened again (") + std::strerror(errno) + ")"};
+  McapReader reader(file, size_);
+  reader.schemas_ = schemas_;
+  reader.channels_ = channels_;
+  reader.blocks_ = blocks_;
+  reader.end_ns_ = end_ns_;
+  reader.damage_ = damage_;
   return reader;
 }
 
@@ -308,6 +321,10 @@ void McapReader::seek(std::uint64_t time_ns) {
 
 void McapReader::seek(McapPlace place) {
   problem_.clear();
+  if (place.block >= blocks_.size()) {
+    problem_ = "cannot be read any more";
+    return;
+  }
   if (next_block_ != place.block + 1 || block_.empty()) {
     next_block_ = place.block + 1;
     if (!load(place.block)) return;

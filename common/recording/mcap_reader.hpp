@@ -42,6 +42,9 @@ class McapReader {
   /// many chunks. One is enough for the first channels.
   [[nodiscard]] static Result<McapReader> open(
       const std::string& file, std::size_t most_blocks = std::numeric_limits<std::size_t>::max());
+  /// Returns another reader of the same file, at its begin, without reading it again. Returns an
+  /// error if the system has no handle for it.
+  [[nodiscard]] Result<McapReader> reopen() const;
   ~McapReader();
   McapReader(McapReader&& from) noexcept;
   McapReader& operator=(McapReader&& from) noexcept;

@@ -47,6 +47,8 @@ std::string describeActivity(const Metrics& metrics) {
       return "sends frames";
     case PipelinePhase::kPause:
       return "an operator has paused the stream";
+    case PipelinePhase::kOnDemand:
+      return "sends each viewer a recording on demand";
     case PipelinePhase::kSeek:
       return "an operator seeks";
   }

@@ -17,8 +17,9 @@ enum class PipelinePhase : std::uint8_t {
   kScan,           ///< opens the source and scans the clip
   kWaitForViewer,  ///< --wait-for-viewer: no viewer has joined yet
   kStream,
-  kPause,  ///< an operator has paused the stream
-  kSeek,   ///< an operator seeks: vision processes the frames before that time
+  kPause,     ///< an operator has paused the stream
+  kOnDemand,  ///< each viewer has a stream of its own (--on-demand)
+  kSeek,      ///< an operator seeks: vision processes the frames before that time
 };
 
 /// Times of the encoder's thread.

@@ -14,6 +14,7 @@ namespace {
 
 // The recorder repeats description and reliefs within a second; the rest is for late frames.
 constexpr Duration kRepeatWithin = std::chrono::milliseconds(1500);
+constexpr std::uint64_t kFirstStepBack_ns = 2'000'000'000;  // chosen: one or two chunks
 
 }  // namespace
 
@@ -29,6 +30,7 @@ Result<StreamReader> StreamReader::open(const std::string& file) {
     if (!reader.description_) return Error{"has no description of the stream before its frames"};
     reader.begin_ = frame->media_time;
     reader.first_description_ = *reader.description_;
+    reader.end_ = reader.findEnd();
     reader.seek(reader.begin_);
     return reader;
   }
@@ -52,10 +54,33 @@ bool StreamReader::findChannels() {
   return frames_.has_value();
 }
 
-Duration StreamReader::length() const {
-  const auto most = static_cast<std::uint64_t>(limits::kTime_ns);
-  const MediaTime end(Duration(static_cast<std::int64_t>(std::min(file_.end_ns(), most))));
-  return std::max(end - begin_, Duration(0));
+Result<StreamReader> StreamReader::reopen() const {
+  auto file = file_.reopen();
+  if (!file.ok()) return file.error();
+  StreamReader reader(std::move(file).value());
+  (void)reader.findChannels();
+  reader.first_description_ = first_description_;
+  reader.begin_ = begin_;
+  reader.end_ = end_;
+  reader.seek(begin_);
+  return reader;
+}
+
+MediaTime StreamReader::findEnd() {
+  const auto begin_ns =
+      static_cast<std::uint64_t>(std::max<std::int64_t>(begin_.time_since_epoch().count(), 0));
+  std::uint64_t last_ns = begin_ns;
+  // Usually the last chunk has a frame; the file may go on without, for example with the log.
+  for (std::uint64_t back_ns = kFirstStepBack_ns; last_ns == begin_ns; back_ns *= 4) {
+    const std::uint64_t end_ns = std::min<std::uint64_t>(file_.end_ns(), limits::kTime_ns);
+    const bool is_all = back_ns >= end_ns || end_ns - back_ns <= begin_ns;
+    file_.seek(is_all ? begin_ns : end_ns - back_ns);
+    while (const auto message = file_.next())
+      if (message->channel == frames_) last_ns = std::max(last_ns, message->time_ns);
+    if (is_all) break;
+  }
+  return std::max(begin_, MediaTime(Duration(static_cast<std::int64_t>(
+                              std::min<std::uint64_t>(last_ns, limits::kTime_ns)))));
 }
 
 std::optional<RecordedItem> StreamReader::next() {

@@ -33,12 +33,15 @@ class StreamReader {
   /// Opens `file` as open() does. Throws RecordingError with one line that names --source.
   [[nodiscard]] static StreamReader openSource(const std::string& file);
 
+  /// Returns another reader of the same file, at its begin, as McapReader::reopen() does.
+  [[nodiscard]] Result<StreamReader> reopen() const;
+
   /// Returns the description of the first frame.
   [[nodiscard]] const StreamDescription& description() const { return first_description_; }
   /// Returns the media time of the first frame.
   [[nodiscard]] MediaTime begin() const { return begin_; }
-  /// Returns the time from the first frame to the end of the recording.
-  [[nodiscard]] Duration length() const;
+  /// Returns the time from the first to the last frame.
+  [[nodiscard]] Duration length() const { return end_ - begin_; }
 
   /// Returns the next item; nullopt at the end, or at the first damage (problem()). Frames rise in
   /// media time. A description comes only if it differs from the one before.
@@ -54,6 +57,8 @@ class StreamReader {
   explicit StreamReader(McapReader file) : file_(std::move(file)) {}
   /// Finds the channels. Returns whether there are frames.
   [[nodiscard]] bool findChannels();
+  /// Returns the media time of the last frame. Other messages may come after it.
+  [[nodiscard]] MediaTime findEnd();
   /// Returns the item in a message. Returns nullopt if it is none to return, and sets problem_ if
   /// the message is invalid.
   [[nodiscard]] std::optional<RecordedItem> read(const McapMessage& message);
@@ -65,7 +70,7 @@ class StreamReader {
   std::optional<std::uint16_t> frames_, descriptions_, pictures_;  // numbers of channels
   StreamDescription first_description_;
   std::optional<StreamDescription> description_;
-  MediaTime begin_{};
+  MediaTime begin_{}, end_{};      // of the first and the last frame
   std::optional<MediaTime> last_;  // of the last frame
   std::optional<MediaTime> from_;  // items before it only complete the frames
   struct Known {

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "server/recording/viewer_timeline.hpp"
 
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
 #include <utility>
 #include <variant>
@@ -49,7 +47,10 @@ asio::awaitable<void> ViewerTimeline::play() {
   while (!stopped_) {
     const auto viewer = viewer_.lock();
     if (!viewer) co_return;
-    if (carryOut()) co_await waitFor(kSeekPause, false);
+    if (carryOut()) {
+      co_await waitFor(kSeekPause, false);
+      continue;  // the next request may be there
+    }
     if (paused_ || at_end_) {
       describe(*viewer);
       co_await waitFor(kForEver, true);
@@ -121,12 +122,9 @@ void ViewerTimeline::describe(Session& viewer) {
 }
 
 void ViewerTimelines::onJoined(const std::shared_ptr<Session>& viewer) {
-  auto reader = StreamReader::open(file_);
-  if (!reader.ok()) {
-    spdlog::error("--source {}: {}", file_, reader.error().message);
-    viewer->close({ErrorCode::kShuttingDown, "the recording cannot be read any more"});
-    return;
-  }
+  auto reader = recording_.reopen();
+  if (!reader.ok())
+    return viewer->close({ErrorCode::kServerFull, "the recording " + reader.error().message});
   auto timeline = std::make_shared<ViewerTimeline>(
       server_, RecordingPlayer(std::move(reader).value(), loop_), viewer);
   timelines_[viewer.get()] = timeline;

@@ -67,12 +67,12 @@ class ViewerTimeline : public std::enable_shared_from_this<ViewerTimeline> {
   bool paused_ = false, at_end_ = false, stopped_ = false, waits_for_requests_ = false;
 };
 
-/// The time lines of all viewers. Each opens the recording anew.
+/// The time lines of all viewers.
 class ViewerTimelines final : public ViewerStreams {
  public:
-  /// `file`: the recording. `loop`: each time line starts again at its end.
-  ViewerTimelines(ViewerTimeline::Server server, std::string file, bool loop)
-      : server_(std::move(server)), file_(std::move(file)), loop_(loop) {}
+  /// `recording` must outlive this object. `loop`: each time line starts again at its end.
+  ViewerTimelines(ViewerTimeline::Server server, const StreamReader& recording, bool loop)
+      : server_(std::move(server)), recording_(recording), loop_(loop) {}
 
   void onJoined(const std::shared_ptr<Session>& viewer) override;
   void onLeft(const Session& viewer) override;
@@ -80,7 +80,7 @@ class ViewerTimelines final : public ViewerStreams {
 
  private:
   const ViewerTimeline::Server server_;
-  const std::string file_;
+  const StreamReader& recording_;
   const bool loop_;
   std::map<const Session*, std::shared_ptr<ViewerTimeline>> timelines_;
 };

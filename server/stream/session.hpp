@@ -37,8 +37,8 @@ class SessionHost {
                                                                 LocalTime latest) = 0;
   /// Returns the rights of the token in `hello`; nullopt if this server needs no tokens.
   [[nodiscard]] virtual std::optional<Grant> findGrant(const Hello& hello) const = 0;
-  /// Passes the request of a client to the pipeline. Once the request is carried out, the host
-  /// calls confirm() of `sender`. Returns an error if the client may not request that.
+  /// Passes the request of a client on. The host calls confirm() of `sender` once the request is
+  /// carried out, or on demand at once. Returns an error if the client may not request that.
   [[nodiscard]] virtual std::optional<WireError> control(
       const Control& control, const std::shared_ptr<Session>& sender) = 0;
   /// Writes the key of the stream into `welcome`, and the parameters for datagrams, if datagrams

@@ -30,12 +30,15 @@ class OnDemandTest : public StreamTest {
         recorder.publish(encoder.encode(frame));
       }
     }
-    const server::RecordingPlayer player(server::StreamReader::openSource(file_), false);
+    reader_.emplace(server::StreamReader::openSource(file_));
+    timelines_.emplace(server::ViewerTimeline::Server{io, media_, signer_, "on demand"}, *reader_,
+                       false);
+    const server::RecordingPlayer player(reader_->reopen().value(), false);
     broadcaster_.emplace(io, clock, media_,
                          server::ViewerTimeline::describeBegin(player, "on demand"),
                          server::StreamSettings{});
     broadcaster_->introduce(signer_.identity());
-    broadcaster_->serveEach(timelines_);
+    broadcaster_->serveEach(*timelines_);
     listener_.emplace(io, Endpoint{"127.0.0.1", 0}, *broadcaster_);
     listener_->start();
   }
@@ -73,7 +76,8 @@ class OnDemandTest : public StreamTest {
   std::string file_ = (folder_ / "stream.mcap").string();
   LocalMediaClock media_{clock};
   server::FrameSigner signer_;
-  server::ViewerTimelines timelines_{{io, media_, signer_, "on demand"}, file_, false};
+  std::optional<server::StreamReader> reader_;
+  std::optional<server::ViewerTimelines> timelines_;
   std::optional<server::Broadcaster> broadcaster_;
   std::optional<server::Listener> listener_;
 };
@@ -151,15 +155,21 @@ TEST_F(OnDemandTest, AFloodOfSeeksDelaysNoOtherViewer) {
   EXPECT_LT(peer->all<CodedFrame>().back().epoch, 100U);
 }
 
-TEST_F(OnDemandTest, AViewerThatLeavesEndsItsPlayback) {
+TEST_F(OnDemandTest, OfTwoSeeksInAPauseTheSecondCounts) {
+  const auto peer = join();
+  control(*peer, {.paused = true, .seek_s = std::nullopt, .material = {}});
+  peer->send(Control{.paused = std::nullopt, .seek_s = 4.0, .material = {}});
+  peer->send(Control{.paused = std::nullopt, .seek_s = 7.0, .material = {}});
+  ASSERT_TRUE(runUntil([&] { return timeline(*peer)->position_s == 7.0; }));
+  EXPECT_EQ(timeline(*peer)->speed, 0.0);
+}
+
+TEST_F(OnDemandTest, ARemovedRecordingPlaysOn) {
   join().reset();
+  std::filesystem::remove(file_);
   const auto peer = join();
   const std::size_t frames = peer->all<CodedFrame>().size();
-  std::filesystem::remove(file_);
-  RawPeer late(io, listener_->address().port);
-  late.send(Hello{kProtocolVersion, "raw", false, true});
-  EXPECT_EQ(farewell(late).code, ErrorCode::kShuttingDown);
-  ASSERT_TRUE(runUntil([&] {  // an open recording plays on
+  ASSERT_TRUE(runUntil([&] {
     peer->poll();
     return peer->all<CodedFrame>().size() > frames + 5;
   }));

@@ -38,6 +38,11 @@ double findSpeed(double present, int steps) {
 void showTimeBar(const WindowLayout& layout, UiState& ui_state, TimeBarState& state) {
   if (!ui_state.stream.timeline) return;
   const Timeline& timeline = *ui_state.stream.timeline;
+  if (timeline != state.shown) {
+    state.shown = timeline;
+    state.wanted = {};
+    if (timeline.speed > 0.0) state.speed = timeline.speed;
+  }
   ImGui::SetNextWindowPos({static_cast<float>(layout.corner.x()),
                            static_cast<float>(layout.corner.y() + layout.room.y())},
                           ImGuiCond_Always, {0.0F, 1.0F});
@@ -65,19 +70,18 @@ void showTimeBar(const WindowLayout& layout, UiState& ui_state, TimeBarState& st
   ImGui::End();
 }
 
-bool pressTimelineKey(int sdl_key, UiState& ui_state, const TimeBarState& state) {
+bool pressTimelineKey(int sdl_key, UiState& ui_state, TimeBarState& state) {
   if (!ui_state.stream.timeline) return false;
   const Timeline& timeline = *ui_state.stream.timeline;
   const auto seekBy = [&](double step_s) {
-    const double from_s =
-        ui_state.timeline.seek_s.value_or(timeline.computePosition_s(state.play_time));
-    ui_state.timeline.seek_s = std::clamp(from_s + step_s, 0.0, timeline.length_s);
+    const double from_s = state.wanted.seek_s.value_or(timeline.computePosition_s(state.play_time));
+    state.wanted.seek_s = std::clamp(from_s + step_s, 0.0, timeline.length_s);
+    ui_state.timeline.seek_s = state.wanted.seek_s;
     return true;
   };
   const auto changeSpeed = [&](int steps) {
-    const double present =
-        ui_state.timeline.speed.value_or(timeline.speed == 0.0 ? 1.0 : timeline.speed);
-    ui_state.timeline.speed = findSpeed(present, steps);
+    state.wanted.speed = findSpeed(state.wanted.speed.value_or(state.speed), steps);
+    ui_state.timeline.speed = state.wanted.speed;
     return true;
   };
   switch (sdl_key) {

@@ -17,6 +17,9 @@ namespace {
 
 constexpr std::size_t kMostListed = 20;  // chosen: topics in one line of the log
 
+// Limit of the index's memory (32 B for an image). Chosen: four days at 30 frames/s.
+constexpr std::size_t kMostImages = 10'000'000;
+
 /// Builds the index, message by message.
 class IndexBuilder {
  public:
@@ -29,6 +32,7 @@ class IndexBuilder {
         cameras_.emplace(channel.topic, *camera);
       return;
     }
+    ++images_;
     const auto image = readImageMessage(*type, message.data);
     ImageTopic& topic = topics_[channel.topic];
     topic.type = channel.schema.name;
@@ -43,6 +47,8 @@ class IndexBuilder {
       topic.problem = image.error().message;
     }
   }
+
+  [[nodiscard]] bool isFull() const { return images_ >= kMostImages; }
 
   /// Returns the index. `channels`: those of the file.
   RecordingIndex finish(const std::map<std::uint16_t, McapChannel>& channels) {
@@ -75,6 +81,7 @@ class IndexBuilder {
 
   std::map<std::string, ImageTopic> topics_;
   std::map<std::string, CameraMessage> cameras_;
+  std::size_t images_ = 0;
 };
 
 /// Returns the words as a list; of a long one the first words and the number of the others.
@@ -135,10 +142,11 @@ std::string_view cutName(std::string_view topic) {
 
 RecordingIndex indexRecording(McapReader& reader) {
   IndexBuilder builder;
-  while (const auto message = reader.next())
+  std::optional<McapMessage> message;
+  while (!builder.isFull() && (message = reader.next()))
     builder.add(*message, reader.channels().at(message->channel), reader.place());
   RecordingIndex index = builder.finish(reader.channels());
-  index.problem = reader.problem();
+  index.problem = builder.isFull() ? "has more images than can be played" : reader.problem();
   return index;
 }
 

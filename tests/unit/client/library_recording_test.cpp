@@ -91,7 +91,7 @@ class LibraryRecording : public ::testing::Test {
     for (std::uint64_t id = 0; id < kFrames; ++id) {
       const auto time_ns = static_cast<std::uint64_t>(timeOf(id).time_since_epoch().count());
       const auto description = encode(describeBodies()), frame = encode(makeBodies(id, 25));
-      if (id % 25 == 0) writer.write(0, time_ns, findContent(description));
+      if (id == 0 || id % 25 == 13) writer.write(0, time_ns, findContent(description));
       writer.write(1, time_ns, findContent(frame));
       if (id % 7 != 3) writer.write(2, time_ns, encodePictureContent(makePicture(id)));
       if (id % 10 == 9) writer.flush();

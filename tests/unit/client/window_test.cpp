@@ -360,6 +360,7 @@ TEST_F(WindowTest, KeysAndTheTimeBarSeekInARecordingOnDemand) {
     cv::imwrite(std::string(folder) + "/time_bar.png", bar);
   press(SDLK_RIGHT);
   EXPECT_NEAR(ui_state.timeline.seek_s.value_or(0.0), 45.0, 1e-9);
+  ui_state.timeline = {};  // sent; the stream has not changed yet
   press(SDLK_LEFT);
   press(SDLK_LEFT);
   EXPECT_NEAR(ui_state.timeline.seek_s.value_or(0.0), 35.0, 1e-9);
@@ -368,6 +369,12 @@ TEST_F(WindowTest, KeysAndTheTimeBarSeekInARecordingOnDemand) {
   press(SDLK_PAGEDOWN);
   press(SDLK_PAGEDOWN);
   EXPECT_EQ(ui_state.timeline.speed, 0.5);
+  ui_state.stream.timeline = Timeline{100.0, 40.0, mediaTime(2.0), 2.0};
+  window.draw(ui_state);
+  ui_state.stream.timeline->speed = 0.0;  // paused
+  window.draw(ui_state);
+  press(SDLK_PAGEUP);
+  EXPECT_EQ(ui_state.timeline.speed, 4.0);
   for (int i = 0; i < 30; ++i) press(SDLK_LEFT);
   EXPECT_EQ(ui_state.timeline.seek_s, 0.0);
 }
