@@ -57,7 +57,7 @@ std::string writePrometheus(const Metrics& metrics) {
 }
 
 std::string writeStatus(const Metrics& metrics) {
-  constexpr std::array kPhases{"scan", "wait_for_viewer", "stream", "pause", "seek"};
+  constexpr std::array kPhases{"scan", "wait_for_viewer", "stream", "pause", "on_demand", "seek"};
   Json json{{"version", metrics.version},
             {"stream", sanitizeUtf8(metrics.name)},
             {"health", findProblem(metrics).value_or("ok")}};
