@@ -15,7 +15,7 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr std::array<int, 5> kLevels{1, 2, 4, 8, 16};  // frames on each side
+constexpr std::array<int, 5> kWindows{1, 2, 4, 8, 16};  // frames on each side
 // Widths of the boxes whose means are compared. Chosen: small parts, and slight smooth errors.
 constexpr std::array kTests_px{9, 33};
 constexpr int kNoise_px = 33;  // chosen: width of the box over which the noise is measured
@@ -180,7 +180,7 @@ class Window {
     alive_ = own_.valid > 0;
     numbers_.push_back(number_.clone());
     int reached = 0;
-    for (const int level : kLevels) {
+    for (const int level : kWindows) {
       for (int k = reached + 1; k <= level; ++k) {
         add(-k);
         add(k);
@@ -367,7 +367,7 @@ std::shared_ptr<const Relief> ReliefFusion::fuseObject(const HapticObject& objec
     const Heights measured = readHeights(relief, top_mm);
     rest.add(*other.relief, other.motion, measured);
     const int distance = static_cast<int>(j) - static_cast<int>(at_);
-    if (std::abs(distance) > kLevels.back()) continue;
+    if (std::abs(distance) > kWindows.back()) continue;
     others[distance] =
         carryHeights(own, {live.rect, object.motion}, measured, {relief.rect, other.motion}, view_);
   }
