@@ -43,11 +43,12 @@ struct Host final : server::SessionHost {
     if (hello.access_token.empty()) return std::nullopt;
     return server::Grant{{}, server::Role::kOperator, std::nullopt};
   }
-  [[nodiscard]] bool control(const Control& control,
-                             const std::shared_ptr<server::Session>& sender) override {
+  [[nodiscard]] std::optional<WireError> control(
+      const Control& control, const std::shared_ptr<server::Session>& sender) override {
     require(!control.seek_s || *control.seek_s >= 0.0);
+    if (!sender->grant()) return WireError{ErrorCode::kForbidden, "no operator"};
     sender->confirm(control);
-    return true;
+    return std::nullopt;
   }
   void completeWelcome(const Channel&, Welcome&) override {}
   void deliver(std::uint64_t token, const Delivery& delivery) override {
