@@ -50,7 +50,8 @@ std::string listBakeFlags(const CLI::App& app) {
   for (const CLI::Option* const option : app.get_options()) {
     const std::string name = option->get_single_name();
     if (!isBakeFlag(*option) || name == "quiet") continue;
-    for (const std::string& value : option->results()) text += " --" + name + " " + value;
+    for (const std::string& value : option->results())
+      text.append(" --").append(name).append(" ").append(value);
   }
   return text;
 }

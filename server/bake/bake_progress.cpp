@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <utility>
 
@@ -49,7 +50,7 @@ std::string describeProgress(const std::string& work, std::uint64_t done, std::u
   if (total == 0 || rate <= 0.0)
     return fmt::format("{}: {} frames, {:.1f} frames/s", work, done, rate);
   const std::uint64_t left = total - std::min(done, total);
-  const auto left_s = static_cast<std::uint64_t>(static_cast<double>(left) / rate + 0.5);
+  const auto left_s = static_cast<std::uint64_t>(std::llround(static_cast<double>(left) / rate));
   return fmt::format(
       "{}: {:.0f} %, {:.1f} frames/s, {}:{:02} left", work,
       100.0 * static_cast<double>(std::min(done, total)) / static_cast<double>(total), rate,

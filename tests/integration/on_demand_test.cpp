@@ -42,7 +42,7 @@ class OnDemandTest : public StreamTest {
     listener_.emplace(io, Endpoint{"127.0.0.1", 0}, *broadcaster_);
     listener_->start();
   }
-  ~OnDemandTest() override {
+  void TearDown() override {
     listener_->stop();
     broadcaster_->stop();
     for (int i = 0; i < 20; ++i) turn();
