@@ -23,7 +23,7 @@ const FusionView kView{Workspace{}, {1e6 - 120.0, 1e6}, {1e6, 1e6, 320.0, 240.0}
 using Height = std::function<double(double u, double v, int frame)>;
 
 /// Returns the pixel of a number in the body's relief, whose width all reliefs have.
-Vec2 pixelOf(std::size_t at) {
+Vec2 findPixel(std::size_t at) {
   const auto width = static_cast<std::size_t>(kRect.width);
   const std::size_t column = at % width, row = at / width;
   return {static_cast<double>(column), static_cast<double>(row)};
@@ -39,10 +39,10 @@ std::vector<VisionResult> makeClip(const Height& height, int step_px, double noi
     rect.u += step_px * i;
     auto relief = std::make_shared<Relief>(Relief::blank(rect));
     for (std::size_t at = 0; at < rect.pixels(); ++at) {
-      const Vec2 pixel = pixelOf(at);
+      const Vec2 uv = findPixel(at);
       relief->mask[at] = 1;
-      relief->height_mm[at] = static_cast<float>(height(pixel.x(), pixel.y(), i) +
-                                                 (noise_mm > 0 ? noise(random) : 0.0));
+      relief->height_mm[at] =
+          static_cast<float>(height(uv.x(), uv.y(), i) + (noise_mm > 0 ? noise(random) : 0.0));
     }
     VisionResult result;
     result.frame.id = static_cast<std::uint64_t>(i) + 1;
@@ -76,8 +76,8 @@ double errorOf(const std::vector<VisionResult>& clip, const Height& truth) {
   for (int i = 0; i < kFrames; ++i) {
     const Relief& relief = *clip[static_cast<std::size_t>(i)].frame.objects[0].relief;
     for (std::size_t at = 0; at < relief.height_mm.size(); ++at) {
-      const Vec2 pixel = pixelOf(at);
-      square += std::pow(relief.height_mm[at] - truth(pixel.x(), pixel.y(), i), 2);
+      const Vec2 uv = findPixel(at);
+      square += std::pow(relief.height_mm[at] - truth(uv.x(), uv.y(), i), 2);
       count += 1;
     }
   }
