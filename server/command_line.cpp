@@ -291,7 +291,7 @@ std::unique_ptr<CLI::App> commandLine(Settings& settings) {
   addConfigFile(*app);
   app->final_callback([&settings, parsed = app.get()] {
     requireFlags(*parsed, settings);
-    if (!isEdge(settings) && !isRecording(settings)) mergeScene(*parsed, settings);
+    if (!isEdge(settings) && !settings.is_recording) mergeScene(*parsed, settings);
     settings.flags = listFlags(*parsed);
   });
   return app;

@@ -78,7 +78,7 @@ void requireOnDemandFlags(const CLI::App& app, Settings& settings) {
     if (app.count(name) > 0)
       throw CLI::ValidationError(name, "with --on-demand there is no stream for all viewers");
   }
-  if (isRecording(settings)) return;
+  if (settings.is_recording) return;
   const auto reader = McapReader::open(settings.source, 1);
   throw CLI::ValidationError("--source", settings.source + ": " +
                                              (reader.ok() ? "is no recording that --record has made"
@@ -91,7 +91,8 @@ void requireFlags(const CLI::App& app, Settings& settings) {
   requireNetworkFlags(settings);
   if (!isEdge(settings) && !settings.origin_keys.empty() && !settings.publish)
     throw CLI::ValidationError("--origin-key", "needs --source nats://... or --publish");
-  if (isRecording(settings)) {
+  settings.is_recording = isRecording(settings);
+  if (settings.is_recording) {
     requireRecordingFlags(app);
   } else if (isEdge(settings)) {
     requireEdgeFlags(app);

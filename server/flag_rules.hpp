@@ -7,8 +7,9 @@
 
 namespace hapticast::server {
 
-/// Refuses flags that this server cannot obey, after the parsing. With --on-demand, switches the
-/// datagrams off. Throws CLI::ValidationError.
+/// Refuses flags that this server cannot obey, after the parsing. Sets whether the
+/// source is a recording. With --on-demand, switches the datagrams off. Throws
+/// CLI::ValidationError.
 void requireFlags(const CLI::App& app, Settings& settings);
 
 }  // namespace hapticast::server

@@ -61,7 +61,7 @@ int serve(const hapticast::server::Settings& settings, hapticast::server::ReadSe
       hapticast::server::runEdge(settings, clock, std::move(reread));
       return kDone;
     }
-    if (hapticast::server::isRecording(settings)) {
+    if (settings.is_recording) {
       hapticast::server::playRecording(settings, clock, std::move(reread));
       return kDone;
     }

@@ -53,7 +53,8 @@ struct Settings {
   bool on_demand = false;  ///< each viewer of a recording has a time line of its own
   OutputSettings outputs;  ///< recording of the stream, and watchers
   bool quiet = false;
-  FlagTexts flags;  ///< all flags that were set, in any way, with their texts
+  bool is_recording = false;  ///< isRecording(), once the flags are read
+  FlagTexts flags;            ///< all flags that were set, in any way, with their texts
 };
 
 /// Returns whether the source is the channel of an origin, so that this server is an edge.

@@ -30,16 +30,17 @@ void ReplayCounts::add(const Vec3& force_N, const Vec3& recorded_N) {
 }
 
 Result<std::unique_ptr<Replay>> Replay::open(const std::string& file) {
-  std::unique_ptr<Replay> replay;
-  for (const bool is_probe : {true, false}) {  // the outputs receive all messages
-    auto opened = McapReader::open(file);
-    if (!opened.ok()) return opened.error();
-    replay.reset(new Replay(std::move(opened).value()));
-    if (!replay->findChannels())
-      return Error{"has no channel /tick: it is no recording of hapticast-client"};
-    if (!is_probe) continue;
-    if (auto obstacle = replay->findObstacle()) return std::move(*obstacle);
-  }
+  auto opened = McapReader::open(file);
+  if (!opened.ok()) return opened.error();
+  // A probe reads up to the first tick. The replay begins at the begin, for its outputs.
+  auto reopened = opened.value().reopen();
+  if (!reopened.ok()) return reopened.error();
+  const std::unique_ptr<Replay> probe(new Replay(std::move(reopened).value()));
+  if (!probe->findChannels())
+    return Error{"has no channel /tick: it is no recording of hapticast-client"};
+  if (auto obstacle = probe->findObstacle()) return std::move(*obstacle);
+  std::unique_ptr<Replay> replay(new Replay(std::move(opened).value()));
+  (void)replay->findChannels();
   return replay;
 }
 

@@ -87,8 +87,8 @@ RecordingSource::RecordingSource(const std::string& file, double fps, const Vide
     spdlog::warn("--source {}: {}; the server plays the images before that", file, index.problem);
   warnOfOtherView(topics, file);
   clip_ = pairImages(topics, file);
-  color_ = openTrack(*topics.color);
-  depth_ = openTrack(*topics.depth);
+  color_ = openTrack(reader, *topics.color);
+  depth_ = openTrack(reader, *topics.depth);
   describe(layout);
   spdlog::info("{}: colour is {} ({}), depth is {} ({})", file, topics.color->name,
                topics.color->encoding, topics.depth->name, topics.depth->encoding);
@@ -98,8 +98,11 @@ RecordingSource::RecordingSource(const std::string& file, double fps, const Vide
   if (const CameraMessage* const camera = findCamera(index, topics.color->name)) setCamera(*camera);
 }
 
-RecordingSource::Track RecordingSource::openTrack(const ImageTopic& topic) const {
-  return {openMcap(file_), file_ + ": " + topic.name};
+RecordingSource::Track RecordingSource::openTrack(const McapReader& reader,
+                                                  const ImageTopic& topic) const {
+  auto reopened = reader.reopen();
+  if (!reopened.ok()) throw SourceError(file_ + ": " + reopened.error().message);
+  return {std::move(reopened).value(), file_ + ": " + topic.name};
 }
 
 ImageResult RecordingSource::readAt(Track& track, McapPlace place,

@@ -46,7 +46,9 @@ class RecordingSource final : public RgbdSource {
     McapReader reader;
     std::string name;  ///< file and topic, for messages
   };
-  [[nodiscard]] Track openTrack(const ImageTopic& topic) const;
+  /// Returns the images of `topic`, without reading the index of the file again. Throws
+  /// SourceError.
+  [[nodiscard]] Track openTrack(const McapReader& reader, const ImageTopic& topic) const;
   /// Returns the picture of `track` at `place`, as read by `decode`, or its problem.
   [[nodiscard]] static ImageResult readAt(Track& track, McapPlace place,
                                           ImageResult (*decode)(const ImageMessage&));
