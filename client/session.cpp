@@ -11,6 +11,7 @@
 #include "client/discovery/find_server.hpp"
 #include "client/known_origins.hpp"
 #include "client/net/connection.hpp"
+#include "client/net/decode_thread.hpp"
 #include "client/net/receiver.hpp"
 #include "client/report/fault_log.hpp"
 #include "client/report/messages.hpp"

@@ -50,6 +50,8 @@ set(rules
   "client/discovery/.*" "^(common|client/net|client/discovery)/"
   "client/report/.*"   "^(common/|client/(settings\\.hpp$|haptics/|net/|report/))"
   "client/view/.*"     "^(common|client/haptics|client/view)/"
+  "client/web/messages/.*" "^(common/protocol/wire_reader\\.hpp$|client/web/messages/)"
+  "client/web/.*"      "^(common|client/(haptics|device|net|view|web))/"
   "client/[^/]*"       "^(common|client)/"
   "tests/support/.*"   "^(common|server|client|tests/support)/"
   "tests/scenes/.*"    "^(common|server|client|tests/(support|scenes))/"
@@ -61,9 +63,9 @@ set(rules
 set(doors
   "^boost/"                          "^(common/transport/asio\\.hpp|client/device/inverse3/websocket\\.cpp|server/http/http_(response|server)\\.[ch]pp|common/live/watcher\\.[ch]pp|tests/.*)$"
   "^common/transport/asio\\.hpp$"              "^(server/library/publisher\\.cpp$|(common/(transport|live)|server/stream|server/recording|server/relay|server/http|client/net|client/discovery|tests)/|(server|client)/[^/]*$)"
-  "\\.pb\\.h$"                       "^(common/protocol/(decode|encode|read_frame|write_frame|fragment|relay|recorded)\\.[ch]pp|client/recording/run_codec\\.cpp|server/pipeline/plan_log\\.cpp)$"
-  "^google/protobuf"                 "^common/protocol/(decode|encode|scan)\\.cpp$"
-  "^(zlib|zstd|lz4frame)\\.h$"        "^(common/recording/mcap_(records|chunk)\\.cpp|tests/.*)$"
+  "\\.pb\\.h$"                       "^(common/protocol/(decode|encode|read_frame|write_frame|fragment|reassembly|relay|recorded)\\.[ch]pp|client/recording/run_codec\\.cpp|server/pipeline/plan_log\\.cpp)$"
+  "^google/protobuf"                 "^common/protocol/decode\\.cpp$"
+  "^(zlib|zstd|lz4frame)\\.h$"        "^(common/recording/mcap_compression\\.cpp|tests/.*)$"
   "^openssl/"                        "^(common/transport/(signature|tls|seal)\\.cpp|common/live/live_protocol\\.cpp|server/stream/access_list\\.cpp)$"
   "^opencv2/"                        "^((server/(source|vision|library)|client/view|tests)/|server/preview)"
   "^lib(av[a-z]+|swscale)/"           "^server/source/video/(video_(file\\.cpp|format\\.[ch]pp)|display_matrix\\.hpp)$"
@@ -76,7 +78,7 @@ set(doors
   "^OpenNI\\.h$"                     "^server/source/live/openni_camera\\.cpp$"
   "^systemd/"                        "^server/service_manager\\.cpp$"
   "^libusb"                          "^client/device/falcon/usb\\.cpp$"
-  "^common/(codec|protocol|transport)/" "^(common/(codec|protocol|transport|live)/|server/(library/publisher\\.cpp$|bake/|stream/|recording/|relay/|pipeline/|http/|[^/]*$)|client/(net/|discovery/|report/|library/|recording/|[^/]*$)|tests/)"
+  "^common/(codec|protocol|transport)/" "^(common/(codec|protocol|transport|live)/|server/(library/publisher\\.cpp$|bake/|stream/|recording/|relay/|pipeline/|http/|[^/]*$)|client/(net/|discovery/|report/|library/|recording/|web/|[^/]*$)|tests/)"
 )
 
 file(GLOB_RECURSE files RELATIVE ${ROOT} ${ROOT}/common/*.?pp ${ROOT}/server/*.?pp ${ROOT}/client/*.?pp

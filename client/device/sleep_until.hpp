@@ -13,7 +13,10 @@ namespace hapticast::client {
 /// Returns `time` in the form that the system's functions need.
 inline timespec toTimespec(LocalTime time) noexcept {
   const auto since_ns = time.time_since_epoch().count();
-  return {static_cast<time_t>(since_ns / 1'000'000'000), since_ns % 1'000'000'000};
+  timespec result{};
+  result.tv_sec = static_cast<time_t>(since_ns / 1'000'000'000);
+  result.tv_nsec = static_cast<decltype(result.tv_nsec)>(since_ns % 1'000'000'000);
+  return result;
 }
 
 /// Sleeps until `time`. If a signal interrupts the sleep, the sleep continues.

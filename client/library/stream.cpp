@@ -16,6 +16,7 @@
 #include "client/library/frame_reader.hpp"
 #include "client/library/renderer_impl.hpp"
 #include "client/net/connection.hpp"
+#include "client/net/decode_thread.hpp"
 #include "client/net/receiver.hpp"
 #include "client/server_trust.hpp"
 #include "common/library/require.hpp"

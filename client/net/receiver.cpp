@@ -18,12 +18,9 @@ constexpr int kWaitsOfInterval = 4;
 constexpr Duration kBackToBack = std::chrono::milliseconds(2);
 }  // namespace
 
-Receiver::Receiver(DecodeThread& decode_thread, LatestValue<StreamTiming>& stream,
-                   int lookahead_frames, Duration max_delay)
-    : decode_thread_(decode_thread),
-      stream_(stream),
-      lookahead_frames_(lookahead_frames),
-      jitter_(max_delay) {}
+Receiver::Receiver(FrameSink& sink, LatestValue<StreamTiming>& stream, int lookahead_frames,
+                   Duration max_delay)
+    : sink_(sink), stream_(stream), lookahead_frames_(lookahead_frames), jitter_(max_delay) {}
 
 void Receiver::connected(const StreamDescription& description, LocalTime now) {
   clock_.reset();
@@ -37,7 +34,7 @@ void Receiver::connected(const StreamDescription& description, LocalTime now) {
 
 void Receiver::describe(const StreamDescription& description, LocalTime now) {
   if (!described_ || !(description.workspace == latest_.workspace)) {
-    decode_thread_.reset(description.workspace);
+    sink_.reset(description.workspace);
     was_reset_ = true;
   }
   if (!described_ || description.pipeline_latency != latest_.pipeline_latency) jitter_.reset(now);
@@ -127,11 +124,10 @@ void Receiver::release(LocalTime now) {
     counts_.lost += assembled->place.lost;
     if (assembled->place.resync) {
       ++counts_.resyncs;
-      decode_thread_.reset(
-          latest_.workspace);  // "unchanged since frame M" referred to other frames
+      sink_.reset(latest_.workspace);  // "unchanged since frame M" referred to other frames
     }
     if (on_frame_) on_frame_(*assembled);
-    counts_.overrun += decode_thread_.push(std::move(*assembled));
+    counts_.overrun += sink_.push(std::move(*assembled));
   }
   while (const auto late = assembler_.takeLate()) {
     if (!clock_.ready()) continue;

@@ -12,8 +12,8 @@
 #include <utility>
 
 #include "client/haptics/playback/playout.hpp"
-#include "client/net/decode_thread.hpp"
 #include "client/net/frame_assembler.hpp"
+#include "client/net/frame_preparer.hpp"
 #include "client/net/jitter_estimator.hpp"
 #include "common/protocol/messages.hpp"
 #include "common/sync/latest_value.hpp"
@@ -51,11 +51,11 @@ struct ReceiverCounts {
 /// Processes the messages of one connection.
 class Receiver {
  public:
-  /// The object passes frames to `decode_thread` and writes the timing of the stream to `stream`.
-  /// No other object may do so. Both must outlive this object. `lookahead_frames` is the number of
-  /// frame intervals that the interpolation needs in advance (Hermite: 1, the thesis's method: 2).
-  /// `max_delay` is the largest playout delay.
-  Receiver(DecodeThread& decode_thread, LatestValue<StreamTiming>& stream, int lookahead_frames,
+  /// The object passes frames to `sink` (the decode thread) and writes the timing of the stream to
+  /// `stream`. No other object may do so. Both must outlive this object. `lookahead_frames` is the
+  /// number of frame intervals that the interpolation needs in advance (Hermite: 1, the thesis's
+  /// method: 2). `max_delay` is the largest playout delay.
+  Receiver(FrameSink& sink, LatestValue<StreamTiming>& stream, int lookahead_frames,
            Duration max_delay = JitterEstimator::kMaxDelay);
 
   /// Sets a function that receives every frame before the decode thread does, in their order.
@@ -115,7 +115,7 @@ class Receiver {
   [[nodiscard]] Duration lateness(MediaTime media_time, LocalTime arrived) const;
   [[nodiscard]] Duration leastDelay() const;
 
-  DecodeThread& decode_thread_;
+  FrameSink& sink_;
   LatestValue<StreamTiming>& stream_;
   int lookahead_frames_;
   std::function<void(const AssembledFrame&)> on_frame_;

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "client/view/status.hpp"
+
 namespace hapticast::client {
 
 namespace {
@@ -182,11 +184,6 @@ Vec2 ScenePlace::arrow(const Vec3& force_N) const {
   const bool visible = projected.norm() > kLeastProjection * magnitude_N;
   const Vec2 direction = (visible ? projected : kTowardsViewer).normalized();
   return clampPoint(kArrowShare * size().x() * magnitude_N * direction);
-}
-
-std::optional<double> surfaceGap_mm(const TickReport& report) {
-  if (!report.object_present || !report.over_object) return std::nullopt;
-  return report.hip_mm.z() - report.height_at_hip_mm;
 }
 
 double renderedShare(const TickReport& report) {

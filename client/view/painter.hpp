@@ -60,10 +60,6 @@ class ScenePlace {
   Vec2 corner_;
 };
 
-/// Returns the distance from the surface under the HIP up to the HIP, nominal mm. It is negative if
-/// the HIP is below the surface, and empty if the HIP is not over an object.
-[[nodiscard]] std::optional<double> surfaceGap_mm(const TickReport& report);
-
 /// Returns the factor (0..1) between the rendered force and the sum of the static and the dynamic
 /// force before the safety chain.
 [[nodiscard]] double renderedShare(const TickReport& report);

@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "client/view/status.hpp"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <cmath>
-
-#include "client/view/painter.hpp"
 
 namespace hapticast::client {
 
@@ -14,6 +10,13 @@ namespace {
 
 constexpr Duration kActed = std::chrono::seconds(1);
 constexpr double kLeastForce_N = 0.02;  // chosen: no hand feels less
+
+/// Returns `value` with one digit after the point.
+std::string toTenths(double value) {
+  const long tenths = std::lround(10.0 * std::abs(value));
+  return (value < 0.0 && tenths > 0 ? "-" : "") + std::to_string(tenths / 10) + "." +
+         std::to_string(tenths % 10);
+}
 
 bool isScanning(const ConnectionStats& stream) { return stream.scan_share < 1.0; }
 
@@ -44,7 +47,7 @@ std::string offLine(const TickReport& report, const UserControls& user) {
 
 std::string contactLine(const TickReport& report, const UserControls& user) {
   const double force_N = report.force_N.norm();
-  if (force_N >= kLeastForce_N) return fmt::format("in contact, {:.1f} N", force_N);
+  if (force_N >= kLeastForce_N) return "in contact, " + toTenths(force_N) + " N";
   const auto acts = [&report](SafetyAction action) {
     return (report.safety_actions & bit(action)) != 0;
   };
@@ -70,8 +73,8 @@ std::string approachLine(const TickReport& report) {
     return report.object_present ? "beside the object: move the tip over it"
                                  : "nothing to touch in this picture: wait for an object";
   if (*gap_mm < 0.0)
-    return fmt::format("{:.1f} mm below the surface: lift the tip out of the object", -*gap_mm);
-  return fmt::format("over the object, {:.1f} mm above its surface", *gap_mm);
+    return toTenths(-*gap_mm) + " mm below the surface: lift the tip out of the object";
+  return "over the object, " + toTenths(*gap_mm) + " mm above its surface";
 }
 
 }  // namespace
@@ -111,6 +114,11 @@ std::string TickStatus::chain() const {
   return words.empty() ? "no action" : words;
 }
 
+std::optional<double> surfaceGap_mm(const TickReport& report) {
+  if (!report.object_present || !report.over_object) return std::nullopt;
+  return report.hip_mm.z() - report.height_at_hip_mm;
+}
+
 std::string touchLine(const TickReport& report, const UserControls& user) {
   if (report.halt != Halt::kNone) return haltLine(report);
   return report.contact ? contactLine(report, user) : approachLine(report);
@@ -126,7 +134,8 @@ std::string statusLine(const TickReport& report, const UiState& ui_state) {
   if (report.lookup == Lookup::kEmpty) {
     if (!isScanning(stream)) return paused + "waiting for the first frames";
     return paused +
-           fmt::format("the server scans its clip: {:.0f} % done", 100.0 * stream.scan_share);
+           "the server scans its clip: " + std::to_string(std::lround(100.0 * stream.scan_share)) +
+           " % done";
   }
   if (report.lookup == Lookup::kStale)
     return paused + "no force: no fresh frames arrive; wait, or check the server and the network";
@@ -139,8 +148,9 @@ std::string stateLines(const TickReport& report) {
        {SafetyState::kMovesHand, SafetyState::kTrustLost, SafetyState::kLateMachine}) {
     if ((report.safety_states & bit(state)) == 0) continue;
     const bool latched = state != SafetyState::kLateMachine;
-    lines += fmt::format("{}{}{}", lines.empty() ? "" : "\n", toText(state),
-                         latched ? " (press R when you have read this)" : "");
+    if (!lines.empty()) lines += '\n';
+    lines += toText(state);
+    if (latched) lines += " (press R when you have read this)";
   }
   return lines;
 }

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "client/haptics/safety/safety_action.hpp"
@@ -48,6 +49,10 @@ class TickStatus {
   std::array<LocalTime, kSafetyActionNames.size()> acted_{};
   std::array<bool, kSafetyActionNames.size()> ever_{};
 };
+
+/// Returns the distance from the surface under the HIP up to the HIP, nominal mm. It is negative if
+/// the HIP is below the surface, and empty if the HIP is not over an object.
+[[nodiscard]] std::optional<double> surfaceGap_mm(const TickReport& report);
 
 /// Returns a line about the touch such as "in contact, 1.2 N". If there is no force, the line
 /// states the reason and the remedy. Before contact it states the distance to the surface.

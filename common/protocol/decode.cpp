@@ -3,9 +3,10 @@
 // Thread: any.
 #include "common/protocol/messages.hpp"
 
-#include <google/protobuf/stubs/logging.h>
-
 #include <utility>
+#ifndef __wasm__  // which has client/web/messages in place of libprotobuf
+#include <google/protobuf/stubs/logging.h>
+#endif
 
 #include "common/protocol/check.hpp"
 #include "common/protocol/read_frame.hpp"
@@ -18,8 +19,10 @@ namespace hapticast {
 
 namespace {
 
+#ifndef __wasm__
 // Bytes from a peer must not cause output of protobuf on standard error.
 const google::protobuf::LogSilencer kSilence;
+#endif
 
 /// Returns `from` clean for logs and screens.
 std::string text(const std::string& from, std::size_t limit, Check& check) {

@@ -37,8 +37,7 @@ Motion read(const proto::Motion& from, Check& check) {
   return to;
 }
 
-using Floats = google::protobuf::RepeatedField<float>;
-
+template <class Floats>
 std::vector<Eigen::Vector3f> vectors(const Floats& from, double limit, Check& check) {
   std::vector<Eigen::Vector3f> to(static_cast<std::size_t>(from.size()) / 3);
   for (int i = 0; i < from.size(); ++i) {

@@ -8,7 +8,7 @@
 #include "common/text.hpp"
 #include "common/wire_limits.hpp"
 #include "hapticast.pb.h"
-#include "recording.pb.h"
+#include "picture.pb.h"
 
 namespace hapticast {
 
@@ -37,13 +37,14 @@ Result<Content, WireError> decodeContent(std::uint32_t field,
 }
 
 /// Sets a Timestamp of protobuf, which has nanoseconds of 0 or more, also before its zero.
-void setTime(proto::Picture::Time& time, std::int64_t time_ns) {
+void setTime(proto::PictureTime& time, std::int64_t time_ns) {
   const std::int64_t nanos = ((time_ns % kSecond_ns) + kSecond_ns) % kSecond_ns;
   time.set_seconds((time_ns - nanos) / kSecond_ns);
   time.set_nanos(static_cast<std::int32_t>(nanos));
 }
 
-std::vector<std::uint8_t> toBytes(const google::protobuf::MessageLite& message) {
+template <class ProtoMessage>
+std::vector<std::uint8_t> toBytes(const ProtoMessage& message) {
   std::vector<std::uint8_t> bytes(message.ByteSizeLong());
   message.SerializeWithCachedSizesToArray(bytes.data());
   return bytes;

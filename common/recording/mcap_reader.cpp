@@ -1,18 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "common/recording/mcap_reader.hpp"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <limits>
-#include <system_error>
 #include <utility>
 
 #include "common/recording/mcap_chunk.hpp"
+#include "common/recording/mcap_compression.hpp"
 
 namespace hapticast {
 
@@ -41,17 +35,11 @@ std::optional<McapMessage> readMessage(const McapRecord& record) {
 }  // namespace
 
 Result<McapReader> McapReader::open(const std::string& file, std::size_t most_blocks) {
-  const int opened = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
-  struct stat facts {};
-  if (opened < 0 || ::fstat(opened, &facts) != 0) {
-    const std::string why = std::system_category().message(errno);
-    if (opened >= 0) ::close(opened);
-    return Error{"cannot be read (" + why + ")"};
-  }
-  McapReader reader(opened, static_cast<std::uint64_t>(facts.st_size));
+  auto opened = McapFile::open(file);
+  if (!opened.ok()) return opened.error();
+  McapReader reader(std::move(opened).value());
   const auto head = reader.readBytes(0, kHeadBytes);
-  if (!S_ISREG(facts.st_mode) || head.size() < kHeadBytes ||
-      !std::equal(kMcapMagic.begin(), kMcapMagic.end(), head.begin()))
+  if (head.size() < kHeadBytes || !std::equal(kMcapMagic.begin(), kMcapMagic.end(), head.begin()))
     return Error{"is no MCAP file"};
   if (!reader.readSummary()) reader.scan(most_blocks);
   if (reader.blocks_.empty())
@@ -63,9 +51,9 @@ Result<McapReader> McapReader::open(const std::string& file, std::size_t most_bl
 }
 
 Result<McapReader> McapReader::reopen() const {
-  const int file = ::fcntl(file_, F_DUPFD_CLOEXEC, 0);
-  if (file < 0) return Error{std::string("cannot be opened again (") + std::strerror(errno) + ")"};
-  McapReader reader(file, size_);
+  auto file = file_.reopen();
+  if (!file.ok()) return file.error();
+  McapReader reader(std::move(file).value());
   reader.schemas_ = schemas_;
   reader.channels_ = channels_;
   reader.blocks_ = blocks_;
@@ -74,42 +62,10 @@ Result<McapReader> McapReader::reopen() const {
   return reader;
 }
 
-McapReader::~McapReader() {
-  if (file_ >= 0) ::close(file_);
-}
-
-McapReader::McapReader(McapReader&& from) noexcept : file_(-1), size_(0) {
-  *this = std::move(from);
-}
-
-McapReader& McapReader::operator=(McapReader&& from) noexcept {
-  std::swap(file_, from.file_);
-  size_ = from.size_;
-  schemas_ = std::move(from.schemas_);
-  channels_ = std::move(from.channels_);
-  blocks_ = std::move(from.blocks_);
-  end_ns_ = from.end_ns_;
-  damage_ = std::move(from.damage_);
-  problem_ = std::move(from.problem_);
-  next_block_ = from.next_block_;
-  block_ = std::move(from.block_);
-  at_ = from.at_;
-  message_at_ = from.message_at_;
-  return *this;
-}
-
 std::vector<std::uint8_t> McapReader::readBytes(std::uint64_t offset, std::uint64_t bytes) const {
-  if (offset > size_) return {};
-  std::vector<std::uint8_t> read(static_cast<std::size_t>(std::min(bytes, size_ - offset)));
-  std::size_t done = 0;
-  while (done < read.size()) {
-    const ::ssize_t count =
-        ::pread(file_, read.data() + done, read.size() - done, static_cast<::off_t>(offset + done));
-    if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) break;
-    done += static_cast<std::size_t>(count);
-  }
-  read.resize(done);
+  if (offset > file_.size()) return {};
+  std::vector<std::uint8_t> read(static_cast<std::size_t>(std::min(bytes, file_.size() - offset)));
+  read.resize(file_.read(offset, read));
   return read;
 }
 
@@ -134,8 +90,8 @@ bool McapReader::readSummary() {
 
 std::vector<std::uint8_t> McapReader::readSummaryBytes() const {
   constexpr std::uint64_t kEndBytes = kMcapFooterBytes + kMcapMagic.size();
-  if (size_ < kHeadBytes + kEndBytes) return {};
-  const std::uint64_t footer_place = size_ - kEndBytes;
+  if (file_.size() < kHeadBytes + kEndBytes) return {};
+  const std::uint64_t footer_place = file_.size() - kEndBytes;
   const auto end = readBytes(footer_place, kEndBytes);
   if (end.size() != kEndBytes ||
       !std::equal(kMcapMagic.begin(), kMcapMagic.end(), end.begin() + kMcapFooterBytes))
@@ -166,9 +122,9 @@ bool McapReader::readChunkIndex(std::span<const std::uint8_t> content) {
   block.offset = in.number<std::uint64_t>();
   block.bytes = in.number<std::uint64_t>();
   block.is_chunk = true;
-  if (!in.ok() || block.offset < kHeadBytes || block.offset > size_ ||
-      block.bytes > size_ - block.offset || block.bytes > kMostChunkBytes + kMcapRecordHeadBytes ||
-      block.begin_ns > block.end_ns)
+  if (!in.ok() || block.offset < kHeadBytes || block.offset > file_.size() ||
+      block.bytes > file_.size() - block.offset ||
+      block.bytes > kMostChunkBytes + kMcapRecordHeadBytes || block.begin_ns > block.end_ns)
     return false;
   // Each chunk counts once.
   if (!blocks_.empty() && block.offset < blocks_.back().offset + blocks_.back().bytes) return false;
@@ -184,7 +140,7 @@ void McapReader::scan(std::size_t most_blocks) {
     McapIn in(head);
     const auto code = static_cast<McapCode>(in.number<std::uint8_t>());
     const auto length = in.number<std::uint64_t>();
-    if (!in.ok() || length > size_ - offset - kMcapRecordHeadBytes) {
+    if (!in.ok() || length > file_.size() - offset - kMcapRecordHeadBytes) {
       damage_ = "is cut off";
       break;
     }

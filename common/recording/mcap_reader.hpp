@@ -13,8 +13,10 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "common/recording/mcap_file.hpp"
 #include "common/recording/mcap_records.hpp"
 #include "common/result.hpp"
 
@@ -45,9 +47,6 @@ class McapReader {
   /// Returns another reader of the same file, at its begin, without reading it again. Returns an
   /// error if the system has no handle for it.
   [[nodiscard]] Result<McapReader> reopen() const;
-  ~McapReader();
-  McapReader(McapReader&& from) noexcept;
-  McapReader& operator=(McapReader&& from) noexcept;
 
   /// Returns the channels, by their number in messages. The data of their schemas are left out.
   [[nodiscard]] const std::map<std::uint16_t, McapChannel>& channels() const { return channels_; }
@@ -75,7 +74,7 @@ class McapReader {
     std::uint64_t begin_ns, end_ns;
     bool is_chunk;
   };
-  explicit McapReader(int file, std::uint64_t size) : file_(file), size_(size) {}
+  explicit McapReader(McapFile file) : file_(std::move(file)) {}
   [[nodiscard]] std::vector<std::uint8_t> readBytes(std::uint64_t offset,
                                                     std::uint64_t bytes) const;
   /// Reads the summary. Returns false if there is none that can be used.
@@ -93,8 +92,7 @@ class McapReader {
   /// Reads the block `index` into block_. Returns success.
   bool load(std::size_t index);
 
-  int file_;
-  std::uint64_t size_;
+  McapFile file_;
   std::map<std::uint16_t, McapSchema> schemas_;
   std::map<std::uint16_t, McapChannel> channels_;
   std::vector<Block> blocks_;

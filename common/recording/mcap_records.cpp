@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "common/recording/mcap_records.hpp"
 
-#include <zlib.h>
-
 namespace hapticast {
 
 std::size_t McapOut::beginRecord(McapCode code) {
@@ -46,10 +44,6 @@ std::optional<McapRecord> readRecord(McapIn& in) {
   record.code = static_cast<McapCode>(in.number<std::uint8_t>());
   record.content = in.take(in.number<std::uint64_t>());
   return in.ok() ? std::optional(record) : std::nullopt;
-}
-
-std::uint32_t computeCrc32(std::span<const std::uint8_t> bytes, std::uint32_t before) {
-  return static_cast<std::uint32_t>(crc32_z(before, bytes.data(), bytes.size()));
 }
 
 }  // namespace hapticast

@@ -128,8 +128,4 @@ struct McapRecord {
 /// Reads the next record from `in`. Returns nullopt if `in` has no whole record.
 [[nodiscard]] std::optional<McapRecord> readRecord(McapIn& in);
 
-/// Returns the CRC-32 of `bytes`. `before`: the CRC-32 of the bytes in front of them.
-[[nodiscard]] std::uint32_t computeCrc32(std::span<const std::uint8_t> bytes,
-                                         std::uint32_t before = 0);
-
 }  // namespace hapticast

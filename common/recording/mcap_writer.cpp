@@ -10,6 +10,8 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "common/recording/mcap_compression.hpp"
+
 namespace hapticast {
 
 namespace {

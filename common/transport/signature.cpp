@@ -7,7 +7,6 @@
 #include <openssl/pem.h>
 #include <openssl/rand.h>
 
-#include <charconv>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -33,27 +32,6 @@ struct FreeBio {
 using Bio = std::unique_ptr<BIO, FreeBio>;
 
 }  // namespace
-
-std::optional<KeyBytes> parseKey(std::string_view hex) {
-  KeyBytes key{};
-  if (hex.size() != 2 * key.size()) return std::nullopt;
-  for (std::size_t i = 0; i < key.size(); ++i) {
-    const char* const digits = hex.data() + 2 * i;
-    const auto [end, error] = std::from_chars(digits, digits + 2, key[i], 16);
-    if (error != std::errc() || end != digits + 2) return std::nullopt;
-  }
-  return key;
-}
-
-std::string toHex(const KeyBytes& key) {
-  constexpr std::string_view kDigits = "0123456789abcdef";
-  std::string hex;
-  for (const std::uint8_t byte : key) {
-    hex += kDigits[byte >> 4U];
-    hex += kDigits[byte & 15U];
-  }
-  return hex;
-}
 
 namespace signature_detail {
 void Free::operator()(evp_md_ctx_st* context) const noexcept { EVP_MD_CTX_free(context); }

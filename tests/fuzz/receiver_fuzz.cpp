@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "client/net/decode_thread.hpp"
 #include "client/net/receiver.hpp"
 #include "common/protocol/fragment.hpp"
 #include "tests/support/coded.hpp"

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "client/haptics/renderer.hpp"
+#include "client/net/decode_thread.hpp"
 #include "client/net/receiver.hpp"
 #include "client/net/udp/udp_socket.hpp"
 #include "client/net/welcome_limiter.hpp"

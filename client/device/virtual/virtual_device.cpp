@@ -2,10 +2,8 @@
 #include "client/device/virtual/virtual_device.hpp"
 
 #include <algorithm>
-#include <stdexcept>
 #include <utility>
 
-#include "client/device/device_request.hpp"
 #include "client/device/sleep_until.hpp"
 #include "client/haptics/tick_report.hpp"
 #include "common/time.hpp"
@@ -109,37 +107,6 @@ Vec3 VirtualDevice::truePosition_mm() const noexcept {
 
 Vec3 VirtualDevice::trueVelocity_mm_s() const noexcept {
   return 1e3 * Vec3(axes_[0].velocity_m_s(), axes_[1].velocity_m_s(), axes_[2].velocity_m_s());
-}
-
-namespace {
-
-std::vector<HandTarget> readTargets(const std::string& file) {
-  try {
-    return loadHandTargets(file);
-  } catch (const std::runtime_error& error) {
-    throw std::runtime_error(std::string("--hand ") + error.what());
-  }
-}
-
-HandScript handScript(const std::string& name, const HandStiffness& stiffness) {
-  if (name == "press") return {HandKind::kPress, stiffness};
-  if (name == "slide") return {HandKind::kSlide, stiffness};
-  if (name == "follow") return {HandKind::kFollow, stiffness};
-  return {HandKind::kFile, stiffness, readTargets(name)};
-}
-
-}  // namespace
-
-std::unique_ptr<HapticDevice> openVirtual(const DeviceRequest& request) {
-  const PlantProfile profile = loadProfile(request.profile);
-  if (request.hand == kFreeGrip)
-    return std::make_unique<VirtualDevice>(profile, Hand::none(), request.clock);
-  const HandStiffness stiffness{.hand_N_mm = Hand::light().stiffness_N_m * 1e-3,
-                                .surface_N_mm = profile.stiffness_N_mm};
-  HandScript script = handScript(request.hand, stiffness);
-  auto device = std::make_unique<VirtualDevice>(profile, Hand::light(), request.clock);
-  device->lead(std::move(script), request.hand);
-  return device;
 }
 
 }  // namespace hapticast::client

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "client/haptics/playback/playout.hpp"
+#include "client/net/decode_thread.hpp"
 #include "client/net/receiver.hpp"
 #include "tests/support/manual_clock.hpp"
 

@@ -9,6 +9,7 @@
 
 #include "client/haptics/contact/proxy_surface.hpp"
 #include "client/haptics/safety/chain.hpp"
+#include "client/net/decode_thread.hpp"
 #include "client/net/receiver.hpp"
 #include "tests/evaluate/thread_time.hpp"
 #include "tests/support/manual_clock.hpp"

@@ -112,7 +112,7 @@ TEST_F(PreparerTest, LargeReliefsWaitInCodedFormUntilTheLoopReturnsASlot) {
   workspace.width_px = 1920;
   workspace.height_px = 1080;
   decode_thread.reset(workspace);
-  for (std::uint64_t id = 1; id <= DecodeThread::kNeededFrames; ++id) {
+  for (std::uint64_t id = 1; id <= FramePreparer::kNeededFrames; ++id) {
     HapticObject object;
     object.id = 7;
     object.changed_in_frame = id;

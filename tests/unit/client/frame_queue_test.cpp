@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "client/net/decode_thread.hpp"
+#include "client/net/frame_preparer.hpp"
 
 #include <gtest/gtest.h>
 
@@ -95,15 +95,20 @@ TEST(FrameQueue, KeepsReliefsOfNoMoreObjectsThanTheCacheDoes) {
   EXPECT_EQ(taken->left_out.back().id + 1, taken->assembled.frame.objects[0].id);
 }
 
-TEST(FrameQueue, ClearForgetsEverything) {
+TEST(FrameQueue, ResetForgetsEverything) {
   FrameQueue queue;
   for (std::uint64_t id = 1; id <= FrameQueue::kMaxFrames + 1; ++id) {
     (void)queue.push(frameWith(id, {objectOf(1, id, FrameQueue::kMaxBytes / 40)}));
   }
-  queue.clear();
+  const Workspace workspace{.width_px = 64, .height_px = 48};
+  queue.reset(workspace);
   EXPECT_TRUE(queue.empty());
   EXPECT_EQ(queue.push(frameWith(1, {objectOf(1, 1, FrameQueue::kMaxBytes)})), 0U);
-  EXPECT_TRUE(queue.pop()->left_out.empty());
+  const auto first = queue.pop();
+  EXPECT_TRUE(first->left_out.empty());
+  EXPECT_EQ(first->begins, workspace) << "the first frame of another stream";
+  (void)queue.push(frameWith(2));
+  EXPECT_FALSE(queue.pop()->begins);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The receiver under virtual time: the test is server, network and loop.
 #include "client/net/receiver.hpp"
+#include "client/net/decode_thread.hpp"
 
 #include <gtest/gtest.h>
 

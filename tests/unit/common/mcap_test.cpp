@@ -12,6 +12,7 @@
 #include <fstream>
 #include <random>
 
+#include "common/recording/mcap_compression.hpp"
 #include "common/recording/mcap_reader.hpp"
 #include "common/recording/mcap_writer.hpp"
 #include "common/recording/recorder.hpp"

@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: MIT
+// The worker of the page: it runs the session with the server and a tick for each millisecond. A
+// timer of a page is late by some milliseconds, so each call renders the ticks that are due, 20 at
+// most. Frames are prepared between the ticks, one in each call. The page sends `open`, `pointer`,
+// `user`, `rearm`, `control` and `show`; it receives `status`, `stream`, `picture`, `reliefs` and
+// `ticks`.
+import { startCore } from './core.mjs';
+
+const MOST_TICKS = 20; // in one call; a longer gap is a late tick, and its ticks are left out
+const REPORT_EVERY_MS = 16; // chosen: once for each picture of a screen
+const LINES_EVERY_MS = 100; // chosen: faster than anybody reads
+const SILENCE_MS = 3000; // as the native client: no message for so long counts as a loss
+const WELCOME_MS = 5000; // as the native client
+const FIRST_RETRY_MS = 200;
+const LAST_RETRY_MS = 1000;
+const MOST_SAMPLES = 96; // along a side of a relief; chosen: a screen shows no more of an object
+// Errors after which a retry is of no use: version, wrong token, missing right (proto/README.md).
+const PERMANENT = new Set([3, 8, 9]);
+
+const now_ms = () => performance.now();
+let core = null;
+let open = null; // what the page has opened
+let link = null; // WebSocket, or the port of a player
+let stream = null;
+let operator = false;
+let viewers = null;
+let pause_ms = FIRST_RETRY_MS;
+let lastMessage_ms = 0;
+let firstFrame_ms = null;
+let rearms = 0;
+let user = { paused: false, staticOn: true, dynamicOn: true, stiffnessFactor: 1, forceFactor: 1, friction: null };
+let showReliefs = true;
+let verified = false;
+
+function sendStatus(state, text, share = null) {
+  postMessage({ type: 'status', state, text, share });
+}
+
+function sendStream() {
+  const signature = stream.key === '' ? 'unsigned' : verified ? 'signed' : 'waiting';
+  postMessage({ type: 'stream', ...stream, operator, viewers, signature });
+}
+
+onmessage = async ({ data }) => {
+  switch (data.type) {
+    case 'open':
+      open = data;
+      await start();
+      break;
+    case 'pointer':
+      core?.e.point(data.x_mm, data.y_mm, data.z_mm);
+      break;
+    case 'user':
+      ({ type: data.type, ...user } = data);
+      core?.setControls(user, rearms);
+      break;
+    case 'rearm':
+      core?.setControls(user, ++rearms);
+      break;
+    case 'control':
+      if (link?.readyState === WebSocket.OPEN) link.send(core.control(data.control));
+      break;
+    case 'show':
+      showReliefs = data.reliefs;
+      break;
+  }
+};
+
+async function start() {
+  sendStatus('loading', 'loading the renderer');
+  try {
+    core = await startCore(await fetchBytes('core.wasm'));
+  } catch (error) {
+    return sendStatus('failed', `the renderer does not start: ${error.message}`);
+  }
+  core.start(open.originKeys ?? []);
+  core.setControls(user, rearms);
+  last_ms = now_ms();
+  setInterval(run, 1);
+  connect();
+}
+
+/// Returns the bytes at `url`, and reports the progress.
+async function fetchBytes(url) {
+  const response = await fetch(url);
+  if (!response.ok) throw new Error(`${url}: ${response.status}`);
+  return new Uint8Array(await response.arrayBuffer());
+}
+
+// The session.
+
+function connect() {
+  sendStatus('connecting', 'connecting to the server');
+  link = new WebSocket(open.url, 'hapticast.3');
+  link.binaryType = 'arraybuffer';
+  lastMessage_ms = now_ms() + WELCOME_MS - SILENCE_MS;
+  firstFrame_ms = null;
+  stream = null;
+  link.onopen = () => link.send(core.hello(open.token ?? ''));
+  link.onmessage = ({ data }) => onMessage(data);
+  link.onclose = ({ target }) => onClose(target, 'the server does not answer');
+}
+
+function onMessage(data) {
+  if (typeof data === 'string') return fail('the server sent a text; is it a hapticast server?');
+  lastMessage_ms = Math.max(lastMessage_ms, now_ms());
+  const message = core.receive(new Uint8Array(data), now_ms());
+  switch (message.kind) {
+    case 'error':
+      return fail(message.error, PERMANENT.has(message.code) || message.untrusted);
+    case 'welcome':
+      verified = false;
+      onWelcome();
+      break;
+    case 'description':
+      stream = core.stream();
+      sendStream();
+      break;
+    case 'frame':
+      onFrame();
+      break;
+    case 'picture':
+      postMessage({ type: 'picture', media_ms: message.value, jpeg: message.bytes }, [message.bytes.buffer]);
+      break;
+    case 'preparing':
+      sendStatus('preparing', 'the server scans its clip', message.value);
+      break;
+    case 'control':
+      onControl(message);
+      break;
+  }
+}
+
+function onWelcome() {
+  stream = core.stream();
+  sendStatus('connected', '');
+  sendStream();
+  if (open.token) link.send(core.control({})); // an operator's answer has the number of viewers
+}
+
+function onFrame() {
+  firstFrame_ms ??= now_ms();
+  if (firstFrame_ms === null || verified) return;
+  verified = true; // the core ends the session at a frame without a valid signature
+  sendStream();
+}
+
+function onControl(message) {
+  operator = true;
+  viewers = Number.isNaN(message.value) ? null : message.value;
+  sendStream();
+}
+
+/// Ends the session with a sentence. `permanent`: no retry follows.
+function fail(sentence, permanent = true) {
+  const ended = link;
+  link = null;
+  ended?.close();
+  core.e.disconnect(now_ms());
+  if (permanent) return sendStatus('failed', sentence);
+  retry(sentence);
+}
+
+function onClose(closed, sentence) {
+  if (closed !== link) return; // it is not this session's any more
+  fail(sentence, false);
+}
+
+function retry(sentence) {
+  if (firstFrame_ms !== null && now_ms() - firstFrame_ms > SILENCE_MS) pause_ms = FIRST_RETRY_MS;
+  sendStatus('retrying', sentence);
+  setTimeout(connect, pause_ms);
+  pause_ms = Math.min(2 * pause_ms, LAST_RETRY_MS);
+}
+
+// The ticks.
+
+const stats = { ticks: 0, late: 0, tick_us: 0 };
+let last_ms = 0; // time of the last tick
+let reported_ms = 0;
+let lines_ms = 0;
+let lines = { advice: '', hint: '', states: '' };
+
+function run() {
+  const begin_ms = now_ms();
+  if (begin_ms - last_ms > MOST_TICKS) {
+    stats.late++;
+    last_ms = begin_ms - MOST_TICKS;
+  }
+  let ticks = 0;
+  for (; last_ms + 1 <= begin_ms; ++ticks) core.e.tick(++last_ms);
+  if (ticks > 0) {
+    stats.ticks += ticks;
+    stats.tick_us += 0.01 * ((1e3 * (now_ms() - begin_ms)) / ticks - stats.tick_us);
+  }
+  if (core.e.prepare(now_ms()) && showReliefs) sendReliefs();
+  if (link?.readyState === WebSocket.OPEN) {
+    for (const message of core.poll(now_ms())) link.send(message);
+    if (now_ms() - lastMessage_ms > SILENCE_MS) fail(stream ? 'the server stopped sending' : 'no welcome arrived', false);
+  }
+  if (begin_ms - reported_ms >= REPORT_EVERY_MS) sendTicks(begin_ms);
+}
+
+function sendReliefs() {
+  const reliefs = core.reliefs(MOST_SAMPLES);
+  postMessage({ type: 'reliefs', ...reliefs }, reliefs.objects.map((object) => object.heights.buffer));
+}
+
+function sendTicks(begin_ms) {
+  reported_ms = begin_ms;
+  if (begin_ms - lines_ms >= LINES_EVERY_MS) {
+    lines_ms = begin_ms;
+    lines = core.lines();
+  }
+  const { frames_received, frames_lost, frames_late, media_now_ms, ...report } = core.report(begin_ms);
+  const history = core.history();
+  postMessage({ type: 'ticks', report: { ...report, ...lines }, history,
+    stats: { ...stats, frames_received, frames_lost, frames_late, media_now_ms } }, [history.buffer]);
+}

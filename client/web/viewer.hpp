@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: MIT
+// The client of a web page, without sockets, threads and clocks: it receives the messages of a
+// server, renders a tick for each millisecond, and returns messages for the server. A simulated
+// light hand follows the pointer, as with --device mouse. The page passes all times.
+// Thread: one, the worker of the page.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "client/device/pointed_hand.hpp"
+#include "client/haptics/renderer.hpp"
+#include "client/net/message_receiver.hpp"
+#include "client/view/status.hpp"
+
+namespace hapticast::client {
+
+/// A clock that its owner sets. The time never decreases.
+class SetClock final : public Clock {
+ public:
+  [[nodiscard]] LocalTime now() const noexcept override { return now_; }
+  void set(LocalTime now) { now_ = std::max(now_, now); }
+
+ private:
+  LocalTime now_{};
+};
+
+/// Prepares frames in the caller's thread.
+class InlinePreparation final : public FrameSink {
+ public:
+  InlinePreparation(FramePool& pool, const Clock& clock,
+                    std::function<void(const PreparedFrame&)> done)
+      : preparer_(pool, clock, Method::kHapticast, std::move(done)) {}
+  void reset(const Workspace& workspace) override { queue_.reset(workspace); }
+  std::size_t push(AssembledFrame assembled) override { return queue_.push(std::move(assembled)); }
+  /// Prepares the oldest queued frame. Returns false if there is none, or if it has to wait.
+  bool step();
+
+ private:
+  FrameQueue queue_;
+  FramePreparer preparer_;
+};
+
+/// A viewer of a stream. The object needs about 1 MB, so do not place it on the stack.
+class WebViewer {
+ public:
+  /// `origin` checks the server's key (#origin-key= of the link).
+  explicit WebViewer(OriginPin origin = {});
+
+  // Connection.
+
+  /// Returns the first message to a server. `access_token`: empty, or the secret of #token=.
+  [[nodiscard]] static std::vector<std::uint8_t> makeHello(const std::string& access_token);
+  /// Processes a message of the server. Returns it (MessageReceiver::receive()).
+  [[nodiscard]] Result<Message, WireError> receive(std::span<const std::uint8_t> bytes,
+                                                   LocalTime now);
+  /// Prepares the oldest received frame for the renderer. Returns false if none waits. Call it
+  /// until then, with ticks between.
+  bool prepareNext(LocalTime now);
+  /// Returns the next message for the server that is due (a ping or a report), or nullopt.
+  [[nodiscard]] std::optional<std::vector<std::uint8_t>> poll(LocalTime now);
+  /// Ends the connection. The force fades to zero.
+  void disconnect(LocalTime now);
+
+  // Ticks.
+
+  /// Moves the target of the hand, nominal mm.
+  void point(const Vec3& position_mm);
+  void setControls(const UserControls& controls);
+  /// Renders the tick at `now`, with the simulated hand.
+  const TickReport& tick(LocalTime now);
+  /// Renders the tick at `now` with a given position of the device, in the device frame.
+  const TickReport& tickAt(LocalTime now, const Vec3& position_mm);
+
+  // For the page.
+
+  [[nodiscard]] const TickReport& report() const { return renderer_.report(); }
+  [[nodiscard]] DeviceMapping mapping() const { return renderer_.report().mapping; }
+  [[nodiscard]] bool isSigned() const { return messages_.isSigned(); }
+  [[nodiscard]] bool untrusted() const { return messages_.untrusted(); }
+  [[nodiscard]] const ReceiverCounts& counts() const { return receiver_.counts(); }
+  /// Returns the reliefs of the frame that was prepared last.
+  [[nodiscard]] const PlayableReliefs& reliefs() const { return reliefs_; }
+  /// Returns the media time at `now`; 0 before the clocks are synchronised.
+  [[nodiscard]] MediaTime mediaNow(LocalTime now) const;
+  /// Return the lines for the user: state and remedy, a hint for a beginner, safety states.
+  [[nodiscard]] std::string adviceLine() const { return statusLine(report(), ui_); }
+  [[nodiscard]] std::string beginnersLine() const { return hintLine(ticks_, ui_); }
+  [[nodiscard]] std::string stateLine() const { return stateLines(report()); }
+  /// Returns for each tick since the last call: magnitudes of the force, of its static and of its
+  /// dynamic part (N), and 1 in contact or 0.
+  [[nodiscard]] std::vector<float> popHistory() { return std::exchange(history_, {}); }
+
+ private:
+  const TickReport& render(LocalTime now, const DeviceState& reading);
+  [[nodiscard]] ReceiverReport makeReport() const;
+
+  SetClock clock_;
+  RendererSettings settings_;
+  FramePool pool_;
+  LatestValue<StreamTiming> timing_;
+  LatestValue<UserControls> user_;
+  InlinePreparation preparation_;
+  Receiver receiver_;
+  MessageReceiver messages_;
+  PlayableReliefs reliefs_;
+  PointedHand hand_;
+  std::optional<Vec3> target_mm_;  // nominal
+  HapticRenderer renderer_;
+  Vec3 force_N_ = Vec3::Zero();
+  UiState ui_;
+  TickStatus ticks_;
+  std::vector<float> history_;
+  std::size_t sent_pings_ = 0;  // since the newest welcome
+  LocalTime next_ping_{};
+  bool report_due_ = false;
+};
+
+}  // namespace hapticast::client
