@@ -155,7 +155,7 @@ Metrics StreamService::collectMetrics() const {
 void StreamService::open(const std::string& name) {
   if (std::exchange(open_, true)) return;
   spdlog::info("listening on {}; Ctrl-C ends the server", toString(listener_.address()));
-  const bool has_page = page_ && findPageFile("/core.wasm") != nullptr;
+  const bool has_page = page_ && isPageComplete();
   if (has_page)
     spdlog::info("touch it in a browser: {}",
                  makePageLink(listener_.endpoint(), tls_.has_value(), networkInterfaces()));

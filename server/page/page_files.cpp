@@ -13,13 +13,16 @@ constexpr int kGzip = 16 + MAX_WBITS;  // of zlib: expect the header of gzip
 constexpr std::size_t kChunk_bytes = 64U << 10U;
 }  // namespace
 
-const PageFile* findPageFile(std::string_view path) {
+const PageFile* findPageFile(std::string_view path, std::span<const PageFile> files) {
   if (!path.starts_with('/')) return nullptr;
   const std::string_view name = path == "/" ? "index.html" : path.substr(1);
-  const auto files = listPageFiles();
   const auto found =
       std::find_if(files.begin(), files.end(), [&](const auto& each) { return each.name == name; });
   return found == files.end() ? nullptr : &*found;
+}
+
+bool isPageComplete(std::span<const PageFile> files) {
+  return findPageFile("/", files) != nullptr && findPageFile("/core.wasm", files) != nullptr;
 }
 
 std::vector<std::uint8_t> inflate(const PageFile& file) {

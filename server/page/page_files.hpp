@@ -20,9 +20,12 @@ struct PageFile {
 
 /// Returns all files of the page. Without the packages for its core, core.wasm is missing.
 [[nodiscard]] std::span<const PageFile> listPageFiles();
-/// Returns the file for the path of a request: / is index.html, /NAME the file with that name.
-/// Returns null if there is none. Paths have no folders.
-[[nodiscard]] const PageFile* findPageFile(std::string_view path);
+/// Returns the one of `files` for the path of a request: / is index.html, /NAME the file with that
+/// name. Returns null if there is none. Paths have no folders.
+[[nodiscard]] const PageFile* findPageFile(std::string_view path,
+                                           std::span<const PageFile> files = listPageFiles());
+/// Returns whether `files` have what the page needs: index.html and core.wasm.
+[[nodiscard]] bool isPageComplete(std::span<const PageFile> files = listPageFiles());
 /// Returns the content of `file` without compression.
 [[nodiscard]] std::vector<std::uint8_t> inflate(const PageFile& file);
 

@@ -174,9 +174,9 @@ HttpAnswer PageResponder::respond(std::string_view head, bool encrypted) {
                               "--host-name NAME.",
                               show(*request.host)));
   if (request.path == kStreamPath) return openStream(request, encrypted);
-  const PageFile* const file = findPageFile(request.path);
-  const bool is_complete = findPageFile("/core.wasm") != nullptr;
-  if (file == nullptr || (request.path == "/" && !is_complete)) return showNoFile(request);
+  const PageFile* const file = findPageFile(request.path, files_);
+  if (file == nullptr || (request.path == "/" && !isPageComplete(files_)))
+    return showNoFile(request);
   if (!isUnchanged(request, *file)) return showFile(*file, acceptsGzip(request));
   HttpAnswer answer;
   answer.head = writeHead(status::not_modified, 0,

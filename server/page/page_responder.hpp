@@ -8,8 +8,10 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "common/transport/http_responder.hpp"
@@ -22,9 +24,10 @@ inline constexpr std::string_view kSubprotocol = "hapticast.3";
 
 class PageResponder final : public HttpResponder {
  public:
-  /// `host_names`: the names of this server in requests (isOwnHost()).
-  explicit PageResponder(std::vector<std::string> host_names)
-      : host_names_(std::move(host_names)) {}
+  /// `host_names`: the names of this server in requests (isOwnHost()). `files`: those of the page.
+  explicit PageResponder(std::vector<std::string> host_names,
+                         std::span<const PageFile> files = listPageFiles())
+      : host_names_(std::move(host_names)), files_(files) {}
 
   [[nodiscard]] HttpAnswer respond(std::string_view head, bool encrypted) override;
 
@@ -36,6 +39,7 @@ class PageResponder final : public HttpResponder {
   [[nodiscard]] const Content& findInflated(const PageFile& file);
 
   std::vector<std::string> host_names_;
+  std::span<const PageFile> files_;
   std::map<const PageFile*, Content> inflated_;
 };
 

@@ -170,27 +170,39 @@ void Broadcaster::checkAccess() {
   if (removed && on_removed_) on_removed_();
 }
 
-std::optional<WireError> Broadcaster::control(const Control& control,
+std::optional<WireError> Broadcaster::control(const Control& request,
                                               const std::shared_ptr<Session>& sender) {
+  Control control = request;
+  control.viewers.reset();  // clients do not set it
   if (streams_ != nullptr) {
     if (control.material != Material{})
       return WireError{ErrorCode::kForbidden, "a viewer may pause, seek and set the speed only"};
     streams_->onControl(*sender, control);
-    sender->confirm(control);
+    confirm(*sender, control);
     return std::nullopt;
   }
   const auto& grant = sender->grant();
   if (!grant) return WireError{ErrorCode::kForbidden, "this server has no operators (--tokens)"};
   if (grant->role != Role::kOperator)
     return WireError{ErrorCode::kForbidden, "this access token is a viewer's, not an operator's"};
+  if (control == Control{}) {  // asks for the number of viewers
+    confirm(*sender, control);
+    return std::nullopt;
+  }
   if (!control_)
     return WireError{ErrorCode::kForbidden, "this server is an edge; control its origin"};
   control_(control, [this, control, weak = std::weak_ptr(sender)] {
-    asio::post(io_, [control, weak] {
-      if (const auto session = weak.lock()) session->confirm(control);
+    asio::post(io_, [this, control, weak] {
+      if (const auto session = weak.lock()) confirm(*session, control);
     });
   });
   return std::nullopt;
+}
+
+void Broadcaster::confirm(Session& sender, Control control) const {
+  const bool is_operator = sender.grant() && sender.grant()->role == Role::kOperator;
+  if (is_operator) control.viewers = static_cast<std::uint32_t>(viewers_.size());
+  sender.confirm(control);
 }
 
 std::optional<Grant> Broadcaster::findGrant(const Hello& hello) const {
@@ -277,7 +289,7 @@ void Broadcaster::onClosed(const std::shared_ptr<Session>& session) {
   if (std::erase(pending_sessions_, session) + std::erase(answers_, session) == 0) return;
   counts_.sent += session->counts();
   counts_.bytes += session->bytesSent();
-  if (stopped_ && isEmpty()) timer_.cancel();
+  if (stopped_ && connections() == 0) timer_.cancel();
 }
 
 void Broadcaster::countViewers() {
@@ -308,7 +320,7 @@ void Broadcaster::check(const Sessions& sessions, LocalTime now) {
 }
 
 asio::awaitable<void> Broadcaster::startTimer() {
-  while (!stopped_ || !isEmpty()) {
+  while (!stopped_ || connections() > 0) {
     boost::system::error_code ec;
     timer_.expires_after(kCheckEvery);
     co_await timer_.async_wait(asio::redirect_error(asio::use_awaitable, ec));

@@ -118,6 +118,10 @@ class Broadcaster final : public StreamSink, private SessionHost {
   /// StreamSettings::goodbye_deadline. After that, `io` has no more work. Thread: any.
   void stop();
 
+  /// Returns the number of connections: viewers, answers to requests of HTTP, and all others.
+  [[nodiscard]] std::size_t connections() const {
+    return viewers_.size() + pending_sessions_.size() + answers_.size();
+  }
   /// Begins a session for the new connection `channel`.
   void accept(std::unique_ptr<Channel> channel);
   /// Logs `line`, unless a limit is reached: 10 warnings a minute, and 10 other lines a minute. So
@@ -140,8 +144,10 @@ class Broadcaster final : public StreamSink, private SessionHost {
   [[nodiscard]] std::optional<LocalTime> reserveRefusal(const Session& session,
                                                         LocalTime latest) override;
   [[nodiscard]] std::optional<Grant> findGrant(const Hello& hello) const override;
-  [[nodiscard]] std::optional<WireError> control(const Control& control,
+  [[nodiscard]] std::optional<WireError> control(const Control& request,
                                                  const std::shared_ptr<Session>& sender) override;
+  /// Returns a request to its sender. An operator also receives the number of viewers.
+  void confirm(Session& sender, Control control) const;
   void completeWelcome(const Channel& channel, Welcome& welcome) override;
   void deliver(std::uint64_t datagram_token, const Delivery& delivery) override;
   void onRequest(const std::shared_ptr<Session>& session, const std::string& problem) override;
@@ -178,10 +184,6 @@ class Broadcaster final : public StreamSink, private SessionHost {
   /// no datagrams and change to TCP a second later. Logs both cases, at most once a minute.
   bool isTooLarge(const EncodedFrame& frame);
   static void check(const Sessions& sessions, LocalTime now);
-  /// Returns whether there is no connection.
-  [[nodiscard]] bool isEmpty() const {
-    return viewers_.empty() && pending_sessions_.empty() && answers_.empty();
-  }
   asio::awaitable<void> startTimer();
   /// Closes the connections whose token is no longer valid.
   void checkAccess();
