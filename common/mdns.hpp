@@ -12,6 +12,10 @@
 namespace hapticast {
 
 inline constexpr const char* kServiceType = "_hapticast._tcp";
+/// The page for browsers, as a web site, and its TXT record.
+inline constexpr const char* kWebServiceType = "_http._tcp";
+inline constexpr const char* kTlsWebServiceType = "_https._tcp";
+inline constexpr const char* kWebServicePath = "path=/";
 /// Keys of the TXT record. The value of kServiceVersionKey is the version of the protocol, as a
 /// number. The value of kTxtTitleKey is the stream's name.
 inline constexpr const char* kServiceVersionKey = "version";

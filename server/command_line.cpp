@@ -19,6 +19,7 @@ namespace hapticast::server {
 namespace {
 
 const std::map<std::string, bool> kTransports{{"udp", true}, {"tcp", false}};
+const std::map<std::string, bool> kSwitch{{"on", true}, {"off", false}};
 
 const std::map<std::string, Layout> kLayouts{{"separate", Layout::kSeparate},
                                              {"side-by-side", Layout::kSideBySide},
@@ -182,9 +183,9 @@ void addHttp(CLI::App& app, Settings& settings) {
       "flag: no such port");
   addList(
       app, "--host-name", settings.host_names, parseHostName,
-      "Another name under which requests may reach the port of --http, for example of a reverse "
-      "proxy; repeat for several. Addresses, localhost and the name of this machine need no "
-      "flag",
+      "Another name under which browsers and requests may reach the page and the port of --http, "
+      "for example of a reverse proxy; repeat for several. Addresses, localhost and the name of "
+      "this machine need no flag",
       "NAME (a host name without a port, such as figures.example.org)");
 }
 
@@ -195,6 +196,9 @@ void addNetworkOptions(CLI::App& app, Settings& settings) {
   addChoice(app, "--transport", settings.datagrams, kTransports,
             "udp: the server sends frames by UDP to viewers that can receive them, else by TCP; "
             "tcp: all frames by TCP. Default: udp");
+  addChoice(app, "--page", settings.page, kSwitch,
+            "on: the address for clients also shows browsers the page, in which the stream can be "
+            "touched; off: it answers browsers with one sentence. Default: on");
   addHttp(app, settings);
   addMulticast(app, settings.multicast);
   addNumber(app, "--multicast-ttl", settings.multicast_hops, std::uint64_t{1}, std::uint64_t{255},

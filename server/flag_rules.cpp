@@ -22,18 +22,18 @@ void requireNetworkFlags(const Settings& settings) {
     throw CLI::ValidationError("--tls", "auto and --tls-cert exclude each other");
   if (settings.insecure && settings.tokens_file.empty())
     throw CLI::ValidationError("--insecure", "needs --tokens");
-  if (!settings.host_names.empty() && !settings.http)
-    throw CLI::ValidationError("--host-name", "needs --http");
+  if (!settings.host_names.empty() && !settings.http && !settings.page)
+    throw CLI::ValidationError("--host-name", "needs the page (--page on) or --http");
 }
 
 /// Returns the first flag that was set and that a server without vision cannot obey; empty if there
 /// is none. `more`: flags that this server can obey besides those of every server.
 std::string findVisionFlag(const CLI::App& app, const std::vector<std::string>& more) {
   const std::vector<std::string> allowed{
-      "--source",      "--listen",   "--transport",  "--multicast", "--multicast-ttl",
-      "--max-clients", "--announce", "--tls-cert",   "--tls-key",   "--tls",
-      "--tokens",      "--insecure", "--nats-creds", "--nats-ca",   "--quiet",
-      "--config",      "--http",     "--host-name",  "--origin-key"};
+      "--source",      "--listen",   "--transport",  "--multicast",  "--multicast-ttl",
+      "--max-clients", "--announce", "--tls-cert",   "--tls-key",    "--tls",
+      "--tokens",      "--insecure", "--nats-creds", "--nats-ca",    "--quiet",
+      "--config",      "--http",     "--host-name",  "--origin-key", "--page"};
   for (const CLI::Option* option : app.get_options()) {
     std::string name = option->get_name();
     const auto isIn = [&name](const std::vector<std::string>& flags) {

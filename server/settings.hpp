@@ -36,7 +36,8 @@ struct Settings {
   std::uint64_t multicast_hops = 1;
   std::size_t max_clients = 64;
   std::optional<Endpoint> http;         ///< port for operators; nullopt: none
-  std::vector<std::string> host_names;  ///< more names of this server in requests to that port
+  bool page = true;                     ///< browsers get the page on the port of the viewers
+  std::vector<std::string> host_names;  ///< more names of this server in requests of HTTP
   std::optional<NatsAddress> publish;   ///< channel that edges receive; nullopt: no edges
   NatsCredentials nats;
   std::vector<KeyBytes> origin_keys;  ///< verifying keys that (other) origins may have; empty: any

@@ -10,6 +10,7 @@
 #include "common/cli/run_program.hpp"
 #include "common/text.hpp"
 #include "server/http/host_names.hpp"
+#include "server/page/page_link.hpp"
 #include "server/stream/key_file.hpp"
 
 namespace hapticast::server {
@@ -22,14 +23,17 @@ std::optional<MulticastGroup> openMulticastGroup(asio::io_context& io, const Set
 }
 
 StreamSettings makeStreamSettings(const Settings& settings) {
-  const std::size_t pending =
-      settings.tls.wanted() ? Broadcaster::kMaxPendingTls : Broadcaster::kMaxPending;
+  const std::size_t pending = settings.tls.wanted() || settings.page
+                                  ? Broadcaster::kMaxPendingHandshakes
+                                  : Broadcaster::kMaxPending;
   const std::size_t http =
       settings.http ? HttpServer::kMostConnections + HttpServer::kMostSilent : 0;
+  const std::size_t answers = settings.page ? StreamSettings{}.max_answers : 0;
   const std::size_t recordings = settings.on_demand ? settings.max_clients : 0;
-  return {.max_clients = raiseFileLimit(settings.max_clients, pending + http + recordings),
-          .max_pending = pending,
-          .insecure = settings.insecure};
+  return {
+      .max_clients = raiseFileLimit(settings.max_clients, pending + answers + http + recordings),
+      .max_pending = pending,
+      .insecure = settings.insecure};
 }
 
 }  // namespace
@@ -45,7 +49,9 @@ StreamService::StreamService(const Settings& settings, const Clock& clock,
       secrets_log_(clock),
       broadcaster_(io_, clock, media_clock, description, makeStreamSettings(settings)),
       tls_(loadServerTls(settings.tls, secrets_log_)),
-      listener_(io_, settings.listen, broadcaster_, tls_) {
+      host_names_(listHostNames(findMachineName(), settings.host_names)),
+      page_(settings.page ? std::make_optional<PageResponder>(host_names_) : std::nullopt),
+      listener_(io_, settings.listen, broadcaster_, tls_, page_ ? &*page_ : nullptr) {
   broadcaster_.introduce(identity);
   if (tls_) spdlog::info("TLS fingerprint: {}", toHex(tls_->fingerprint()));
   if (!settings.tokens_file.empty()) {
@@ -55,8 +61,7 @@ StreamService::StreamService(const Settings& settings, const Clock& clock,
           "--tokens without TLS: only viewers on this machine can connect; add --tls auto");
   }
   if (settings.http)
-    http_.emplace(io_, clock, *settings.http, listHostNames(findMachineName(), settings.host_names),
-                  [this] { return collectMetrics(); });
+    http_.emplace(io_, clock, *settings.http, host_names_, [this] { return collectMetrics(); });
   if (!settings.announce.empty()) requireReachable(listener_.endpoint().address());
   if (!settings.datagrams) {
     if (settings.multicast) throw AddressError("--multicast: --transport tcp sends no datagrams");
@@ -150,12 +155,16 @@ Metrics StreamService::collectMetrics() const {
 void StreamService::open(const std::string& name) {
   if (std::exchange(open_, true)) return;
   spdlog::info("listening on {}; Ctrl-C ends the server", toString(listener_.address()));
+  const bool has_page = page_ && isPageComplete();
+  if (has_page)
+    spdlog::info("touch it in a browser: {}",
+                 makePageLink(listener_.endpoint(), tls_.has_value(), networkInterfaces()));
   if (!tls_)
     spdlog::info("the stream is not encrypted: anybody on the way can read it (--tls auto)");
   listener_.start();
   if (!settings_.announce.empty())
     announcer_.emplace(settings_.announce, listener_.endpoint(), name,
-                       tls_ ? toHex(tls_->fingerprint()) : "");
+                       tls_ ? toHex(tls_->fingerprint()) : "", has_page);
   manager_.reportReady(name + ": listening on " + toString(listener_.address()));
 }
 

@@ -9,10 +9,12 @@
 #include <string>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include "common/time.hpp"
 #include "common/transport/asio.hpp"
 #include "server/http/http_server.hpp"
+#include "server/page/page_responder.hpp"
 #include "server/service_manager.hpp"
 #include "server/settings.hpp"
 #include "server/stream/announce.hpp"
@@ -79,6 +81,8 @@ class StreamService {
   asio::io_context io_;
   Broadcaster broadcaster_;
   std::optional<TlsContext> tls_;
+  std::vector<std::string> host_names_;
+  std::optional<PageResponder> page_;  // without --page off
   Listener listener_;
   std::optional<Datagrams> datagrams_;
   std::optional<HttpServer> http_;  // with --http

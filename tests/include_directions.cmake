@@ -38,6 +38,7 @@ set(rules
   "server/relay/.*"    "^(common/|server/(nats_address\\.hpp$|stream/|relay/))"
   "server/pipeline/pipeline_counts\\.hpp" "^(common/|server/(stream/|vision/vision_settings\\.hpp$))"
   "server/http/.*"     "^(common/|server/(stream/|relay/relay_counts\\.hpp$|pipeline/pipeline_counts\\.hpp$|vision/vision_settings\\.hpp$|http/))"
+  "server/page/.*"     "^(common/|server/(http/(host_names|http_request)\\.hpp$|page/))"
   "server/author/.*"   "^(common/|server/(source/[a-z_]+\\.hpp$|vision/vision_settings\\.hpp$|author/))"
   "server/bake/.*"     "^(common|server)/"
   "server/(pipeline|preview)/.*" "^(common/|server/(settings\\.hpp$|author/scene_file\\.hpp$|source/|vision/|stream/|pipeline/|preview/))"
@@ -61,12 +62,12 @@ set(rules
 )
 # One door per library: who may include it.
 set(doors
-  "^boost/"                          "^(common/transport/asio\\.hpp|client/device/inverse3/websocket\\.cpp|server/http/http_(response|server)\\.[ch]pp|common/live/watcher\\.[ch]pp|tests/.*)$"
+  "^boost/"                          "^(common/transport/asio\\.hpp|client/device/inverse3/websocket\\.cpp|server/http/http_(request|response|server)\\.[ch]pp|server/page/page_responder\\.cpp|common/live/watcher\\.[ch]pp|tests/.*)$"
   "^common/transport/asio\\.hpp$"              "^(server/library/publisher\\.cpp$|(common/(transport|live)|server/stream|server/recording|server/relay|server/http|client/net|client/discovery|tests)/|(server|client)/[^/]*$)"
   "\\.pb\\.h$"                       "^(common/protocol/(decode|encode|read_frame|write_frame|fragment|reassembly|relay|recorded)\\.[ch]pp|client/recording/run_codec\\.cpp|server/pipeline/plan_log\\.cpp)$"
   "^google/protobuf"                 "^common/protocol/decode\\.cpp$"
-  "^(zlib|zstd|lz4frame)\\.h$"        "^(common/recording/mcap_compression\\.cpp|tests/.*)$"
-  "^openssl/"                        "^(common/transport/(signature|tls|seal)\\.cpp|common/live/live_protocol\\.cpp|server/stream/access_list\\.cpp)$"
+  "^(zlib|zstd|lz4frame)\\.h$"        "^(common/recording/mcap_compression\\.cpp|server/page/page_files\\.cpp|tests/.*)$"
+  "^openssl/"                        "^(common/transport/(signature|tls|seal)\\.cpp|common/live/live_protocol\\.cpp|server/stream/access_list\\.cpp|server/page/websocket_handshake\\.cpp)$"
   "^opencv2/"                        "^((server/(source|vision|library)|client/view|tests)/|server/preview)"
   "^lib(av[a-z]+|swscale)/"           "^server/source/video/(video_(file\\.cpp|format\\.[ch]pp)|display_matrix\\.hpp)$"
   "^turbojpeg\\.h$"                  "^client/view/picture\\.cpp$"
@@ -78,7 +79,7 @@ set(doors
   "^OpenNI\\.h$"                     "^server/source/live/openni_camera\\.cpp$"
   "^systemd/"                        "^server/service_manager\\.cpp$"
   "^libusb"                          "^client/device/falcon/usb\\.cpp$"
-  "^common/(codec|protocol|transport)/" "^(common/(codec|protocol|transport|live)/|server/(library/publisher\\.cpp$|bake/|stream/|recording/|relay/|pipeline/|http/|[^/]*$)|client/(net/|discovery/|report/|library/|recording/|web/|[^/]*$)|tests/)"
+  "^common/(codec|protocol|transport)/" "^(common/(codec|protocol|transport|live)/|server/(library/publisher\\.cpp$|bake/|stream/|recording/|relay/|pipeline/|http/|page/|[^/]*$)|client/(net/|discovery/|report/|library/|recording/|web/|[^/]*$)|tests/)"
 )
 
 file(GLOB_RECURSE files RELATIVE ${ROOT} ${ROOT}/common/*.?pp ${ROOT}/server/*.?pp ${ROOT}/client/*.?pp

@@ -62,6 +62,7 @@ Control read(const proto::Control& from, Check& check) {
                             "a speed is not 0.1..4");
   }
   if (from.has_material()) to.material = readMaterial(from.material(), check);
+  if (from.has_viewers()) to.viewers = from.viewers();
   return to;
 }
 

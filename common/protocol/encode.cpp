@@ -36,6 +36,7 @@ void write(const Control& from, proto::Message& message) {
   if (from.seek_s) to.set_seek_s(*from.seek_s);
   if (from.speed) to.set_speed(*from.speed);
   if (from.material != Material{}) writeMaterial(from.material, *to.mutable_material());
+  if (from.viewers) to.set_viewers(*from.viewers);
 }
 
 void write(const StreamDescription& from, proto::StreamDescription& to) {

@@ -68,6 +68,8 @@ struct Control {
   Material material;             ///< its values replace those of all objects
   /// Speed of a recording, limits::kLeastSpeed..kMostSpeed; other sources ignore it.
   std::optional<double> speed = std::nullopt;
+  /// Number of viewers. The server sets it for an operator; other values are ignored.
+  std::optional<std::uint32_t> viewers = std::nullopt;
   bool operator==(const Control&) const = default;
 };
 /// Request of a client: transport and redundancy of its frames from now on.

@@ -30,13 +30,21 @@ struct Hosts {
   asio::ip::address local;
 };
 
+/// What a connection carries.
+enum class Carrier : std::uint8_t {
+  kMessages,   ///< messages with a length prefix
+  kHttp,       ///< one request of HTTP and its answer; no payloads
+  kWebSocket,  ///< messages in a WebSocket
+};
+
 /// Interface of a connection.
 class Channel {
  public:
   virtual ~Channel() = default;
 
   /// Returns the next payload, which is valid until the next read(). Returns nullopt at the end of
-  /// the connection (whyEnded()). Returns an error if the peer's bytes contain no valid payload
+  /// the connection (whyEnded()), and when a request of HTTP has arrived: carrier() is then kHttp,
+  /// and answer() follows. Returns an error if the peer's bytes contain no valid payload
   /// (kMalformed), or one above the read limit (kTooLarge). After an error no further payload
   /// follows. Only one read may run at a time.
   virtual asio::awaitable<Result<std::optional<Payload>, WireError>> read() = 0;
@@ -50,14 +58,18 @@ class Channel {
   /// Writes one payload and returns true. Returns false if the connection has ended. Only one write
   /// may run at a time.
   virtual asio::awaitable<bool> write(SharedBytes payload) = 0;
+  /// Sends the answer to the request that read() has received, then informs the peer that nothing
+  /// follows. Ends early if the connection ends. Requires carrier() kHttp after read().
+  virtual asio::awaitable<void> answer() { co_return; }
   /// Reads and discards bytes until the peer ends the connection, or until more than `most_bytes`
   /// are read. Call it before close(). A close with unread bytes would reset the connection before
   /// the peer reads the last message.
   virtual asio::awaitable<void> drain(std::size_t most_bytes) = 0;
-  /// Informs the peer that no more payloads follow.
-  virtual void finishWriting() noexcept = 0;
-  /// Returns true if the peer's system has acknowledged all bytes. Then close() loses nothing.
-  [[nodiscard]] virtual bool delivered() noexcept = 0;
+  /// Informs the peer that no more payloads follow. Do not call it while write() runs.
+  virtual asio::awaitable<void> finishWriting() = 0;
+  /// Returns the number of written bytes that the peer's system has not acknowledged. At 0 close()
+  /// loses nothing.
+  [[nodiscard]] virtual std::size_t undeliveredBytes() noexcept = 0;
   /// Ends the connection. A running read() or write() returns. The system still delivers bytes that
   /// are already written, if the peer reads them.
   virtual void close() noexcept = 0;
@@ -68,6 +80,11 @@ class Channel {
   /// Returns whether the connection is encrypted (TLS). The result is valid after the first
   /// payload.
   [[nodiscard]] virtual bool encrypted() const noexcept { return false; }
+  /// Returns what the connection carries. The result is valid after the first result of read().
+  [[nodiscard]] virtual Carrier carrier() const noexcept { return Carrier::kMessages; }
+  /// Returns whether the peer is surely a program of this machine. A connection from this machine
+  /// may be that of a proxy, which forwards another machine's bytes.
+  [[nodiscard]] virtual bool ofThisMachine() const noexcept { return hosts_.peer.is_loopback(); }
 
   /// Sets the size of the longest payload that read() accepts from now on.
   void setReadLimit(std::size_t bytes) { read_limit_bytes_ = bytes; }
@@ -77,6 +94,8 @@ class Channel {
   [[nodiscard]] const Hosts& hosts() const { return hosts_; }
   /// Returns the reason why the connection has ended.
   [[nodiscard]] const std::string& whyEnded() const { return why_ended_; }
+  /// Returns what is wrong with a request of HTTP, in one line. It is empty if nothing is.
+  [[nodiscard]] const std::string& problem() const { return problem_; }
   /// Returns whether the connection has ended because this host does not trust its peer. whyEnded()
   /// is the reason.
   [[nodiscard]] bool untrusted() const { return untrusted_; }
@@ -92,6 +111,7 @@ class Channel {
   std::string peer_;
   Hosts hosts_;
   std::string why_ended_;
+  std::string problem_;
   bool untrusted_ = false;
   std::size_t read_limit_bytes_;
   std::uint64_t bytes_read_ = 0;

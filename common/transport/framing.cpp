@@ -14,12 +14,10 @@ LengthPrefix lengthPrefix(std::size_t payload_bytes) {
   return prefix;
 }
 
-FramePrefix LengthFraming::prefix(std::size_t payload_bytes) const {
-  FramePrefix prefix;
+void LengthFraming::writePrefix(std::size_t payload_bytes, FramePrefix& out) {
   const LengthPrefix length = lengthPrefix(payload_bytes);
-  std::copy(length.begin(), length.end(), prefix.bytes.begin());
-  prefix.size = length.size();
-  return prefix;
+  std::copy(length.begin(), length.end(), out.bytes.begin());
+  out.size = length.size();
 }
 
 void LengthFraming::feed(std::span<const std::uint8_t> chunk) {

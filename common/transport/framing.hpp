@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Framing: separates the messages on a stream of bytes. A prefix precedes each message. In
 // LengthFraming it is the length of the message, 4 bytes in little-endian order (proto/README.md).
-// Another framing needs one more implementation: all framings share the bytes of the messages.
+// websocket_framing.hpp has that of WebSockets. All framings share the bytes of the messages.
 // Thread: any; at most one at a time for each object.
 #pragma once
 
@@ -32,13 +32,15 @@ using LengthPrefix = std::array<std::uint8_t, kPrefixBytes>;
 /// Returns the length prefix of a payload of `payload_bytes` bytes, 1..kMaxMessageBytes.
 [[nodiscard]] LengthPrefix lengthPrefix(std::size_t payload_bytes);
 
-/// Bytes that precede a message on the connection.
+/// Bytes that precede a message on the connection, or that end it.
 struct FramePrefix {
-  static constexpr std::size_t kMostBytes = 10;  ///< of a WebSocket frame (RFC 6455, section 5.2)
+  /// A pong of 125 bytes with its header, and the header of a message (RFC 6455, section 5.2).
+  static constexpr std::size_t kMostBytes = 137;
   std::array<std::uint8_t, kMostBytes> bytes{};
   std::size_t size = 0;
 
   [[nodiscard]] std::span<const std::uint8_t> view() const { return std::span(bytes).first(size); }
+  void add(std::uint8_t byte) { bytes[size++] = byte; }
 };
 
 /// Interface of a framing, for both directions of one connection.
@@ -55,8 +57,15 @@ class Framing {
   /// above the limit. All further calls then return the same error, because the begin of the next
   /// message is unknown.
   [[nodiscard]] virtual Result<std::optional<std::span<const std::uint8_t>>, WireError> next() = 0;
-  /// Returns the prefix of a message of `payload_bytes` bytes, 1..kMaxMessageBytes, to the peer.
-  [[nodiscard]] virtual FramePrefix prefix(std::size_t payload_bytes) const = 0;
+  /// Writes the prefix of the next message to the peer into `out`. The message has `payload_bytes`
+  /// bytes, 1..kMaxMessageBytes. Call it once for each message: the prefix may also contain an
+  /// answer to the peer.
+  virtual void writePrefix(std::size_t payload_bytes, FramePrefix& out) = 0;
+  /// Returns whether the peer has announced the end of the connection. next() then returns nullopt.
+  [[nodiscard]] virtual bool ended() const { return false; }
+  /// Returns the bytes that announce the end of this host's messages. They are empty if the framing
+  /// has no such announcement.
+  [[nodiscard]] virtual FramePrefix farewell() const { return {}; }
 
   /// Sets the largest size of the messages that next() returns from now on.
   void setLimit(std::size_t limit_bytes) { limit_bytes_ = limit_bytes; }
@@ -77,7 +86,7 @@ class LengthFraming final : public Framing {
 
   void feed(std::span<const std::uint8_t> chunk) override;
   [[nodiscard]] Result<std::optional<std::span<const std::uint8_t>>, WireError> next() override;
-  [[nodiscard]] FramePrefix prefix(std::size_t payload_bytes) const override;
+  void writePrefix(std::size_t payload_bytes, FramePrefix& out) override;
 
  private:
   std::vector<std::uint8_t> buffer_;

@@ -10,12 +10,13 @@
 #include <utility>
 
 #include "common/endpoint.hpp"
+#include "common/transport/websocket_framing.hpp"
 
 namespace hapticast {
 
 namespace {
 
-constexpr std::string_view kHttpAnswer =
+constexpr const char* kHttpAnswer =
     "HTTP/1.1 400 Bad Request\r\nContent-Type: text/plain; charset=utf-8\r\n"
     "X-Content-Type-Options: nosniff\r\nContent-Length: 70\r\nConnection: close\r\n\r\n"
     "This port is for hapticast-client. It has no pages for a web browser.\n";
@@ -36,14 +37,15 @@ asio::ip::tcp::endpoint remoteEndpoint(const asio::ip::tcp::socket& socket) {
 }  // namespace
 
 TcpChannel::TcpChannel(asio::ip::tcp::socket socket, std::size_t read_limit_bytes,
-                       std::unique_ptr<TlsEngine> tls, ChannelEnd end)
+                       std::unique_ptr<TlsEngine> tls, ChannelEnd end, HttpResponder* responder)
     : Channel(formatName(remoteEndpoint(socket)), read_limit_bytes),
       socket_(std::move(socket)),
       chunk_(kChunkBytes),
       framing_(std::make_unique<LengthFraming>(read_limit_bytes)),
       tls_(std::move(tls)),
       outer_(end == ChannelEnd::kServer),
-      inner_(end == ChannelEnd::kServer) {
+      inner_(end == ChannelEnd::kServer),
+      responder_(responder) {
   boost::system::error_code ignored;  // without it messages are only later
   socket_.set_option(asio::ip::tcp::no_delay(true), ignored);
   socket_.non_blocking(true, ignored);  // for writeNow()
@@ -56,24 +58,55 @@ asio::awaitable<Result<std::optional<Payload>, WireError>> TcpChannel::read() {
     framing_->setLimit(read_limit_bytes_);
     auto payload = framing_->next();
     if (!payload.ok() || payload.value()) co_return payload;
-    if (tls_ != nullptr && tls_->ended()) co_return std::optional<Payload>();
+    if (framing_->ended() || (tls_ != nullptr && tls_->ended())) co_return std::optional<Payload>();
     const std::size_t size = co_await readSome();
     if (size == 0) co_return std::optional<Payload>();
     if (auto failure = receive(std::span(chunk_).first(size)))
       co_return WireError{ErrorCode::kMalformed, std::move(failure->message)};
-    if (http_) {
-      answerHttp();
-      co_return malformed("a request of HTTP on the port for viewers");
-    }
+    if (answer_ && !co_await upgrade()) co_return std::optional<Payload>();
   }
 }
 
 void TcpChannel::receivePlain(std::span<const std::uint8_t> bytes) {
+  if (carrier_ == Carrier::kHttp) return collectHead(bytes);
   if (!inner_.undecided()) return framing_->feed(bytes);
   const auto kind = inner_.add(bytes);
   if (!kind) return;
-  http_ = kind == ConnectionKind::kHttp;
-  framing_->feed(inner_.pop());
+  const std::vector<std::uint8_t> first = inner_.pop();
+  if (kind != ConnectionKind::kHttp) return framing_->feed(first);
+  carrier_ = Carrier::kHttp;
+  collectHead(first);
+}
+
+void TcpChannel::collectHead(std::span<const std::uint8_t> bytes) {
+  if (answer_ || !head_.add(bytes)) return;
+  if (responder_ != nullptr) {
+    answer_ = responder_->respond(head_.text(), encrypted());
+  } else {
+    answer_.emplace();
+    answer_->head = kHttpAnswer;
+    answer_->problem = "a request of HTTP on the port for viewers";
+  }
+  problem_ = answer_->problem;
+}
+
+asio::awaitable<bool> TcpChannel::upgrade() {
+  if (!answer_->is_websocket) co_return false;
+  const HttpAnswer answer = *std::exchange(answer_, std::nullopt);
+  if (finished_ || !co_await writeBytes({asio::buffer(answer.head), {}})) co_return false;
+  framing_ = std::make_unique<WebSocketFraming>(read_limit_bytes_);
+  framing_->feed(head_.rest());
+  head_ = {};
+  for_this_machine_ = answer.for_this_machine;
+  carrier_ = Carrier::kWebSocket;
+  co_return true;
+}
+
+asio::awaitable<void> TcpChannel::answer() {
+  if (!answer_ || finished_) co_return;
+  const HttpAnswer answer = *std::exchange(answer_, std::nullopt);
+  const asio::const_buffer body(answer.body.data(), answer.body.size());
+  if (co_await writeBytes({asio::buffer(answer.head), body})) co_await finishWriting();
 }
 
 std::optional<Error> TcpChannel::receive(std::span<const std::uint8_t> bytes) {
@@ -108,17 +141,8 @@ asio::awaitable<std::optional<Error>> TcpChannel::completeHandshake() {
 }
 
 bool TcpChannel::encrypt(const SharedBytes& payload) {
-  return tls_->send(framing_->prefix(payload->size()).view(), *payload);
-}
-
-void TcpChannel::answerHttp() noexcept {
-  if (tls_ != nullptr) {
-    (void)tls_->send({}, std::span(reinterpret_cast<const std::uint8_t*>(kHttpAnswer.data()),
-                                   kHttpAnswer.size()));
-    return flushNow();
-  }
-  boost::system::error_code ignored;  // the connection has ended already
-  bytes_written_ += socket_.write_some(asio::buffer(kHttpAnswer), ignored);
+  framing_->writePrefix(payload->size(), prefix_);
+  return tls_->send(prefix_.view(), *payload);
 }
 
 void TcpChannel::flushNow() noexcept {
@@ -140,6 +164,18 @@ asio::awaitable<bool> TcpChannel::flush() {
   }
   flushing_ = false;
   co_return open;
+}
+
+asio::awaitable<bool> TcpChannel::writeBytes(std::array<asio::const_buffer, 2> parts) {
+  if (tls_ == nullptr) co_return co_await writeAll(parts);
+  for (asio::const_buffer part : parts) {
+    for (; part.size() > 0; part += kWriteAtOnceBytes) {  // stored twice, so in pieces
+      const std::span all(static_cast<const std::uint8_t*>(part.data()), part.size());
+      if (!tls_->send({}, all.first(std::min(all.size(), kWriteAtOnceBytes)))) co_return false;
+      if (!co_await flush()) co_return false;
+    }
+  }
+  co_return true;
 }
 
 asio::awaitable<bool> TcpChannel::writeAll(std::array<asio::const_buffer, 2> bytes) {
@@ -175,7 +211,7 @@ bool TcpChannel::writeNow(const SharedBytes& payload, bool more_follows) noexcep
     encrypted_ = !tls_->output().empty();
     return !encrypted_;
   }
-  prefix_ = framing_->prefix(payload->size());
+  framing_->writePrefix(payload->size(), prefix_);
   const std::array<asio::const_buffer, 2> buffers{asio::buffer(prefix_.view().data(), prefix_.size),
                                                   asio::buffer(*payload)};
   boost::system::error_code ec;
@@ -183,6 +219,7 @@ bool TcpChannel::writeNow(const SharedBytes& payload, bool more_follows) noexcep
   bytes_written_ += written_;
   if (written_ < prefix_.size + payload->size()) return false;
   written_ = 0;
+  prefix_.size = 0;
   return true;
 }
 
@@ -192,9 +229,9 @@ asio::awaitable<bool> TcpChannel::write(SharedBytes payload) {
     if (!std::exchange(encrypted_, false) && !encrypt(payload)) co_return false;
     co_return co_await flush();
   }
-  prefix_ = framing_->prefix(payload->size());
+  if (prefix_.size == 0) framing_->writePrefix(payload->size(), prefix_);
   const std::size_t done = std::exchange(written_, 0), of_prefix = std::min(done, prefix_.size);
-  const asio::const_buffer prefix(prefix_.view().data(), prefix_.size);
+  const asio::const_buffer prefix(prefix_.view().data(), std::exchange(prefix_.size, 0));
   co_return co_await writeAll({prefix + of_prefix, asio::buffer(*payload) + (done - of_prefix)});
 }
 
@@ -206,18 +243,24 @@ asio::awaitable<void> TcpChannel::drain(std::size_t most_bytes) {
   }
 }
 
-void TcpChannel::finishWriting() noexcept {
+asio::awaitable<void> TcpChannel::finishWriting() {
+  finished_ = true;
+  if (!isMute()) {
+    const FramePrefix farewell = framing_->farewell();
+    (void)co_await writeBytes({asio::const_buffer(farewell.bytes.data(), farewell.size), {}});
+  }
   if (tls_ != nullptr) {
     tls_->finish();
-    flushNow();
+    (void)co_await flush();
   }
   boost::system::error_code ignored;  // the connection has ended already
   socket_.shutdown(asio::socket_base::shutdown_send, ignored);
 }
 
-bool TcpChannel::delivered() noexcept {
-  int unacknowledged = 0;
-  return ::ioctl(socket_.native_handle(), SIOCOUTQ, &unacknowledged) != 0 || unacknowledged == 0;
+std::size_t TcpChannel::undeliveredBytes() noexcept {
+  int bytes = 0;
+  if (::ioctl(socket_.native_handle(), SIOCOUTQ, &bytes) != 0) return 0;
+  return static_cast<std::size_t>(bytes);
 }
 
 void TcpChannel::close() noexcept {

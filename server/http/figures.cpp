@@ -62,6 +62,9 @@ void addServer(FigureList& out, const Metrics& metrics) {
 
 void addViewers(FigureList& out, const StreamCounts& stream) {
   out.add("viewers", kGauge, "Viewers that are connected.", stream.clients, "/viewers/present");
+  out.begin("viewers_by_way", kGauge, "Viewers that are connected, by the way of their bytes.");
+  out.add(stream.clients - stream.websockets, "/viewers/tcp", {{"way", "tcp"}});
+  out.add(stream.websockets, "/viewers/websocket", {{"way", "websocket"}});
   out.add("viewers_welcomed_total", kCounter, "Viewers that were welcomed.", stream.welcomed,
           "/viewers/welcomed");
   out.add("viewers_refused_total", kCounter,

@@ -55,4 +55,11 @@ bool isOwnHost(std::string_view authority, const std::vector<std::string>& names
          });
 }
 
+bool isLoopbackHost(std::string_view authority) {
+  const std::string host = toLower(authority.substr(
+      0, authority.starts_with('[') ? authority.find(']') + 1 : authority.find(':')));
+  return host == "localhost" || host == "[::1]" ||
+         (host.starts_with("127.") && isAddress(AF_INET, host));
+}
+
 }  // namespace hapticast::server

@@ -20,5 +20,7 @@ namespace hapticast::server {
 /// Returns whether `authority` (HOST or HOST:PORT, as in the field Host; an IPv6 address is in
 /// brackets) is an IP address or one of `names`. Capital letters count as small ones.
 [[nodiscard]] bool isOwnHost(std::string_view authority, const std::vector<std::string>& names);
+/// Returns whether `authority` is localhost or a loopback address, with or without a port.
+[[nodiscard]] bool isLoopbackHost(std::string_view authority);
 
 }  // namespace hapticast::server

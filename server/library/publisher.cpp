@@ -50,9 +50,9 @@ server::StreamSettings makeStreamSettings(const PublisherSettings& settings) {
   require(settings.max_viewers >= 1 && settings.max_viewers <= kMostViewers,
           "max_viewers: " + std::to_string(settings.max_viewers) + " is outside 1..10000");
   const bool tls = findTlsFiles(settings).wanted();
-  return {
-      .max_clients = settings.max_viewers,
-      .max_pending = tls ? server::Broadcaster::kMaxPendingTls : server::Broadcaster::kMaxPending};
+  return {.max_clients = settings.max_viewers,
+          .max_pending =
+              tls ? server::Broadcaster::kMaxPendingHandshakes : server::Broadcaster::kMaxPending};
 }
 
 void requirePicture(const std::vector<std::uint8_t>& jpeg) {

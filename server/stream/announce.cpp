@@ -9,7 +9,9 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <memory>
 #include <utility>
+#include <vector>
 
 #include "common/mdns.hpp"
 #include "common/protocol/messages.hpp"
@@ -53,13 +55,14 @@ void requireReachable(const asio::ip::address& address) {
 /// State of the announcement. Avahi's thread uses it as soon as `session` has begun.
 struct Announcer::Service {
   Service(std::string the_name, const asio::ip::tcp::endpoint& where, const std::string& what,
-          const std::string& fingerprint)
+          const std::string& fingerprint, bool page)
       : wanted(std::move(the_name)),
         name(wanted),
         listen_endpoint(where),
         version(toText(kServiceVersionKey, std::to_string(kProtocolVersion))),
         stream_name(toText(kTxtTitleKey, sanitizeUtf8(what, kMaxServicePlays_bytes))),
-        tls(fingerprint.empty() ? "" : toText(kTxtTlsKey, fingerprint)) {}
+        tls(fingerprint.empty() ? "" : toText(kTxtTlsKey, fingerprint)),
+        has_page(page) {}
 
   void make(AvahiClient* client) {
     const auto settled = [](AvahiEntryGroup*, AvahiEntryGroupState state, void* self) {
@@ -76,16 +79,32 @@ struct Announcer::Service {
 
   void publish() {
     int error = 0;
-    do {  // what another program of this machine has taken is told at once
-      error = avahi_entry_group_add_service(
-          group, findNetwork(listen_endpoint.address()), toAvahiProtocol(listen_endpoint.address()),
-          static_cast<AvahiPublishFlags>(0), name.c_str(), kServiceType, nullptr, nullptr,
-          listen_endpoint.port(), version.c_str(), stream_name.c_str(),
-          tls.empty() ? nullptr : tls.c_str(), nullptr);
-      if (error == AVAHI_ERR_COLLISION) rename();
-    } while (error == AVAHI_ERR_COLLISION);
+    // What another program of this machine has taken is told at once.
+    while ((error = addAll()) == AVAHI_ERR_COLLISION) {
+      rename();
+      avahi_entry_group_reset(group);
+    }
     if (error == AVAHI_OK) error = avahi_entry_group_commit(group);
     if (error != AVAHI_OK) logFailure(error);
+  }
+
+  /// Adds the service for viewers and the web site to the group. Returns the error of Avahi.
+  int addAll() {
+    std::vector<const char*> txt{version.c_str(), stream_name.c_str()};
+    if (!tls.empty()) txt.push_back(tls.c_str());
+    const int error = add(kServiceType, txt);
+    if (error != AVAHI_OK || !has_page) return error;
+    return add(tls.empty() ? kWebServiceType : kTlsWebServiceType, {kWebServicePath});
+  }
+
+  int add(const char* type, std::vector<const char*> txt) {
+    const std::unique_ptr<AvahiStringList, decltype(&avahi_string_list_free)> list(
+        avahi_string_list_new_from_array(txt.data(), static_cast<int>(txt.size())),
+        &avahi_string_list_free);
+    return avahi_entry_group_add_service_strlst(
+        group, findNetwork(listen_endpoint.address()), toAvahiProtocol(listen_endpoint.address()),
+        static_cast<AvahiPublishFlags>(0), name.c_str(), type, nullptr, nullptr,
+        listen_endpoint.port(), list.get());
   }
 
   void rename() {
@@ -123,6 +142,7 @@ struct Announcer::Service {
   const std::string version;
   const std::string stream_name;
   const std::string tls;
+  const bool has_page;
   RateLimiter limit;  // a host may claim each name again and again
   AvahiEntryGroup* group = nullptr;
   AvahiSession session{
@@ -136,9 +156,10 @@ struct Announcer::Service {
 };
 
 Announcer::Announcer(std::string name, const asio::ip::tcp::endpoint& listen_endpoint,
-                     const std::string& stream_name, const std::string& tls_fingerprint)
+                     const std::string& stream_name, const std::string& tls_fingerprint,
+                     bool has_page)
     : service_(std::make_unique<Service>(std::move(name), listen_endpoint, stream_name,
-                                         tls_fingerprint)) {}
+                                         tls_fingerprint, has_page)) {}
 
 Announcer::~Announcer() = default;
 
@@ -154,7 +175,8 @@ struct Announcer::Service {};
 void requireReachable(const asio::ip::address& /*address*/) {}
 
 Announcer::Announcer(std::string /*name*/, const asio::ip::tcp::endpoint& /*listens*/,
-                     const std::string& /*plays*/, const std::string& /*tls_fingerprint*/) {}
+                     const std::string& /*plays*/, const std::string& /*tls_fingerprint*/,
+                     bool /*has_page*/) {}
 
 Announcer::~Announcer() = default;
 

@@ -19,11 +19,12 @@ class Announcer {
  public:
   /// Begins to announce `name` (see isServiceName()) with the address `listen_endpoint`, at which
   /// viewers connect, the stream's name `stream_name`, and the fingerprint of the TLS certificate
-  /// (hex; empty: no TLS). It does not wait for avahi-daemon. It logs the announced name, which
-  /// differs from `name` if another server on the LAN has this name. It also logs when avahi-daemon
-  /// starts and stops.
+  /// (hex; empty: no TLS). `has_page`: browsers get a page there, so it also announces a web site
+  /// (_http._tcp, with TLS _https._tcp). It does not wait for avahi-daemon. It logs the announced
+  /// name, which differs from `name` if another server on the LAN has this name. It also logs when
+  /// avahi-daemon starts and stops.
   Announcer(std::string name, const asio::ip::tcp::endpoint& listen_endpoint,
-            const std::string& stream_name, const std::string& tls_fingerprint);
+            const std::string& stream_name, const std::string& tls_fingerprint, bool has_page);
   /// Ends the announcement.
   ~Announcer();
   Announcer(const Announcer&) = delete;

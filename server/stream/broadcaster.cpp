@@ -4,7 +4,6 @@
 #include <spdlog/common.h>
 #include <spdlog/spdlog.h>
 #include <algorithm>
-#include <map>
 #include <utility>
 
 namespace hapticast::server {
@@ -14,18 +13,6 @@ constexpr auto kCheckEvery = std::chrono::milliseconds(50);
 // Checks of a thousand viewers last a while.
 constexpr auto kCheckViewersEvery = std::chrono::milliseconds(250);
 constexpr auto kCountEvery = std::chrono::seconds(1);
-constexpr const char* kServerEnds = "the server ends";
-/// Returns the first 64 bits of an IPv6 address, since one host may use all addresses with this
-/// prefix. Other addresses are returned unchanged.
-std::string findNetwork(const std::string& address) {
-  boost::system::error_code ec;
-  const auto v6 = asio::ip::make_address_v6(
-      address.starts_with('[') ? address.substr(1, address.size() - 2) : address, ec);
-  if (ec) return address;
-  const auto bytes = v6.to_bytes();
-  return {bytes.begin(), bytes.begin() + 8};
-}
-
 }  // namespace
 
 Broadcaster::Broadcaster(asio::io_context& io, const Clock& clock, const MediaClock& media_clock,
@@ -152,41 +139,14 @@ void Broadcaster::changeOrigin(StreamIdentity identity, const StreamDescription&
 void Broadcaster::stop() {
   asio::post(io_, [this] {
     stopped_ = true;
-    const Sessions pending = pending_sessions_, viewers = viewers_;  // close() changes the lists
+    // close() and abort() change the lists.
+    const Sessions pending = pending_sessions_, viewers = viewers_, answers = answers_;
     for (const Sessions* each : {&pending, &viewers}) {
-      for (const auto& session : *each) session->close({ErrorCode::kShuttingDown, kServerEnds});
+      for (const auto& session : *each) session->close(serverEnds());
     }
+    for (const auto& session : answers) session->abort();
     timer_.cancel();
     if (datagrams_ != nullptr) datagrams_->stop();
-  });
-}
-
-void Broadcaster::accept(std::unique_ptr<Channel> channel) {
-  const auto session = std::make_shared<Session>(
-      io_, std::move(channel), static_cast<SessionHost&>(*this), ++last_session_id_);
-  session->start();
-  addPending(session);
-  if (stopped_) session->close({ErrorCode::kShuttingDown, kServerEnds});
-}
-
-void Broadcaster::addPending(const std::shared_ptr<Session>& session) {
-  pending_sessions_.push_back(session);
-  // At shutdown all receive a goodbye.
-  if (pending_sessions_.size() <= settings_.max_pending || stopped_) return;
-  const std::shared_ptr<Session> peer = evictionCandidate();
-  ++counts_.refused;
-  log(spdlog::level::warn, "too many connections that are not viewers: closing " + peer->label());
-  peer->abort();
-}
-
-std::shared_ptr<Session> Broadcaster::evictionCandidate() const {
-  std::map<std::string, std::size_t> from;
-  for (const auto& each : pending_sessions_) ++from[findNetwork(each->address())];
-  const auto most = std::max_element(
-      from.begin(), from.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
-  // Among networks with equally many sessions, the oldest session is the candidate.
-  return *std::find_if(pending_sessions_.begin(), pending_sessions_.end(), [&](const auto& each) {
-    return from[findNetwork(each->address())] == most->second;
   });
 }
 
@@ -210,43 +170,53 @@ void Broadcaster::checkAccess() {
   if (removed && on_removed_) on_removed_();
 }
 
-std::optional<WireError> Broadcaster::control(const Control& control,
+std::optional<WireError> Broadcaster::control(const Control& request,
                                               const std::shared_ptr<Session>& sender) {
+  Control control = request;
+  control.viewers.reset();  // clients do not set it
   if (streams_ != nullptr) {
     if (control.material != Material{})
       return WireError{ErrorCode::kForbidden, "a viewer may pause, seek and set the speed only"};
     streams_->onControl(*sender, control);
-    sender->confirm(control);
+    confirm(*sender, control);
     return std::nullopt;
   }
   const auto& grant = sender->grant();
   if (!grant) return WireError{ErrorCode::kForbidden, "this server has no operators (--tokens)"};
   if (grant->role != Role::kOperator)
     return WireError{ErrorCode::kForbidden, "this access token is a viewer's, not an operator's"};
+  if (control == Control{}) {  // asks for the number of viewers
+    confirm(*sender, control);
+    return std::nullopt;
+  }
   if (!control_)
     return WireError{ErrorCode::kForbidden, "this server is an edge; control its origin"};
   control_(control, [this, control, weak = std::weak_ptr(sender)] {
-    asio::post(io_, [control, weak] {
-      if (const auto session = weak.lock()) session->confirm(control);
+    asio::post(io_, [this, control, weak] {
+      if (const auto session = weak.lock()) confirm(*session, control);
     });
   });
   return std::nullopt;
+}
+
+void Broadcaster::confirm(Session& sender, Control control) const {
+  const bool is_operator = sender.grant() && sender.grant()->role == Role::kOperator;
+  if (is_operator) control.viewers = static_cast<std::uint32_t>(viewers_.size());
+  sender.confirm(control);
 }
 
 std::optional<Grant> Broadcaster::findGrant(const Hello& hello) const {
   return access_ ? access_->find(hello.access_token) : std::nullopt;
 }
 
-std::optional<LocalTime> Broadcaster::reserveRefusal(const Session& session, LocalTime latest) {
-  return refusals_.reserve(findNetwork(session.address()), clock_.now(), latest);
-}
-
 std::optional<WireError> Broadcaster::refuseToken(const Hello& hello,
                                                   const Channel& channel) const {
   if (!access_) return std::nullopt;
-  const auto& peer = channel.hosts().peer;
-  if (!channel.encrypted() && !peer.is_loopback() && !settings_.insecure)
-    return WireError{ErrorCode::kUnauthorized, "this server needs TLS: use hapticasts://HOST"};
+  if (!channel.encrypted() && !channel.ofThisMachine() && !settings_.insecure)
+    return WireError{ErrorCode::kUnauthorized,
+                     std::string("this server needs TLS: ") +
+                         (channel.carrier() == Carrier::kWebSocket ? "open its page by https"
+                                                                   : "use hapticasts://HOST")};
   if (hello.access_token.empty())
     return WireError{ErrorCode::kUnauthorized, "this server needs an access token (--token-file)"};
   const auto grant = access_->find(hello.access_token);
@@ -273,6 +243,7 @@ void Broadcaster::completeWelcome(const Channel& channel, Welcome& welcome) {
     welcome.stream = identity_->stream;
     welcome.verifying_key = identity_->verifying_key;
   }
+  if (channel.carrier() == Carrier::kWebSocket) return;  // a browser has no datagrams
   const bool sealed = identity_ && identity_->sealed;
   // A viewer that cannot open datagrams receives none.
   if (datagrams_ == nullptr || (sealed && !(identity_->datagram_key && channel.encrypted())))
@@ -315,10 +286,10 @@ void Broadcaster::onClosing(const std::shared_ptr<Session>& session,
 }
 
 void Broadcaster::onClosed(const std::shared_ptr<Session>& session) {
-  if (std::erase(pending_sessions_, session) == 0) return;
+  if (std::erase(pending_sessions_, session) + std::erase(answers_, session) == 0) return;
   counts_.sent += session->counts();
   counts_.bytes += session->bytesSent();
-  if (stopped_ && viewers_.empty() && pending_sessions_.empty()) timer_.cancel();
+  if (stopped_ && connections() == 0) timer_.cancel();
 }
 
 void Broadcaster::countViewers() {
@@ -332,7 +303,9 @@ StreamCounts Broadcaster::counts() const {
   StreamCounts counts = counts_;
   counts.frames_stale = stale_.dropped();
   counts.clients = viewers_.size();
-  for (const Sessions* each : {&pending_sessions_, &viewers_}) {
+  counts.websockets = static_cast<std::size_t>(std::count_if(
+      viewers_.begin(), viewers_.end(), [](const auto& each) { return each->ofWebSocket(); }));
+  for (const Sessions* each : {&pending_sessions_, &answers_, &viewers_}) {
     for (const auto& session : *each) {
       counts.sent += session->counts();
       counts.bytes += session->bytesSent();
@@ -347,7 +320,7 @@ void Broadcaster::check(const Sessions& sessions, LocalTime now) {
 }
 
 asio::awaitable<void> Broadcaster::startTimer() {
-  while (!stopped_ || !viewers_.empty() || !pending_sessions_.empty()) {
+  while (!stopped_ || connections() > 0) {
     boost::system::error_code ec;
     timer_.expires_after(kCheckEvery);
     co_await timer_.async_wait(asio::redirect_error(asio::use_awaitable, ec));
@@ -357,6 +330,7 @@ asio::awaitable<void> Broadcaster::startTimer() {
     if (now - checked_ >= kCheckViewersEvery) {
       checked_ = now;
       check(viewers_, now);
+      check(answers_, now);
     }
     if (now - counted_ < kCountEvery) continue;
     counted_ = now;

@@ -47,11 +47,11 @@ class ViewerStreams {
 /// Owns the sessions of all viewers of one stream and sends it to them.
 class Broadcaster final : public StreamSink, private SessionHost {
  public:
-  /// StreamSettings::max_pending with TLS. It is larger, because a handshake lasts longer than a
-  /// hello, and all viewers connect at once after a restart of the server. Chosen for memory: a
-  /// connection needs some 50 kB.
-  static constexpr std::size_t kMaxPendingTls = 640;
-  /// StreamSettings::max_pending without TLS.
+  /// StreamSettings::max_pending with TLS or with the page. It is larger, because a handshake of
+  /// TLS or of a WebSocket lasts longer than a hello, and all viewers connect at once after a
+  /// restart of the server. Chosen for memory: a connection needs some 50 kB.
+  static constexpr std::size_t kMaxPendingHandshakes = 640;
+  /// StreamSettings::max_pending without them.
   static constexpr std::size_t kMaxPending = StreamSettings{}.max_pending;
 
   /// Creates a broadcaster without viewers. `io` runs all its work. One thread runs `io`; it must
@@ -118,6 +118,10 @@ class Broadcaster final : public StreamSink, private SessionHost {
   /// StreamSettings::goodbye_deadline. After that, `io` has no more work. Thread: any.
   void stop();
 
+  /// Returns the number of connections: viewers, answers to requests of HTTP, and all others.
+  [[nodiscard]] std::size_t connections() const {
+    return viewers_.size() + pending_sessions_.size() + answers_.size();
+  }
   /// Begins a session for the new connection `channel`.
   void accept(std::unique_ptr<Channel> channel);
   /// Logs `line`, unless a limit is reached: 10 warnings a minute, and 10 other lines a minute. So
@@ -140,22 +144,32 @@ class Broadcaster final : public StreamSink, private SessionHost {
   [[nodiscard]] std::optional<LocalTime> reserveRefusal(const Session& session,
                                                         LocalTime latest) override;
   [[nodiscard]] std::optional<Grant> findGrant(const Hello& hello) const override;
-  [[nodiscard]] std::optional<WireError> control(const Control& control,
+  [[nodiscard]] std::optional<WireError> control(const Control& request,
                                                  const std::shared_ptr<Session>& sender) override;
+  /// Returns a request to its sender. An operator also receives the number of viewers.
+  void confirm(Session& sender, Control control) const;
   void completeWelcome(const Channel& channel, Welcome& welcome) override;
   void deliver(std::uint64_t datagram_token, const Delivery& delivery) override;
+  void onRequest(const std::shared_ptr<Session>& session, const std::string& problem) override;
   void onJoined(Session& session) override;
   void onClosing(const std::shared_ptr<Session>& session,
                  const std::optional<WireError>& why) override;
   void onClosed(const std::shared_ptr<Session>& session) override;
 
   using Sessions = std::vector<std::shared_ptr<Session>>;
-  /// Adds `session` to the pending connections, because its client is not a viewer yet, or no
-  /// longer one. If more than max_pending are pending then, closes the evictionCandidate() at once.
+  [[nodiscard]] static WireError serverEnds() {
+    return {ErrorCode::kShuttingDown, "the server ends"};
+  }
+  /// Adds `session` to the pending connections (see addWithin()), because its client is not a
+  /// viewer yet, or no longer one.
   void addPending(const std::shared_ptr<Session>& session);
-  /// Returns the pending session to close when there are too many. It is the oldest one of the
-  /// network with most pending sessions, so that a single host cannot occupy all places.
-  [[nodiscard]] std::shared_ptr<Session> evictionCandidate() const;
+  /// Adds `session` to `list`. If there are more than `most` then, closes the evictionCandidate()
+  /// at once. `what`: what the connections in `list` are, for the log.
+  void addWithin(Sessions& list, const std::shared_ptr<Session>& session, std::size_t most,
+                 std::string_view what);
+  /// Returns the session of `list` to close when there are too many. It is the oldest one of the
+  /// network with most of these sessions, so that a single host cannot occupy all places.
+  [[nodiscard]] static std::shared_ptr<Session> evictionCandidate(const Sessions& list);
   /// Calls `visit` later on the network thread. Thread: any.
   template <class Visit>
   void onIo(Visit visit);
@@ -194,6 +208,7 @@ class Broadcaster final : public StreamSink, private SessionHost {
   asio::steady_timer timer_;
   Sessions viewers_;           // welcomed and not closing; in the order in which frames are sent
   Sessions pending_sessions_;  // before their hello, or closing; the oldest first
+  Sessions answers_;           // to requests of HTTP; the oldest first
   std::uint32_t last_session_id_ = 0;
   SharedBytes preparing_;  // message with the progress of the scan, until the first frame
   std::optional<EncodedFrame> last_frame_;

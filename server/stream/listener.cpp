@@ -49,12 +49,13 @@ constexpr auto kPauseAfterError = std::chrono::milliseconds(200);
 }  // namespace
 
 Listener::Listener(asio::io_context& io, const Endpoint& address, Broadcaster& broadcaster,
-                   std::optional<TlsContext> tls)
+                   std::optional<TlsContext> tls, HttpResponder* responder)
     : acceptor_(openPort(io, address, "--listen")),
       pause_(io),
       broadcaster_(broadcaster),
       address_(describeAddress(acceptor_, address)),
-      tls_(std::move(tls)) {}
+      tls_(std::move(tls)),
+      responder_(responder) {}
 
 void Listener::start() {
   asio::co_spawn(
@@ -93,8 +94,8 @@ void Listener::accept(asio::ip::tcp::socket socket) {
   socket.set_option(asio::socket_base::send_buffer_size(broadcaster_.settings().send_buffer_bytes),
                     ignored);
   auto tls = tls_ ? std::make_unique<TlsEngine>(*tls_) : nullptr;
-  broadcaster_.accept(std::make_unique<TcpChannel>(std::move(socket), kMaxSmallMessageBytes,
-                                                   std::move(tls), ChannelEnd::kServer));
+  broadcaster_.accept(std::make_unique<TcpChannel>(
+      std::move(socket), kMaxSmallMessageBytes, std::move(tls), ChannelEnd::kServer, responder_));
 }
 
 }  // namespace hapticast::server

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Accepts TCP connections of viewers on ADDR:PORT and passes them to the broadcaster. Thread: the
-// network's.
+// Accepts TCP connections of viewers and browsers on ADDR:PORT and passes them to the broadcaster.
+// Thread: the network's.
 #pragma once
 
 #include <cstddef>
@@ -10,6 +10,7 @@
 
 #include "common/endpoint.hpp"
 #include "common/transport/asio.hpp"
+#include "common/transport/http_responder.hpp"
 #include "common/transport/tcp_port.hpp"
 #include "common/transport/tls.hpp"
 #include "server/stream/broadcaster.hpp"
@@ -28,9 +29,10 @@ class Listener {
  public:
   /// Opens the port of `address` as openPort() does; connections wait until start(). `tls`:
   /// certificate of the server; nullopt: plain TCP only. With a certificate, each connection uses
-  /// TLS if its client begins with TLS.
+  /// TLS if its client begins with TLS. `responder` answers requests of HTTP; it must outlive all
+  /// connections. Null: the answer is one sentence.
   Listener(asio::io_context& io, const Endpoint& address, Broadcaster& broadcaster,
-           std::optional<TlsContext> tls = std::nullopt);
+           std::optional<TlsContext> tls = std::nullopt, HttpResponder* responder = nullptr);
 
   /// Starts to accept connections. Call once. Thread: any.
   void start();
@@ -51,6 +53,7 @@ class Listener {
   Broadcaster& broadcaster_;
   Endpoint address_;
   std::optional<TlsContext> tls_;
+  HttpResponder* responder_;
 };
 
 }  // namespace hapticast::server

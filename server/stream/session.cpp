@@ -129,8 +129,10 @@ void Session::abort() {
 void Session::check(LocalTime now) {
   if (ended_) return;
   const StreamSettings& settings = host_.settings();
-  if (closing_since_) {
-    if (read_ended_ && write_ended_ && channel_->delivered()) {
+  if (answering_since_) {
+    checkAnswer(now);
+  } else if (closing_since_) {
+    if (read_ended_ && write_ended_ && channel_->undeliveredBytes() == 0) {
       end();
     } else if (now - *closing_since_ >= settings.goodbye_deadline) {
       abort();
@@ -150,9 +152,20 @@ void Session::check(LocalTime now) {
   }
 }
 
+void Session::checkAnswer(LocalTime now) {
+  const std::size_t undelivered = channel_->undeliveredBytes();
+  if (write_ended_ && undelivered == 0) return end();
+  const std::uint64_t delivered = channel_->bytesWritten() - undelivered;
+  if (std::exchange(bytes_delivered_, delivered) != delivered) write_progress_ = now;
+  const StreamSettings& settings = host_.settings();
+  if (now - write_progress_ >= settings.write_timeout ||
+      now - *answering_since_ >= settings.answer_deadline)
+    abort();
+}
+
 bool Session::stalled(LocalTime now) {
-  if (!writing_ || channel_->bytesWritten() != bytes_read_) {
-    bytes_read_ = channel_->bytesWritten();
+  if (!writing_ || channel_->bytesWritten() != bytes_delivered_) {
+    bytes_delivered_ = channel_->bytesWritten();
     write_progress_ = now;
   }
   return now - write_progress_ >= host_.settings().write_timeout;
@@ -166,6 +179,8 @@ asio::awaitable<void> Session::readAll() {
       close(payload.error());
     } else if (payload.value()) {
       onPayload(*payload.value());
+    } else if (channel_->carrier() == Carrier::kHttp) {
+      co_return co_await answerRequest();
     } else {
       // A peer that only ends its own side may still read; the host receives no reason.
       sendGoodbye({ErrorCode::kUnexpected, "you ended your side of the connection"}, std::nullopt);
@@ -175,6 +190,15 @@ asio::awaitable<void> Session::readAll() {
   }
   co_await channel_->drain(kMaxDrainBytes);
   read_ended_ = true;
+}
+
+asio::awaitable<void> Session::answerRequest() {
+  answering_since_ = write_progress_ = host_.clock().now();
+  host_.onRequest(shared_from_this(), channel_->problem());
+  co_await channel_->answer();
+  write_ended_ = true;
+  co_await channel_->drain(kMaxDrainBytes);
+  if (!ended_) end();
 }
 
 void Session::onPayload(Payload payload) {
@@ -304,7 +328,7 @@ asio::awaitable<void> Session::writeAll() {
       co_return;
     }
     if (closing_since_) {
-      channel_->finishWriting();
+      co_await channel_->finishWriting();
       write_ended_ = true;
       co_return;
     }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Session of one viewer: the states of the protocol from hello and welcome to goodbye, answers to
-// pings, the send queue and deadlines. A Channel transmits the session's bytes. The coroutines of
-// the session keep it alive. The session never blocks, and its memory is bounded. Thread: the
+// pings, the send queue and deadlines. A Channel transmits the session's bytes. If it has received
+// a request of HTTP instead, the session only watches over the answer. The coroutines of the
+// session keep it alive. The session never blocks, and its memory is bounded. Thread: the
 // network's.
 #pragma once
 
@@ -46,6 +47,9 @@ class SessionHost {
   virtual void completeWelcome(const Channel& channel, Welcome& welcome) = 0;
   /// Sets transport and redundancy of the frames for the client with this token.
   virtual void deliver(std::uint64_t datagram_token, const Delivery& delivery) = 0;
+  /// The session calls this when its channel begins to answer a request of HTTP. `problem`: what is
+  /// wrong with the request, in one line; empty: nothing.
+  virtual void onRequest(const std::shared_ptr<Session>& session, const std::string& problem) = 0;
   /// The session calls this after its welcome: its client is a viewer now.
   virtual void onJoined(Session& session) = 0;
   /// The session calls this at most once, when it begins to close. Its client is no viewer from
@@ -117,6 +121,8 @@ class Session : public std::enable_shared_from_this<Session> {
   /// Returns the rights of the client's token; nullopt if the server needs no tokens.
   [[nodiscard]] const std::optional<Grant>& grant() const { return grant_; }
   [[nodiscard]] bool encrypted() const { return channel_->encrypted(); }
+  /// Returns whether its client is connected by a WebSocket.
+  [[nodiscard]] bool ofWebSocket() const { return channel_->carrier() == Carrier::kWebSocket; }
   [[nodiscard]] std::string label() const;    ///< names the client in the log
   [[nodiscard]] std::string address() const;  ///< client's address, without its port
   [[nodiscard]] const SendCounts& counts() const { return queue_.counts(); }
@@ -125,6 +131,10 @@ class Session : public std::enable_shared_from_this<Session> {
  private:
   asio::awaitable<void> readAll();
   asio::awaitable<void> writeAll();
+  /// Answers a request of HTTP, then ends the session.
+  asio::awaitable<void> answerRequest();
+  /// Ends the session if its answer has arrived, or makes no progress, or lasts too long.
+  void checkAnswer(LocalTime now);
   void onPayload(Payload payload);
   void handle(const Hello& hello);
   void handle(const Ping& ping);
@@ -177,9 +187,10 @@ class Session : public std::enable_shared_from_this<Session> {
   bool writer_sleeps_ = false;
   bool writing_ = false;
   LocalTime write_progress_;  // last time at which the client read bytes
-  std::uint64_t bytes_read_ = 0;
+  std::uint64_t bytes_delivered_ = 0;
   std::optional<WireError> refusal_;  // waits for refusal_time_
   LocalTime refusal_time_;
+  std::optional<LocalTime> answering_since_;  // a request of HTTP
   std::optional<LocalTime> closing_since_;
   LocalTime rate_since_;
   std::uint32_t rate_count_ = 0;

@@ -23,9 +23,15 @@ struct StreamSettings {
   /// Longest time from the message with the reason of a close to the end of the connection. In this
   /// time the client can read the message.
   Duration goodbye_deadline = std::chrono::seconds(1);
+  /// Longest time of an answer to a request of HTTP. 400 kB arrive in it at 7 kB/s. Within it the
+  /// client must read a byte each write_timeout.
+  Duration answer_deadline = std::chrono::seconds(60);
   /// Largest number of connections that are no viewers: they have sent no hello yet, or they close.
-  /// Without TLS, a stream without attacks always has fewer than the default.
+  /// Without TLS and page, a stream without attacks always has fewer than the default.
   std::size_t max_pending = 32;
+  /// Largest number of requests of HTTP that are answered at the same time: 300 phones load all
+  /// 8 files of the page at once.
+  std::size_t max_answers = 2400;
   /// Whether viewers of other machines may connect without TLS although the server needs tokens.
   bool insecure = false;
   /// Limit of the bytes that wait in the system for a client that does not read.
@@ -34,7 +40,8 @@ struct StreamSettings {
 
 /// Counts of clients and sent items since the server's start.
 struct StreamCounts {
-  std::size_t clients = 0;  ///< present number of clients
+  std::size_t clients = 0;     ///< present number of clients
+  std::size_t websockets = 0;  ///< those of them that are connected by a WebSocket
   std::uint64_t welcomed = 0;
   /// Number of clients that were refused: the server was full, their version was wrong, or they
   /// violated the protocol.

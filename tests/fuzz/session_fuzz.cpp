@@ -54,6 +54,7 @@ struct Host final : server::SessionHost {
   void deliver(std::uint64_t token, const Delivery& delivery) override {
     require(token == 0 && delivery.copies >= 1 && delivery.copies <= 4);
   }
+  void onRequest(const std::shared_ptr<server::Session>&, const std::string&) override {}
   void onJoined(server::Session&) override { ++welcomed; }
   void onClosing(const std::shared_ptr<server::Session>&,
                  const std::optional<WireError>&) override {}

@@ -8,12 +8,14 @@
 #include <memory>
 #include <optional>
 #include <random>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "client/net/connection.hpp"
 #include "common/transport/asio.hpp"
+#include "server/page/page_responder.hpp"
 #include "server/stream/listener.hpp"
 #include "tests/support/flat_relief.hpp"
 #include "tests/support/framed.hpp"
@@ -24,10 +26,13 @@ namespace hapticast::testing {
 /// A server's stream half: listener and broadcaster.
 struct TestServer {
   TestServer(asio::io_context& io, const Clock& clock, server::StreamSettings settings = {},
-             std::uint16_t port = 0, const std::string& host = "127.0.0.1")
+             std::uint16_t port = 0, const std::string& host = "127.0.0.1",
+             std::optional<TlsContext> tls = std::nullopt,
+             std::span<const server::PageFile> page_files = server::listPageFiles())
       : media(clock),
         broadcaster(io, clock, media, description(), settings),
-        listener(io, {host, port}, broadcaster) {
+        page({"localhost"}, page_files),
+        listener(io, {host, port}, broadcaster, std::move(tls), &page) {
     listener.start();
   }
 
@@ -71,6 +76,7 @@ struct TestServer {
 
   LocalMediaClock media;
   server::Broadcaster broadcaster;
+  server::PageResponder page;
   server::Listener listener;
   server::FrameEncoder encoder;
 
@@ -117,7 +123,8 @@ class RawPeer {
       received_bytes += size;
       reader_.feed(std::span(chunk).first(size));
       for (auto next = reader_.next(); next.ok() && next.value(); next = reader_.next()) {
-        got.push_back(decode(*next.value()).value());
+        payloads.emplace_back(next.value()->begin(), next.value()->end());
+        got.push_back(decode(payloads.back()).value());
       }
     }
   }
@@ -131,6 +138,7 @@ class RawPeer {
   }
 
   std::vector<Message> got;
+  std::vector<std::vector<std::uint8_t>> payloads;  // of the same messages
   bool closed = false;
   bool reset = false;
   std::size_t received_bytes = 0;

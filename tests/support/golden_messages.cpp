@@ -115,6 +115,7 @@ std::vector<std::pair<std::string, Message>> goldenMessages() {
       {"hello_with_token", Hello{kProtocolVersion, "viewer-1", false, false, "s3cret"}},
       {"datagram_key", goldenKey()},
       {"control", Control{true, 12.5, {0.5, {}, {}, {}, {}, 0.25}}},
+      {"control_with_viewers", Control{false, {}, {}, {}, 300U}},
       {"error", WireError{ErrorCode::kServerFull, "all 64 places are taken"}},
   };
 }

@@ -64,8 +64,11 @@ class MemoryChannel final : public Channel {
     encrypted_ = true;
   }
   bool encrypted() const noexcept override { return encrypted_; }
-  void finishWriting() noexcept override { out_->end(); }
-  bool delivered() noexcept override { return true; }
+  asio::awaitable<void> finishWriting() override {
+    out_->end();
+    co_return;
+  }
+  std::size_t undeliveredBytes() noexcept override { return 0; }
   void close() noexcept override {
     in_->end();
     out_->end();

@@ -127,6 +127,7 @@ Metrics everything() {
   all.now = localTime(11.0);
   all.uptime = seconds(1);
   all.stream.clients = 3;
+  all.stream.websockets = 2;
   all.stream.frames = 24;
   all.stream.bytes = 5000;
   all.stream.sent.frames_dropped_full = 7;
@@ -149,6 +150,8 @@ TEST(Prometheus, ShowsEveryFigureOnce) {
   const Samples samples = read(writePrometheus(everything()));
   EXPECT_EQ(samples.at("build_info{version=1.2.3}"), 1.0);
   EXPECT_EQ(samples.at("viewers"), 3.0);
+  EXPECT_EQ(samples.at("viewers_by_way{way=tcp}"), 1.0);
+  EXPECT_EQ(samples.at("viewers_by_way{way=websocket}"), 2.0);
   EXPECT_EQ(samples.at("frames_published_total"), 24.0);
   EXPECT_EQ(samples.at("sent_bytes_total{transport=tcp}"), 5000.0);
   EXPECT_EQ(samples.at("sent_bytes_total{transport=udp}"), 14.0);
@@ -190,6 +193,7 @@ TEST(Status, HasTheSameFiguresAsJson) {
   EXPECT_EQ(status.at("stream"), "ball");
   EXPECT_EQ(status.at("uptime_s"), 1.0);
   EXPECT_EQ(status.at("viewers").at("present"), 3);
+  EXPECT_EQ(status.at("viewers").at("websocket"), 2);
   EXPECT_EQ(status.at("frames").at("delay_s"), 0.125);
   EXPECT_EQ(status.at("udp").at("bytes"), 14);
   EXPECT_EQ(status.at("pipeline").at("stages").at("segment").at("sum_s"), 1.5);

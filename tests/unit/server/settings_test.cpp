@@ -63,6 +63,7 @@ void expectAll(const Settings& settings) {
   ASSERT_TRUE(vision.map_range.has_value());
   EXPECT_EQ(vision.map_range->near_mm, 600.0);
   EXPECT_EQ(settings.signing_key_file, "origin.pem");
+  EXPECT_FALSE(settings.page);
   EXPECT_EQ(vision.map_range->far_mm, 650.0);
   EXPECT_EQ(vision.fov_deg, 70.0);
   EXPECT_TRUE(vision.stretch);
@@ -88,6 +89,7 @@ const std::vector<std::pair<std::string, std::string>> kAll = {
     {"listen", "127.0.0.1:0"},
     {"max-clients", "3"},
     {"http", "9464"},
+    {"page", "off"},
     {"host-name", "figures.example"},
     {"host-name", "Lab_1.local"},
     {"object", "505,330"},
