@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: MIT
+// Pictures and reliefs by media time. The force belongs to play time, which is some 100 ms behind the
+// newest picture, so the page shows the picture that is nearest to play time.
+// Pictures wait as JPEG. Only the picture that will be shown next is decoded: the one at play time
+// plus the usual duration of a decoding. So a slow browser skips pictures and does not fall behind.
+
+const kHeld_ms = 3000;        // longest playout delay that the page follows
+const kJump_ms = 1000;        // a media time so far back belongs to another run of the server
+const kMostDecodings = 2;
+const kBehind_ms = 120;       // a pause may outlast what is held: the shown picture then stays
+
+class TimedList {
+  items = [];
+
+  /// Adds an item in the order of its time and forgets old ones.
+  add(item, forget) {
+    const newest = this.items.at(-1);
+    if (newest && item.media_ms < newest.media_ms - kJump_ms) this.clear(forget);
+    let at = this.items.length;
+    while (at > 0 && this.items[at - 1].media_ms > item.media_ms) --at;
+    this.items.splice(at, 0, item);
+    while (this.items[0].media_ms < item.media_ms - kHeld_ms) forget(this.items.shift());
+  }
+
+  clear(forget) {
+    this.items.forEach(forget);
+    this.items = [];
+  }
+
+  /// Returns the item nearest to a time; null if all are later, or there is none.
+  nearest(play_ms, isUsable) {
+    let best = null;
+    for (let i = this.items.length - 1; i >= 0; --i) {
+      const item = this.items[i];
+      if (!isUsable(item)) continue;
+      if (best && Math.abs(item.media_ms - play_ms) >= Math.abs(best.media_ms - play_ms)) break;
+      best = item;
+    }
+    return best;
+  }
+}
+
+export class Film {
+  pictures = new TimedList();
+  reliefs = new TimedList();
+  shownPicture = null;
+  shownReliefs = null;
+  decode_ms = 10;  // average duration of a decoding
+  decodings = 0;
+  undecodable = 0;
+
+  addPicture(media_ms, jpeg) {
+    this.pictures.add({media_ms, jpeg, bitmap: null, asked: false}, item => this.release(item));
+  }
+
+  addReliefs(media_ms, objects) {
+    this.reliefs.add({media_ms, objects}, () => {});
+  }
+
+  clear() {
+    this.pictures.clear(item => this.release(item));
+    this.reliefs.clear(() => {});
+  }
+
+  /// Selects what belongs to play time (null: the newest). Returns which of both have changed.
+  select(play_ms) {
+    const time_ms = play_ms ?? Infinity;
+    this.decodeNext(time_ms);
+    const picture = this.choose(this.pictures, time_ms, item => item.bitmap !== null, this.shownPicture);
+    const reliefs = this.choose(this.reliefs, time_ms, () => true, this.shownReliefs);
+    const changed = {picture: picture !== this.shownPicture, reliefs: reliefs !== this.shownReliefs};
+    const before = this.shownPicture;
+    this.shownPicture = picture;
+    this.shownReliefs = reliefs;
+    if (changed.picture) {
+      if (before) this.release(before);
+      for (const item of this.pictures.items)
+        if (item.media_ms < picture.media_ms) this.release(item);
+    }
+    return changed;
+  }
+
+  choose(list, time_ms, isUsable, shown) {
+    if (time_ms === Infinity) return list.items.findLast(isUsable) ?? shown;
+    const found = list.nearest(time_ms, isUsable);
+    if (!found || (shown && found.media_ms > time_ms + kBehind_ms)) return shown;
+    return found;
+  }
+
+  decodeNext(time_ms) {
+    if (this.decodings >= kMostDecodings) return;
+    const item = time_ms === Infinity ? this.pictures.items.at(-1)
+                                      : this.pictures.nearest(time_ms + this.decode_ms, () => true);
+    if (!item || item.asked) return;
+    item.asked = true;
+    ++this.decodings;
+    const begin_ms = performance.now();
+    createImageBitmap(new Blob([item.jpeg], {type: 'image/jpeg'}))
+        .then(bitmap => {
+          this.decode_ms += 0.1 * (performance.now() - begin_ms - this.decode_ms);
+          if (item.asked) item.bitmap = bitmap;
+          else bitmap.close();
+        }, () => ++this.undecodable)
+        .finally(() => --this.decodings);
+  }
+
+  /// Frees the decoded picture, unless the page shows it.
+  release(item) {
+    item.asked = false;
+    if (item === this.shownPicture || !item.bitmap) return;
+    item.bitmap.close();
+    item.bitmap = null;
+  }
+}
