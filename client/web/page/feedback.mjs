@@ -90,8 +90,7 @@ export class Feedback {
     }
     if (this.settings.vibration && now_ms - this.pulsed_ms >= kPulse_ms - 5) {
       this.pulsed_ms = now_ms;
-      const pulse_ms = Math.round(kPulse_ms * computeLevel(Math.max(this.sustained_N, this.transient_N)));
-      if (pulse_ms > 0) navigator.vibrate?.(pulse_ms);
+      this.vibrate(Math.round(kPulse_ms * computeLevel(Math.max(this.sustained_N, this.transient_N))));
     }
     this.play(computeLoudness(this.sustained_N), computeLoudness(this.transient_N));
   }
@@ -105,11 +104,16 @@ export class Feedback {
     })?.catch?.(() => {});
   }
 
+  /// Browsers vibrate from the user's first tap on.
+  vibrate(pulse_ms) {
+    if (navigator.userActivation?.hasBeenActive ?? true) navigator.vibrate?.(pulse_ms);
+  }
+
   stop() {
     this.isOn = false;
     this.pad?.vibrationActuator?.reset?.()?.catch?.(() => {});
     this.pad = null;
-    if (this.pulsed_ms > 0) navigator.vibrate?.(0);
+    if (this.pulsed_ms > 0) this.vibrate(0);
     this.pulsed_ms = 0;
     this.play(0, 0);
   }

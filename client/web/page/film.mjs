@@ -7,7 +7,6 @@
 const kHeld_ms = 3000;        // longest playout delay that the page follows
 const kJump_ms = 1000;        // a media time so far back belongs to another run of the server
 const kMostDecodings = 2;
-const kBehind_ms = 120;       // a pause may outlast what is held: the shown picture then stays
 
 class TimedList {
   items = [];
@@ -27,7 +26,7 @@ class TimedList {
     this.items = [];
   }
 
-  /// Returns the item nearest to a time; null if all are later, or there is none.
+  /// Returns the usable item nearest to a time; null without one.
   nearest(play_ms, isUsable) {
     let best = null;
     for (let i = this.items.length - 1; i >= 0; --i) {
@@ -48,6 +47,7 @@ export class Film {
   decode_ms = 10;  // average duration of a decoding
   decodings = 0;
   undecodable = 0;
+  shown = 0;  // pictures so far
 
   addPicture(media_ms, jpeg) {
     this.pictures.add({media_ms, jpeg, bitmap: null, asked: false}, item => this.release(item));
@@ -73,6 +73,7 @@ export class Film {
     this.shownPicture = picture;
     this.shownReliefs = reliefs;
     if (changed.picture) {
+      ++this.shown;
       if (before) this.release(before);
       for (const item of this.pictures.items)
         if (item.media_ms < picture.media_ms) this.release(item);
@@ -83,8 +84,9 @@ export class Film {
   choose(list, time_ms, isUsable, shown) {
     if (time_ms === Infinity) return list.items.findLast(isUsable) ?? shown;
     const found = list.nearest(time_ms, isUsable);
-    if (!found || (shown && found.media_ms > time_ms + kBehind_ms)) return shown;
-    return found;
+    if (!found || !shown) return found ?? shown;
+    // A pause may outlast what is held: what is shown then stays.
+    return Math.abs(shown.media_ms - time_ms) <= Math.abs(found.media_ms - time_ms) ? shown : found;
   }
 
   decodeNext(time_ms) {

@@ -240,7 +240,7 @@ class Page {
 
   get stats() {
     return {
-      ...this.ticks?.stats, ...this.views.drawings, pictures_shown: this.views.drawings.pictures,
+      ...this.ticks?.stats, ...this.views.drawings, pictures_shown: this.film.shown,
       eye_hand_ms: this.eye_hand_ms, decode_ms: this.film.decode_ms, view: this.views.mode,
       relief_problem: this.views.problem, target_mm: [this.target.x_mm, this.target.y_mm, this.target.z_mm],
     };

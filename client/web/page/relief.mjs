@@ -96,7 +96,7 @@ export class ReliefRenderer {
 
   /// Throws Error if the browser has no WebGL2.
   constructor(canvas) {
-    const gl = canvas.getContext('webgl2', {antialias: true, alpha: false});
+    const gl = canvas.getContext('webgl2', {antialias: true});
     if (!gl) throw new Error('this browser has no WebGL2');
     this.gl = gl;
     this.restore();

@@ -55,7 +55,7 @@ export class Views {
     this.camera = new Camera();
     this.flat = new Pane('flat', 'picture', 'flat-overlay', new FlatView());
     this.relief = new Pane('relief', 'mesh', 'relief-overlay', this.camera);
-    this.picture = this.flat.content.getContext('2d', {alpha: false});
+    this.picture = this.flat.content.getContext('2d');
     this.problem = '';
     try {
       this.renderer = new ReliefRenderer(this.relief.content);
