@@ -44,7 +44,7 @@ export class ForcePlot {
     g.fillStyle = '#181a1c';
     g.fillRect(0, 0, width, height);
     g.font = '11px sans-serif';
-    const peak_N = Math.max(0.5, this.columns.reduce((most, value, i) => i % 4 < 3 ? Math.max(most, value) : most, 0));
+    const peak_N = this.findPeak_N();
     const step_N = peak_N <= 1 ? 0.25 : peak_N <= 2.5 ? 0.5 : 1;
     const top_N = step_N * Math.ceil(peak_N / step_N);
     const area = {x: kLabel_px, y: kHead_px, width: width - kLabel_px - 4, height: height - kHead_px - kFoot_px};
@@ -52,6 +52,13 @@ export class ForcePlot {
     this.drawGrid(g, area, top_N, step_N);
     kCurves.forEach((_, k) => this.drawCurve(g, area, top_N, k));
     this.drawNames(g, area);
+  }
+
+  findPeak_N() {
+    let peak_N = 0.5;
+    for (let i = 0; i < this.columns.length; i += 4)
+      peak_N = Math.max(peak_N, this.columns[i], this.columns[i + 1], this.columns[i + 2]);
+    return peak_N;
   }
 
   drawContacts(g, area) {

@@ -11,8 +11,6 @@ const kPinch_mm_per_px = 0.15;
 const kTurn_rad_per_px = 0.01;
 const kRest_ms = 250;          // chosen: shorter than a browser's long press
 const kRest_px = 8;            // a finger that moves less rests
-const kPen_mm = 16;            // depth of full pressure: 3 N on a hand of 0.2 N/mm
-const kPenAbove_mm = 2;        // without pressure
 
 /// Connects the events of `element` with `target`. `view` picks positions, `camera` is turned or null.
 /// `state()` returns {stream, objects, report}.
@@ -92,12 +90,9 @@ export class PointerInput {
     this.camera?.turn(kTurn_rad_per_px * dx, -kTurn_rad_per_px * dy);
   }
 
-  /// The pressure is the depth below the surface, so that a light press touches everywhere.
   pen(event) {
     this.point(this.place(event));
-    const {report} = this.state();
-    const surface_mm = report?.over_object ? report.height_at_hip_mm : 0;
-    this.target.setDepth(surface_mm + kPenAbove_mm - kPen_mm * event.pressure);
+    this.target.pressure = event.pressure;
   }
 
   touchDown(event) {

@@ -9,6 +9,9 @@ const kFarthest_mm = -5;
 const kMostAhead_mm = 10;    // of keys and gamepad: a press of 2 N, and no longer way back
 const kFirm_N = 1;           // a held press stops here
 const kMostPress_mm = 12;    // and at most so far below the surface
+const kPen_mm = 16;          // depth of a pen's full pressure: 3 N on a hand of 0.2 N/mm
+const kPenAbove_mm = 2;      // without pressure
+const kNear_mm = 3;          // a pen presses when the tip has come below it
 const kSlowest_mm_s = 8, kFastest_mm_s = 60, kApproach_1_s = 4;
 
 export class Target {
@@ -17,6 +20,7 @@ export class Target {
   z_mm = 0;
   start_mm = null;    // null before the first description
   isPressing = false; // a finger rests, or the button is held
+  pressure = null;    // of a pen, 0..1
   changed = false;
 
   /// Sets the limits of a stream. The first call, and another depth, place the target at the start.
@@ -50,6 +54,7 @@ export class Target {
 
   lift() {
     this.isPressing = false;
+    this.pressure = null;
     this.setDepth(this.start_mm);
   }
 
@@ -66,10 +71,23 @@ export class Target {
     this.setDepth(tip_mm[2] + factor * ahead_mm[2]);
   }
 
-  /// Continues a held press: fast in free air, slow near the surface, until the press is firm.
+  /// Continues a held press, and follows the pressure of a pen.
   advance(dt_s, report) {
-    if (!this.isPressing || !report) return;
+    if (!report) return;
     const surface_mm = report.over_object ? report.height_at_hip_mm : 0;
+    if (this.pressure !== null) this.followPen(surface_mm, report);
+    else if (this.isPressing) this.continuePress(dt_s, surface_mm, report);
+  }
+
+  /// The pressure is the depth below the surface, so that a light press touches everywhere.
+  followPen(surface_mm, report) {
+    const away_mm = Math.hypot(this.x_mm - report.hip_mm[0], this.y_mm - report.hip_mm[1]);
+    if (away_mm < kNear_mm || report.contact)
+      this.setDepth(surface_mm + kPenAbove_mm - kPen_mm * this.pressure);
+  }
+
+  /// Moves fast in free air and slowly near the surface, until the press is firm.
+  continuePress(dt_s, surface_mm, report) {
     if (report.contact && norm(report.force_N) >= kFirm_N) return;
     if (report.contact && this.z_mm < report.contact_mm[2] - kMostPress_mm) return;
     const speed_mm_s = clamp(kApproach_1_s * (this.z_mm - surface_mm), kSlowest_mm_s, kFastest_mm_s);
