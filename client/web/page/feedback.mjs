@@ -1,22 +1,22 @@
 // SPDX-License-Identifier: MIT
 // What a browser can do to a hand: rumble of a gamepad, vibration of a phone, and sound.
-// As in the native client, the force has two parts: the sustained one (the rendered share of the static
-// force) drives the strong motor and a low tone, the transient one (the dynamic force, or a sudden
-// change) drives the weak motor and a high tone. All are off at once without a contact, without fresh
-// data, and in a hidden page.
+// As in the native client, the force has two parts: the sustained one (the rendered share of the
+// static force) drives the strong motor and a low tone, the transient one (the dynamic force, or a
+// sudden change) drives the weak motor and a high tone. All are off at once without a contact,
+// without fresh data, and in a hidden page.
 
+import {findPad} from './gamepad.mjs';
 import {norm} from './geometry.mjs';
 import {computeShare} from './overlay.mjs';
-import {findPad} from './gamepad.mjs';
 
-const kSudden_ticks = 50;     // of the low-pass and of the peak hold
+const kSudden_ticks = 50;  // of the low-pass and of the peak hold
 const kNothing_N = 0.01;
-const kFull_N = 2;            // of a motor and of the sound
+const kFull_N = 2;  // of a motor and of the sound
 const kSilent_N = 0.05;
-const kLoudest = 0.25;        // of each tone
+const kLoudest = 0.25;  // of each tone
 const kStale_ms = 100;
-const kRenew_ms = 50;         // of a rumble of 100 ms
-const kPulse_ms = 100;        // of the vibration: its duty is the strength
+const kRenew_ms = 50;   // of a rumble of 100 ms
+const kPulse_ms = 100;  // of the vibration: its duty is the strength
 const kTones = [{pitch_Hz: 220, smoothing_s: 0.015}, {pitch_Hz: 1100, smoothing_s: 0.003}];
 
 /// Perceived vibration grows with the square of the motor's speed. Hence the root.
@@ -71,7 +71,7 @@ export class Feedback {
     this.sustained_N = share * norm(report.static_force_N);
     if (!isFelt || norm(report.force_N) <= kNothing_N) this.sustained_N = this.transient_N = 0;
     this.fresh_ms = performance.now();
-    if (this.isOn !== this.isFelt()) this.drive();
+    this.drive();
   }
 
   isFelt() {
@@ -90,18 +90,20 @@ export class Feedback {
     }
     if (this.settings.vibration && now_ms - this.pulsed_ms >= kPulse_ms - 5) {
       this.pulsed_ms = now_ms;
-      this.vibrate(Math.round(kPulse_ms * computeLevel(Math.max(this.sustained_N, this.transient_N))));
+      this.vibrate(
+          Math.round(kPulse_ms * computeLevel(Math.max(this.sustained_N, this.transient_N))));
     }
     this.play(computeLoudness(this.sustained_N), computeLoudness(this.transient_N));
   }
 
   rumble(pad) {
     this.pad = pad;
-    pad?.vibrationActuator?.playEffect?.('dual-rumble', {
+    const effect = {
       duration: 2 * kRenew_ms,
       strongMagnitude: computeLevel(this.sustained_N),
       weakMagnitude: computeLevel(this.transient_N),
-    })?.catch?.(() => {});
+    };
+    pad?.vibrationActuator?.playEffect?.('dual-rumble', effect)?.catch?.(() => {});
   }
 
   /// Browsers vibrate from the user's first tap on.
@@ -131,12 +133,13 @@ export class Feedback {
         return {gain: volume.gain, smoothing_s};
       });
     }
-    this.audio.resume().catch(() => {});
+    if (this.audio.state !== 'running') this.audio.resume().catch(() => {});
   }
 
   play(...loudness) {
     this.tones?.forEach(({gain, smoothing_s}, i) => {
-      gain.setTargetAtTime(this.settings.sound ? loudness[i] : 0, this.audio.currentTime, smoothing_s);
+      gain.setTargetAtTime(
+          this.settings.sound ? loudness[i] : 0, this.audio.currentTime, smoothing_s);
     });
   }
 }

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-// Pictures and reliefs by media time. The force belongs to play time, which is some 100 ms behind the
-// newest picture, so the page shows the picture that is nearest to play time.
-// Pictures wait as JPEG. Only the picture that will be shown next is decoded: the one at play time
-// plus the usual duration of a decoding. So a slow browser skips pictures and does not fall behind.
+// Pictures and reliefs by media time. The force belongs to play time, which is some 100 ms behind
+// the newest picture, so the page shows the picture that is nearest to play time. Pictures wait as
+// JPEG. Only the picture that will be shown next is decoded: the one at play time plus the usual
+// duration of a decoding. So a slow browser skips pictures and does not fall behind.
 
-const kHeld_ms = 3000;        // longest playout delay that the page follows
-const kJump_ms = 1000;        // a media time so far back belongs to another run of the server
+const kHeld_ms = 3000;  // longest playout delay that the page follows
+const kJump_ms = 1000;  // a media time so far back belongs to another run of the server
 const kMostDecodings = 2;
 
 class TimedList {
@@ -53,9 +53,7 @@ export class Film {
     this.pictures.add({media_ms, jpeg, bitmap: null, asked: false}, item => this.release(item));
   }
 
-  addReliefs(media_ms, objects) {
-    this.reliefs.add({media_ms, objects}, () => {});
-  }
+  addReliefs(media_ms, objects) { this.reliefs.add({media_ms, objects}, () => {}); }
 
   clear() {
     this.pictures.clear(item => this.release(item));
@@ -66,9 +64,13 @@ export class Film {
   select(play_ms) {
     const time_ms = play_ms ?? Infinity;
     this.decodeNext(time_ms);
-    const picture = this.choose(this.pictures, time_ms, item => item.bitmap !== null, this.shownPicture);
+    const picture =
+        this.choose(this.pictures, time_ms, item => item.bitmap !== null, this.shownPicture);
     const reliefs = this.choose(this.reliefs, time_ms, () => true, this.shownReliefs);
-    const changed = {picture: picture !== this.shownPicture, reliefs: reliefs !== this.shownReliefs};
+    const changed = {
+      picture: picture !== this.shownPicture,
+      reliefs: reliefs !== this.shownReliefs
+    };
     const before = this.shownPicture;
     this.shownPicture = picture;
     this.shownReliefs = reliefs;
@@ -91,18 +93,22 @@ export class Film {
 
   decodeNext(time_ms) {
     if (this.decodings >= kMostDecodings) return;
-    const item = time_ms === Infinity ? this.pictures.items.at(-1)
-                                      : this.pictures.nearest(time_ms + this.decode_ms, () => true);
+    const item = time_ms === Infinity ? this.pictures.items.at(-1) :
+                                        this.pictures.nearest(time_ms + this.decode_ms, () => true);
     if (!item || item.asked) return;
     item.asked = true;
     ++this.decodings;
     const begin_ms = performance.now();
     createImageBitmap(new Blob([item.jpeg], {type: 'image/jpeg'}))
-        .then(bitmap => {
-          this.decode_ms += 0.1 * (performance.now() - begin_ms - this.decode_ms);
-          if (item.asked) item.bitmap = bitmap;
-          else bitmap.close();
-        }, () => ++this.undecodable)
+        .then(
+            bitmap => {
+              this.decode_ms += 0.1 * (performance.now() - begin_ms - this.decode_ms);
+              if (item.asked)
+                item.bitmap = bitmap;
+              else
+                bitmap.close();
+            },
+            () => ++this.undecodable)
         .finally(() => --this.decodings);
   }
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// A gamepad as an input, as in the native client. The left stick moves the tip. The right stick forward
-// presses, back lifts. The right trigger presses, the left one lifts.
+// A gamepad as an input, as in the native client. The left stick moves the tip. The right stick
+// forward presses, back lifts. The right trigger presses, the left one lifts.
 
-const kDeadZone = 0.24;          // XInput's dead zone of a left stick
+const kDeadZone = 0.24;  // XInput's dead zone of a left stick
 const kAcross_mm_s = 80, kInto_mm_s = 30;
-const kRearm = 0, kPause = 9;    // A and Start of the standard mapping
+const kRearm = 0, kPause = 9;  // A and Start of the standard mapping
 const kLeftTrigger = 6, kRightTrigger = 7;
-const kSearch_s = 0.25;          // without a gamepad the page looks less often
+const kSearch_s = 0.25;  // without a gamepad the page looks less often
 
 /// Returns the deflection without the dead zone: its square, for fine movements.
 export function computeShare(x, y) {
@@ -26,9 +26,7 @@ export class GamepadInput {
   wait_s = 0;
   pressed = new Set();
 
-  constructor(target, act) {
-    Object.assign(this, {target, act});
-  }
+  constructor(target, act) { Object.assign(this, {target, act}); }
 
   /// Reads the gamepad and moves the tip.
   advance(dt_s, report) {
@@ -43,7 +41,8 @@ export class GamepadInput {
     const trigger = i => buttons[i]?.value ?? 0;
     const out = back + trigger(kLeftTrigger) - trigger(kRightTrigger);
     if (x || y || out)
-      this.target.lead(kAcross_mm_s * dt_s * x, -kAcross_mm_s * dt_s * y, kInto_mm_s * dt_s * out, report);
+      this.target.lead(
+          kAcross_mm_s * dt_s * x, -kAcross_mm_s * dt_s * y, kInto_mm_s * dt_s * out, report);
     this.readButton(kRearm, 'rearm');
     this.readButton(kPause, 'pause');
   }
@@ -51,7 +50,9 @@ export class GamepadInput {
   readButton(index, action) {
     const isDown = this.pad.buttons[index]?.pressed ?? false;
     if (isDown && !this.pressed.has(index)) this.act(action);
-    if (isDown) this.pressed.add(index);
-    else this.pressed.delete(index);
+    if (isDown)
+      this.pressed.add(index);
+    else
+      this.pressed.delete(index);
   }
 }

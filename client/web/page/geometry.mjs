@@ -6,8 +6,8 @@
 // pitch about the screen's horizontal axis, and projects with perspective.
 
 export const kTowardsViewer = [0.35, -0.75];  // drawn direction of z in the flat picture
-const kArrowShare = 0.09;       // share of the picture's width for 1 N
-const kLeastProjection = 0.05;  // a force with a shorter projection is drawn along z
+const kArrowShare = 0.09;                     // share of the picture's width for 1 N
+const kLeastProjection = 0.05;                // a force with a shorter projection is drawn along z
 
 export const clamp = (value, low, high) => Math.min(high, Math.max(low, value));
 export const norm = ([x, y, z]) => Math.hypot(x, y, z);
@@ -19,7 +19,8 @@ export function computeScale(stream) {
   return stream.stretch ? [sx, sy] : [Math.min(sx, sy), Math.min(sx, sy)];
 }
 
-/// Returns the arrow of a force in the flat picture, px: 1 N has the same length in every direction.
+/// Returns the arrow of a force in the flat picture, px: 1 N has the same length in every
+/// direction.
 export function computeArrow(force_N, width_px) {
   const size_N = norm(force_N);
   let x = force_N[0] + kTowardsViewer[0] * force_N[2];
@@ -65,16 +66,16 @@ export class FlatView {
 
   project(x_mm, y_mm) {
     return [
-      clamp(this.left + this.width_px / 2 + x_mm / this.sx * this.zoom, this.left,
-            this.left + this.width_px),
-      clamp(this.top + this.height_px / 2 - y_mm / this.sy * this.zoom, this.top,
-            this.top + this.height_px),
+      clamp(
+          this.left + this.width_px / 2 + x_mm / this.sx * this.zoom, this.left,
+          this.left + this.width_px),
+      clamp(
+          this.top + this.height_px / 2 - y_mm / this.sy * this.zoom, this.top,
+          this.top + this.height_px),
     ];
   }
 
-  arrow(_from_mm, force_N) {
-    return computeArrow(force_N, this.width_px);
-  }
+  arrow(_from_mm, force_N) { return computeArrow(force_N, this.width_px); }
 
   /// Returns the nominal x and y under a point; null beside the picture.
   pick(x, y) {
@@ -104,16 +105,18 @@ export class Camera {
     const [sx, sy] = computeScale(stream);
     const x_mm = stream.width_px * sx / 2;
     const y_mm = stream.height_px * sy / 2;
-    this.turned = [Math.cos(this.yaw_rad), Math.sin(this.yaw_rad), Math.cos(this.pitch_rad),
-                   Math.sin(this.pitch_rad)];
+    this.turned = [
+      Math.cos(this.yaw_rad), Math.sin(this.yaw_rad), Math.cos(this.pitch_rad),
+      Math.sin(this.pitch_rad)
+    ];
     this.eye_mm = 5 * x_mm;
     this.middle_mm = stream.depth_mm / 2;
     this.most_mm = stream.depth_mm + 5;
     Object.assign(this, {zoom: 1, left: 0, top: 0});
     let low = [Infinity, Infinity], high = [-Infinity, -Infinity];
     for (let i = 0; i < 8; ++i) {
-      const at = this.project(i & 1 ? x_mm : -x_mm, i & 2 ? y_mm : -y_mm,
-                              i & 4 ? stream.depth_mm : 0);
+      const at =
+          this.project(i & 1 ? x_mm : -x_mm, i & 2 ? y_mm : -y_mm, i & 4 ? stream.depth_mm : 0);
       low = low.map((value, k) => Math.min(value, at[k]));
       high = high.map((value, k) => Math.max(value, at[k]));
     }
@@ -131,8 +134,9 @@ export class Camera {
     const y = sinYaw * x_mm + cosYaw * y_mm;
     const z = z_mm - this.middle_mm;
     const w = 1 - (z * cosPitch - y * sinPitch) / this.eye_mm;
-    return [this.left + this.zoom * x / w,
-            this.top - this.zoom * (y * cosPitch + z * sinPitch) / w];
+    return [
+      this.left + this.zoom * x / w, this.top - this.zoom * (y * cosPitch + z * sinPitch) / w
+    ];
   }
 
   arrow(from_mm, force_N) {
@@ -141,8 +145,8 @@ export class Camera {
     return [end[0] - x, end[1] - y];
   }
 
-  /// Returns the nominal position on the line of sight through a point at a height; null if the line
-  /// does not reach this height.
+  /// Returns the nominal position on the line of sight through a point at a height; null if the
+  /// line does not reach this height.
   reach(x, y, z_mm) {
     const [cosYaw, sinYaw, cosPitch, sinPitch] = this.turned;
     const a = (x - this.left) / this.zoom;
@@ -157,7 +161,8 @@ export class Camera {
     return [cosYaw * u + sinYaw * v, cosYaw * v - sinYaw * u];
   }
 
-  /// Returns x and y of the first surface on the line of sight through a point; null beside the picture.
+  /// Returns x and y of the first surface on the line of sight through a point; null beside the
+  /// picture.
   pick(x, y, stream, objects) {
     const kStep_mm = 0.5;  // chosen: finer than a hand's aim
     for (let z_mm = stream.depth_mm; z_mm > 0; z_mm -= kStep_mm) {

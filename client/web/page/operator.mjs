@@ -4,8 +4,8 @@
 import {find, make, setText} from './panel.mjs';
 import {fillSpeeds} from './timeline.mjs';
 
-// Name in the message, text, ends and step of the slider, value at the start. Chosen: the useful part of what
-// the protocol permits.
+// Name in the message, text, ends and step of the slider, value at the start. Chosen: the useful
+// part of what the protocol permits.
 const kMaterial = [
   ['stiffness_N_mm', 'stiffness, N/mm', 0, 3, 0.01, 0.5],
   ['damping_Ns_m', 'damping, Ns/m', 0, 5, 0.05, 0],
@@ -24,7 +24,9 @@ export function makeOperatorControls(control) {
     if (seek_s >= 0) control({seek_s});
   });
   fillSpeeds(find('operator-speed'));
-  find('operator-speed').addEventListener('change', () => control({speed: Number(find('operator-speed').value)}));
+  find('operator-speed').addEventListener('change', () => control({
+                                                      speed: Number(find('operator-speed').value)
+                                                    }));
   for (const [name, text, min, max, step, value] of kMaterial) {
     const output = make('output', {textContent: "author's"});
     const slider = make('input', {type: 'range', id: `material-${name}`, min, max, step, value});

@@ -1,17 +1,22 @@
 // SPDX-License-Identifier: MIT
-// Draws the touch over the picture or over the relief: cone, contact, pointer, height and forces. The
-// marks and colours are those of the native window.
-// In contact the cone stands at the contact, never inside the object: so stiffness and bumps are seen
-// as they are felt. Before contact a line leads from the cone to the spot that it would touch.
+// Draws the touch over the picture or over the relief: cone, contact, pointer, height and forces.
+// The marks and colours are those of the native window. In contact the cone stands at the contact,
+// never inside the object: so stiffness and bumps are seen as they are felt. Before contact a line
+// leads from the cone to the spot that it would touch.
 
 import {kTowardsViewer, norm} from './geometry.mjs';
 
 export const kColours = {
-  force: '#ffd640', static: '#4078ff', dynamic: '#ff3830', contact: '#5aff78', gap: '#bed7e6',
-  cone: '#46cdbe', rim: '#141414',
+  force: '#ffd640',
+  static: '#4078ff',
+  dynamic: '#ff3830',
+  contact: '#5aff78',
+  gap: '#bed7e6',
+  cone: '#46cdbe',
+  rim: '#141414',
 };
-const kCone_mm = 18;        // length of the cone in the flat picture
-const kStylus_mm = 16;      // length and radius of the cone at the relief
+const kCone_mm = 18;    // length of the cone in the flat picture
+const kStylus_mm = 16;  // length and radius of the cone at the relief
 const kRadius_mm = 4.5;
 const kEye_mm = 120;        // distance of the eye: a nearer cone is larger
 const kMostHeight_mm = 12;  // a high cone is drawn at most so far from its shadow
@@ -60,9 +65,10 @@ function arrow(g, [x, y], [dx, dy], width_px, colour, dashed) {
   for (const [rim_px, paint] of [[1, kColours.rim], [0, colour]]) {
     line(g, [x, y], neck, width_px + 2 * rim_px, paint);
     const side = 0.5 * head + 1.5 * rim_px;
-    fill(g, paint, [x + dx + 2 * rim_px * along[0], y + dy + 2 * rim_px * along[1]],
-         [neck[0] - side * along[1], neck[1] + side * along[0]],
-         [neck[0] + side * along[1], neck[1] - side * along[0]]);
+    fill(
+        g, paint, [x + dx + 2 * rim_px * along[0], y + dy + 2 * rim_px * along[1]],
+        [neck[0] - side * along[1], neck[1] + side * along[0]],
+        [neck[0] + side * along[1], neck[1] - side * along[0]]);
   }
   g.setLineDash([]);
 }
@@ -72,12 +78,14 @@ function cone(g, tip, top, radius_px) {
   const length = Math.hypot(top[0] - tip[0], top[1] - tip[1]);
   const along = length > 1e-6 ? [(top[0] - tip[0]) / length, (top[1] - tip[1]) / length] : [0, -1];
   const across = [-along[1], along[0]];
-  const side = sign => [top[0] + sign * radius_px * across[0], top[1] + sign * radius_px * across[1]];
+  const side =
+      sign => [top[0] + sign * radius_px * across[0], top[1] + sign * radius_px * across[1]];
   g.globalAlpha = 0.78;
   fill(g, kColours.cone, tip, side(1), top);
   fill(g, '#28968c', tip, top, side(-1));
   g.beginPath();
-  g.ellipse(top[0], top[1], radius_px, 0.4 * radius_px, Math.atan2(across[1], across[0]), 0, 2 * Math.PI);
+  g.ellipse(
+      top[0], top[1], radius_px, 0.4 * radius_px, Math.atan2(across[1], across[0]), 0, 2 * Math.PI);
   g.fillStyle = '#78ebdc';
   g.fill();
   g.globalAlpha = 1;
@@ -91,9 +99,14 @@ function placeTip(view, report) {
   const isOver = report.over_object && report.object_present;
   if (!view.flat) {
     const tip = view.project(...at_mm);
-    return {at_mm, tip, top: view.project(at_mm[0], at_mm[1], at_mm[2] + kStylus_mm),
-            foot: view.project(at_mm[0], at_mm[1], report.contact ? at_mm[2] : surface_mm),
-            radius_px: kRadius_mm * view.pxPerMm, gap_mm};
+    return {
+      at_mm,
+      tip,
+      top: view.project(at_mm[0], at_mm[1], at_mm[2] + kStylus_mm),
+      foot: view.project(at_mm[0], at_mm[1], report.contact ? at_mm[2] : surface_mm),
+      radius_px: kRadius_mm * view.pxPerMm,
+      gap_mm
+    };
   }
   const foot = view.project(...at_mm);
   const drawn_mm = isOver ? gap_mm / (1 + gap_mm / kMostHeight_mm) : 0;
@@ -102,8 +115,14 @@ function placeTip(view, report) {
   const tip = [foot[0] + dx, foot[1] + dy];
   const size_mm = kCone_mm * kEye_mm / Math.max(kEye_mm - at_mm[2], 0.3 * kEye_mm);
   const [cx, cy] = up(size_mm);
-  return {at_mm, foot, tip, top: [tip[0] + cx, tip[1] + cy], radius_px: 0.24 * size_mm * view.pxPerMm,
-          gap_mm: isOver ? gap_mm : 0};
+  return {
+    at_mm,
+    foot,
+    tip,
+    top: [tip[0] + cx, tip[1] + cy],
+    radius_px: 0.24 * size_mm * view.pxPerMm,
+    gap_mm: isOver ? gap_mm : 0
+  };
 }
 
 function drawGap(g, {foot, tip}, unit) {
@@ -118,7 +137,8 @@ function drawGap(g, {foot, tip}, unit) {
   g.stroke();
 }
 
-/// Draws the touch of `report` into the context `g` of a cleared canvas. `target` is the pointer's place.
+/// Draws the touch of `report` into the context `g` of a cleared canvas. `target` is the pointer's
+/// place.
 export function drawTouch(g, view, report, target) {
   const unit = Math.max(0.6, view.width_px / 960);
   const parts = placeTip(view, report);

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: MIT
-// The page of a stream: connects the worker, which receives the stream and renders the force, with the
-// views, the input and the panel.
+// The page of a stream: connects the worker, which receives the stream and renders the force, with
+// the views, the input and the panel.
 
 import {Feedback} from './feedback.mjs';
 import {Film} from './film.mjs';
 import {GamepadInput} from './gamepad.mjs';
 import {Keys} from './keys.mjs';
 import {makeOperatorControls} from './operator.mjs';
-import {connectSettings, fillHelp, find, ForceControls, noteAbilities, showFacts} from './panel.mjs';
+import * as panel from './panel.mjs';
+import {find} from './panel.mjs';
 import {ForcePlot} from './plot.mjs';
 import {PointerInput} from './pointer.mjs';
 import {keepSettings, loadSettings, readFragment} from './settings.mjs';
@@ -16,21 +17,23 @@ import {Target} from './target.mjs';
 import {TimeBar} from './timeline.mjs';
 import {Views} from './views.mjs';
 
-const kTexts_ms = 100;       // texts change ten times a second
+const kWorkspace = ['width_px', 'height_px', 'width_mm', 'height_mm', 'depth_mm', 'stretch'];
+const kTexts_ms = 100;  // texts change ten times a second
 const kPlot_ms = 50;
-const kLongestStep_s = 0.25; // of held keys and sticks, while the page draws rarely
+const kLongestStep_s = 0.25;  // of held keys and sticks, while the page draws rarely
 
 class Page {
   status = {state: 'loading', text: 'loading', share: 0};
   stream = null;
-  ticks = null;       // last message of this kind
+  ticks = null;  // last message of this kind
   drawn_ms = 0;
   texts_ms = 0;
   plot_ms = 0;
   eye_hand_ms = 0;
 
   constructor() {
-    this.isRecording = document.querySelector('meta[name=hapticast-source]').content !== 'stream';
+    this.source = document.querySelector('meta[name=hapticast-source]').content;
+    this.isRecording = this.source !== 'stream';
     this.settings = loadSettings();
     this.film = new Film();
     this.target = new Target();
@@ -38,53 +41,60 @@ class Page {
     this.plot = new ForcePlot(find('plot'));
     this.feedback = new Feedback(this.settings);
     this.texts = new StatusTexts();
-    this.controls = new ForceControls(message => this.send(message));
+    this.controls = new panel.ForceControls(message => this.send(message));
     this.timeBar = new TimeBar(control => this.control(control), () => this.act('pause'));
     const state = () => ({
-      stream: this.stream, report: this.report, objects: this.film.shownReliefs?.objects ?? [],
+      stream: this.stream,
+      report: this.report,
+      objects: this.film.shownReliefs?.objects ?? [],
     });
     this.gamepad = new GamepadInput(this.target, action => this.act(action));
-    this.keys = new Keys(this.target, this.settings, state, action => this.act(action),
-                         (yaw, pitch) => this.views.turn(yaw, pitch));
+    this.keys = new Keys(
+        this.target, this.settings, state, action => this.act(action),
+        (yaw, pitch) => this.views.turn(yaw, pitch));
     const {flat, relief} = this.views;
     new PointerInput(flat.element, flat.view, this.target, null, state);
     new PointerInput(relief.element, relief.view, this.target, this.views, state);
     makeOperatorControls(control => this.control(control));
     this.connectButtons();
-    fillHelp(this.isRecording);
-    connectSettings(this.settings, () => this.feedback.startSound());
+    panel.fillHelp(this.isRecording);
+    panel.connectSettings(this.settings, () => this.feedback.startSound());
   }
 
-  get report() {
-    return this.ticks?.report ?? null;
-  }
+  get report() { return this.ticks?.report ?? null; }
 
   /// Starts the worker and opens the stream, or the recording beside the page.
   open() {
     this.worker?.terminate();
-    const url = new URL(this.isRecording ? document.querySelector('meta[name=hapticast-source]').content : 'stream',
-                        document.baseURI);
+    this.ticks = null;
+    const url = new URL(this.source, document.baseURI);
     url.hash = '';
     if (!this.isRecording) url.protocol = url.protocol === 'https:' ? 'wss:' : 'ws:';
     const worker = new Worker('worker.mjs', {type: 'module'});
     worker.onmessage = ({data}) => this.receive(data);
     worker.onerror = event => {
       event.preventDefault();
-      this.receive({type: 'status', state: 'failed', share: 0,
-                    text: 'The renderer of the page cannot start in this browser' + (event.message ? `: ${event.message}` : '.')});
+      this.receive({
+        type: 'status',
+        state: 'failed',
+        share: 0,
+        text: 'The renderer of the page cannot start in this browser' +
+            (event.message ? `: ${event.message}` : '.')
+      });
     };
     this.worker = worker;
-    this.send({type: 'open', source: this.isRecording ? 'recording' : 'stream', url: url.href, ...readFragment()});
+    this.send({
+      type: 'open',
+      source: this.isRecording ? 'recording' : 'stream',
+      url: url.href,
+      ...readFragment()
+    });
     this.controls.update();
   }
 
-  send(message) {
-    this.worker?.postMessage(message);
-  }
+  send(message) { this.worker?.postMessage(message); }
 
-  control(control) {
-    this.send({type: 'control', control});
-  }
+  control(control) { this.send({type: 'control', control}); }
 
   receive(message) {
     switch (message.type) {
@@ -103,7 +113,6 @@ class Page {
         break;
       case 'ticks':
         this.ticks = message;
-        this.views.touched = true;
         this.plot.add(message.history);
         this.feedback.add(message.report, message.history);
         break;
@@ -111,8 +120,7 @@ class Page {
   }
 
   setStream(stream) {
-    const isOther = !this.stream || ['width_px', 'height_px', 'width_mm', 'height_mm', 'depth_mm', 'stretch']
-        .some(name => stream[name] !== this.stream[name]);
+    const isOther = kWorkspace.some(name => stream[name] !== this.stream?.[name]);
     this.stream = stream;
     if (isOther) {
       this.film.clear();
@@ -132,28 +140,34 @@ class Page {
     find('rearm').addEventListener('click', () => this.act('rearm'));
     this.showPanel(this.settings.panel ?? innerWidth >= 900);
     this.connectPress(find('press'));
-    for (const name of ['pointerdown', 'keydown']) addEventListener(name, () => this.feedback.startSound(), {capture: true});
+    for (const name of ['pointerdown', 'keydown'])
+      addEventListener(name, () => this.feedback.startSound(), {capture: true});
   }
 
   /// The tip presses while the button is held, by a pointer or by a key.
   connectPress(button) {
     const hold = isHeld => {
       button.classList.toggle('held', isHeld);
-      if (isHeld) this.target.isPressing = true;
-      else this.target.lift();
+      if (isHeld)
+        this.target.isPressing = true;
+      else
+        this.target.lift();
     };
     button.addEventListener('pointerdown', event => {
       button.setPointerCapture(event.pointerId);
       hold(true);
     });
-    for (const name of ['pointerup', 'pointercancel']) button.addEventListener(name, () => hold(false));
+    for (const name of ['pointerup', 'pointercancel'])
+      button.addEventListener(name, () => hold(false));
     button.addEventListener('keydown', event => {
       if ((event.key === ' ' || event.key === 'Enter') && !event.repeat) hold(true);
     });
     button.addEventListener('keyup', event => {
       if (event.key === ' ' || event.key === 'Enter') hold(false);
     });
-    button.addEventListener('blur', () => { if (button.classList.contains('held')) hold(false); });
+    button.addEventListener('blur', () => {
+      if (button.classList.contains('held')) hold(false);
+    });
     button.addEventListener('contextmenu', event => event.preventDefault());
   }
 
@@ -185,7 +199,10 @@ class Page {
         keepSettings(this.settings);
         break;
       case 'help':
-        find('help').showModal();
+        if (find('help').open)
+          find('help').close();
+        else
+          find('help').showModal();
         break;
       case 'panel':
         this.settings.panel = find('panel').hidden;
@@ -206,9 +223,9 @@ class Page {
     const report = this.report;
     const isPlaying = report && report.lookup !== 'none';
     const changed = this.film.select(isPlaying ? report.play_ms : null);
-    if (isPlaying && this.film.shownPicture) this.eye_hand_ms = this.film.shownPicture.media_ms - report.play_ms;
+    if (isPlaying && this.film.shownPicture)
+      this.eye_hand_ms = this.film.shownPicture.media_ms - report.play_ms;
     this.views.draw(this.film, changed, isPlaying ? {report, target: this.target} : null);
-    this.views.touched = false;
     if (this.ticks && now_ms - this.texts_ms >= kTexts_ms) {
       this.texts_ms = now_ms;
       this.showTexts(report);
@@ -227,7 +244,6 @@ class Page {
     target.advance(dt_s, report);
     if (!target.changed) return;
     target.changed = false;
-    this.views.touched = true;
     this.send({type: 'pointer', x_mm: target.x_mm, y_mm: target.y_mm, z_mm: target.z_mm});
   }
 
@@ -235,28 +251,34 @@ class Page {
     if (this.status.state === 'connected')
       this.texts.showTicks(this.ticks, matchMedia('(pointer: coarse)').matches);
     this.timeBar.show(report.play_ms, this.controls.paused);
-    showFacts(this.stream, report, this.ticks.stats, this.stats);
+    panel.showFacts(this.stream, report, this.ticks.stats, this.stats);
   }
 
   get stats() {
     return {
-      ...this.ticks?.stats, ...this.views.drawings, pictures_shown: this.film.shown,
-      eye_hand_ms: this.eye_hand_ms, decode_ms: this.film.decode_ms, view: this.views.mode,
-      relief_problem: this.views.problem, target_mm: [this.target.x_mm, this.target.y_mm, this.target.z_mm],
+      ...this.ticks?.stats,
+      ...this.views.drawings,
+      pictures_shown: this.film.shown,
+      eye_hand_ms: this.eye_hand_ms,
+      decode_ms: this.film.decode_ms,
+      view: this.views.mode,
+      relief_problem: this.views.problem,
+      target_mm: [this.target.x_mm, this.target.y_mm, this.target.z_mm],
     };
   }
 }
 
 const page = new Page();
 // For tests: read only.
-Object.defineProperty(window, 'hapticast', {value: Object.freeze({
-  get report() { return page.report; },
-  get stats() { return page.stats; },
-  get stream() { return page.stream; },
-  get status() { return page.status; },
-})});
+class TestAccess {
+  get report() { return page.report; }
+  get stats() { return page.stats; }
+  get stream() { return page.stream; }
+  get status() { return page.status; }
+}
+Object.defineProperty(window, 'hapticast', {value: Object.freeze(new TestAccess())});
 page.open();
 requestAnimationFrame(time_ms => page.draw(time_ms));
 // Another link into the same tab: only its fragment differs, and the browser loads nothing.
 addEventListener('hashchange', () => page.open());
-setInterval(noteAbilities, 2000);
+setInterval(panel.noteAbilities, 2000);

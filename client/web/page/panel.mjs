@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // The panel: controls of the force, feedback of the browser, legend, facts of the stream.
 
-import {kColours} from './overlay.mjs';
-import {kHelp} from './keys.mjs';
 import {findAbilities} from './feedback.mjs';
+import {kHelp} from './keys.mjs';
+import {kColours} from './overlay.mjs';
 import {keepSettings} from './settings.mjs';
 
 export const find = id => document.getElementById(id);
@@ -70,16 +70,19 @@ export function fillHelp(isRecording) {
   fillLegend(find('help-legend'));
   const port = location.port || (location.protocol === 'https:' ? '443' : '80');
   const scheme = location.protocol === 'https:' ? 'hapticasts://' : '';
-  const command = 'hapticast-client ' + (isRecording ? 'HOST:PORT' : `${scheme}${location.hostname}:${port}`);
+  const command =
+      'hapticast-client ' + (isRecording ? 'HOST:PORT' : `${scheme}${location.hostname}:${port}`);
   for (const code of document.querySelectorAll('.command')) code.textContent = command;
 }
+
+const kSliders = ['factor', 'stiffness', 'friction'];
+const kForceControls = ['pause', 'static', 'dynamic', 'authors-friction', ...kSliders];
 
 /// The user's controls of the force. `send(message)` receives the message 'user' after each change.
 export class ForceControls {
   constructor(send) {
     this.send = send;
-    for (const id of ['pause', 'static', 'dynamic', 'authors-friction', 'factor', 'stiffness', 'friction'])
-      find(id).addEventListener('input', () => this.update());
+    for (const id of kForceControls) find(id).addEventListener('input', () => this.update());
   }
 
   flip(id) {
@@ -87,9 +90,7 @@ export class ForceControls {
     this.update();
   }
 
-  get paused() {
-    return find('pause').checked;
-  }
+  get paused() { return find('pause').checked; }
 
   set paused(value) {
     find('pause').checked = value;
@@ -97,8 +98,7 @@ export class ForceControls {
   }
 
   update() {
-    for (const id of ['factor', 'stiffness', 'friction'])
-      setText(find(id + '-text'), Number(find(id).value).toFixed(2));
+    for (const id of kSliders) setText(find(id + '-text'), Number(find(id).value).toFixed(2));
     const authors = find('authors-friction').checked;
     find('friction').disabled = authors;
     this.send({
@@ -115,18 +115,31 @@ export class ForceControls {
 
 const kNever = ' Never tried on hardware.';
 
+function describeRumble(has) {
+  if (!navigator.getGamepads)
+    return 'This browser gives this page no gamepads: they need https or localhost.';
+  if (has.pad) return 'This browser and this gamepad have it.' + kNever;
+  if (has.rumble)
+    return 'This browser has it. Press a button of a gamepad that can rumble.' + kNever;
+  return 'This browser has no rumble of gamepads.' + kNever;
+}
+
+function describeSound(has) {
+  if (!has.sound) return 'This browser has no Web Audio.';
+  return 'This browser has it: a low tone for the press, a high tone for a sudden force.' + kNever;
+}
+
+function describeVibration(has) {
+  if (!has.vibration) return 'This browser has no vibration. iPhones have none.';
+  return 'This browser has it. Only phones have the motor.' + kNever;
+}
+
 /// Says what this browser has.
 export function noteAbilities() {
   const has = findAbilities();
-  setText(find('sound-note'), has.sound ? 'This browser has it: a low tone for the press, a high tone for a sudden force.' + kNever
-                                        : 'This browser has no Web Audio.');
-  setText(find('rumble-note'),
-          !navigator.getGamepads ? 'This browser gives this page no gamepads; they need https or localhost.'
-          : has.pad ? 'This browser and this gamepad have it.' + kNever
-          : has.rumble ? 'This browser has it. Press a button of a gamepad that can rumble.' + kNever
-                       : 'This browser has no rumble of gamepads.' + kNever);
-  setText(find('vibration-note'), has.vibration ? 'This browser has it; only phones have the motor.' + kNever
-                                                : 'This browser has no vibration (iPhones have none).');
+  setText(find('sound-note'), describeSound(has));
+  setText(find('rumble-note'), describeRumble(has));
+  setText(find('vibration-note'), describeVibration(has));
   find('sound').disabled = !has.sound;
   find('rumble').disabled = !has.rumble;
   find('vibration').disabled = !has.vibration;
@@ -143,7 +156,8 @@ export function connectSettings(settings, changed) {
     });
   }
   noteAbilities();
-  for (const event of ['gamepadconnected', 'gamepaddisconnected']) addEventListener(event, noteAbilities);
+  for (const event of ['gamepadconnected', 'gamepaddisconnected'])
+    addEventListener(event, noteAbilities);
 }
 
 /// Writes the facts of the stream, if their section is open.
@@ -154,12 +168,12 @@ export function showFacts(stream, report, stats, page) {
     source: stream.name,
     picture: `${stream.width_px} x ${stream.height_px} px, ${stream.fps} a second`,
     workspace: `${stream.width_mm} x ${stream.height_mm} x ${stream.depth_mm} mm`,
-    signature: stream.signature === 'unsigned' ? 'not signed' : `${stream.signature}, key ${stream.key}`,
+    signature: stream.key ? `${stream.signature}, key ${stream.key}` : stream.signature,
     delay: report ? `behind by ${report.playout_delay_ms.toFixed(0)} ms` : '',
-    frames: `${stats.frames_received ?? 0}, ${stats.frames_lost ?? 0} lost, ${stats.frames_late ?? 0} late`,
-    ticks: `${stats.ticks ?? 0}, ${stats.late ?? 0} late, ${(stats.tick_us ?? 0).toFixed(1)} µs each`,
+    frames: `${stats.frames_received}, ${stats.frames_lost} lost, ${stats.frames_late} late`,
+    ticks: `${stats.ticks}, ${stats.late} late, ${stats.tick_us?.toFixed(1)} µs each`,
     tip: report ? report.hip_mm.map(at => at.toFixed(1)).join(', ') + ' mm' : '',
-    pictures: `${page.pictures_shown} shown, eye - hand ${(page.eye_hand_ms ?? 0).toFixed(0)} ms`,
+    pictures: `${page.pictures_shown} shown, eye - hand ${page.eye_hand_ms.toFixed(0)} ms`,
   };
   if (list.childElementCount === 0)
     for (const name of Object.keys(facts)) list.append(make('dt', {textContent: name}), make('dd'));

@@ -3,26 +3,25 @@
 
 import {kColours} from './overlay.mjs';
 
-const kSpan_s = 8;             // as in the native window: a press and its release
-const kTicks = 20;             // of a column
+const kSpan_s = 8;  // as in the native window: a press and its release
+const kTicks = 20;  // of a column
 const kColumns = kSpan_s * 1000 / kTicks;
 const kCurves = [['force', 'device'], ['static', 'static'], ['dynamic', 'dynamic']];
 const kLabel_px = 40, kHead_px = 16, kFoot_px = 14;
 
 export class ForcePlot {
   columns = new Float32Array(4 * kColumns);
-  next = 0;      // column that is being filled
-  ticks = 0;     // in this column
+  next = 0;   // column that is being filled
+  ticks = 0;  // in this column
   changed = true;
 
-  constructor(canvas) {
-    this.canvas = canvas;
-  }
+  constructor(canvas) { this.canvas = canvas; }
 
   add(history) {
     for (let i = 0; i + 3 < history.length; i += 4) {
       const at = 4 * this.next;
-      for (let k = 0; k < 4; ++k) this.columns[at + k] = Math.max(this.columns[at + k], history[i + k]);
+      for (let k = 0; k < 4; ++k)
+        this.columns[at + k] = Math.max(this.columns[at + k], history[i + k]);
       if (++this.ticks < kTicks) continue;
       this.ticks = 0;
       this.next = (this.next + 1) % kColumns;
@@ -47,7 +46,12 @@ export class ForcePlot {
     const peak_N = this.findPeak_N();
     const step_N = peak_N <= 1 ? 0.25 : peak_N <= 2.5 ? 0.5 : 1;
     const top_N = step_N * Math.ceil(peak_N / step_N);
-    const area = {x: kLabel_px, y: kHead_px, width: width - kLabel_px - 4, height: height - kHead_px - kFoot_px};
+    const area = {
+      x: kLabel_px,
+      y: kHead_px,
+      width: width - kLabel_px - 4,
+      height: height - kHead_px - kFoot_px
+    };
     this.drawContacts(g, area);
     this.drawGrid(g, area, top_N, step_N);
     kCurves.forEach((_, k) => this.drawCurve(g, area, top_N, k));
@@ -79,14 +83,18 @@ export class ForcePlot {
     }
     g.textAlign = 'center';
     for (let s = 0; s <= kSpan_s; s += 2)
-      g.fillText(s === kSpan_s ? '0 s' : `-${kSpan_s - s} s`, Math.min(area.x + area.width * s / kSpan_s, area.x + area.width - 8), area.y + area.height + 12);
+      g.fillText(
+          s === kSpan_s ? '0 s' : `-${kSpan_s - s} s`,
+          Math.min(area.x + area.width * s / kSpan_s, area.x + area.width - 8),
+          area.y + area.height + 12);
   }
 
   drawCurve(g, area, top_N, k) {
     g.beginPath();
     for (let i = 0; i < kColumns; ++i) {
       const value_N = this.columns[4 * ((this.next + 1 + i) % kColumns) + k];
-      g.lineTo(area.x + area.width * i / (kColumns - 1), area.y + area.height * (1 - value_N / top_N));
+      g.lineTo(
+          area.x + area.width * i / (kColumns - 1), area.y + area.height * (1 - value_N / top_N));
     }
     g.lineWidth = 1.25;
     g.strokeStyle = k === 1 ? '#6f9bff' : kColours[kCurves[k][0]];

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // The relief in WebGL2, textured with the picture.
-// The heights of an object are a texture of floats. The vertex shader reads its height by the number of
-// the vertex, so a new relief is one upload, and the triangles of a grid are made once for each size.
-// Samples outside the mask lie on the picture's plane: they close the steep sides of the object. The
-// picture itself is a grid of 2 x 2 samples.
+// The heights of an object are a texture of floats. The vertex shader reads its height by the
+// number of the vertex, so a new relief is one upload, and the triangles of a grid are made once
+// for each size. Samples outside the mask lie on the picture's plane: they close the steep sides of
+// the object. The picture itself is a grid of 2 x 2 samples.
 
 const kOutside_mm = -1000;  // marks samples outside the mask
 const kPlaneShade = 0.6;    // chosen: the picture is darker than the relief
@@ -23,6 +23,9 @@ out float inside;
 float sampleHeight(ivec2 at) {
   return texelFetch(heights, clamp(at, ivec2(0), grid - 1), 0).r;
 }
+float findSlope(ivec2 at, ivec2 step) {
+  return max(sampleHeight(at - step), 0.0) - max(sampleHeight(at + step), 0.0);
+}
 void main() {
   ivec2 at = ivec2(gl_VertexID % grid.x, gl_VertexID / grid.x);
   float height = sampleHeight(at);
@@ -30,10 +33,8 @@ void main() {
   vec2 px = place.xy + vec2(at) * place.zw;
   uv = px / picture.xy;
   vec2 mm = vec2(px.x - 0.5 * picture.x, 0.5 * picture.y - px.y) * picture.zw;
-  float left = max(sampleHeight(at - ivec2(1, 0)), 0.0), right = max(sampleHeight(at + ivec2(1, 0)), 0.0);
-  float up = max(sampleHeight(at - ivec2(0, 1)), 0.0), down = max(sampleHeight(at + ivec2(0, 1)), 0.0);
-  vec2 step_mm = 2.0 * place.zw * picture.zw;
-  normal = vec3((left - right) / step_mm.x, (down - up) / step_mm.y, 1.0);
+  vec2 slope = vec2(findSlope(at, ivec2(1, 0)), -findSlope(at, ivec2(0, 1)));
+  normal = vec3(slope / (2.0 * place.zw * picture.zw), 1.0);
   vec2 a = vec2(turned.x * mm.x - turned.y * mm.y, turned.y * mm.x + turned.x * mm.y);
   float z = max(height, 0.0) + eye.z - eye.y;
   float w = 1.0 - (z * turned.z - a.y * turned.w) / eye.x;
@@ -72,7 +73,8 @@ function buildProgram(gl) {
 function makeTexture(gl, filter) {
   const texture = gl.createTexture();
   gl.bindTexture(gl.TEXTURE_2D, texture);
-  for (const name of ['TEXTURE_MIN_FILTER', 'TEXTURE_MAG_FILTER']) gl.texParameteri(gl.TEXTURE_2D, gl[name], filter);
+  for (const name of ['TEXTURE_MIN_FILTER', 'TEXTURE_MAG_FILTER'])
+    gl.texParameteri(gl.TEXTURE_2D, gl[name], filter);
   for (const name of ['TEXTURE_WRAP_S', 'TEXTURE_WRAP_T'])
     gl.texParameteri(gl.TEXTURE_2D, gl[name], gl.CLAMP_TO_EDGE);
   return texture;
@@ -107,7 +109,9 @@ export class ReliefRenderer {
     const gl = this.gl;
     this.program = buildProgram(gl);
     this.uniforms = {};
-    for (const name of ['heights', 'grid', 'place', 'picture', 'turned', 'lens', 'eye', 'colours', 'shade'])
+    for (const name
+             of ['heights', 'grid', 'place', 'picture', 'turned', 'lens', 'eye', 'colours',
+                 'shade'])
       this.uniforms[name] = gl.getUniformLocation(this.program, name);
     gl.bindVertexArray(gl.createVertexArray());
     this.colours = makeTexture(gl, gl.LINEAR);
@@ -140,7 +144,9 @@ export class ReliefRenderer {
         this.scratch[k] = height_mm >= kOutside_mm ? height_mm : kOutside_mm;  // also NaN
       }
       gl.bindTexture(gl.TEXTURE_2D, texture);
-      gl.texImage2D(gl.TEXTURE_2D, 0, gl.R32F, object.columns, object.rows, 0, gl.RED, gl.FLOAT, this.scratch);
+      gl.texImage2D(
+          gl.TEXTURE_2D, 0, gl.R32F, object.columns, object.rows, 0, gl.RED, gl.FLOAT,
+          this.scratch);
       return {...object, heights: null, texture};
     });
     ++this.uploads;
@@ -190,12 +196,14 @@ export class ReliefRenderer {
     gl.bindTexture(gl.TEXTURE_2D, this.colours);
     gl.uniform4f(at.picture, stream.width_px, stream.height_px, sx, sy);
     gl.uniform4f(at.turned, ...camera.turned);
-    gl.uniform4f(at.lens, 2 * camera.zoom / camera.width_px, 2 * camera.zoom / camera.height_px,
-                 2 * camera.left / camera.width_px - 1, 1 - 2 * camera.top / camera.height_px);
+    gl.uniform4f(
+        at.lens, 2 * camera.zoom / camera.width_px, 2 * camera.zoom / camera.height_px,
+        2 * camera.left / camera.width_px - 1, 1 - 2 * camera.top / camera.height_px);
     this.drawGrid(this.plane, 0, 0, stream.width_px, stream.height_px, -0.2, kPlaneShade, camera);
     for (const object of this.objects) {
       if (object.columns > 1 && object.rows > 1)
-        this.drawGrid(object, object.u + 0.5, object.v + 0.5, object.step, object.step, 0, -1, camera);
+        this.drawGrid(
+            object, object.u + 0.5, object.v + 0.5, object.step, object.step, 0, -1, camera);
     }
   }
 }

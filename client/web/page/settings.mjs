@@ -5,12 +5,13 @@ const kName = 'hapticast';
 
 /// Returns the settings, with `change(name, value)` that also keeps them.
 export function loadSettings() {
-  const settings = {view: null, panel: null, sound: false, rumble: true, vibration: true, letters: true};
+  const settings =
+      {view: null, panel: null, sound: false, rumble: true, vibration: true, letters: true};
   try {
     const kept = JSON.parse(localStorage.getItem(kName) ?? '{}');
     for (const name of Object.keys(settings)) {
-      const isKnown = name === 'view' ? ['picture', 'relief', 'both'].includes(kept[name])
-                                      : typeof kept[name] === 'boolean';
+      const isKnown = name === 'view' ? ['picture', 'relief', 'both'].includes(kept[name]) :
+                                        typeof kept[name] === 'boolean';
       if (isKnown) settings[name] = kept[name];
     }
   } catch {
@@ -41,8 +42,10 @@ export function readFragment() {
   const token = parts.findLast(([name]) => name === 'token')?.[1] ?? '';
   const originKeys = parts.filter(([name]) => name === 'origin-key').map(([, value]) => value);
   if (token) {
-    const rest = parts.filter(([name]) => name !== 'token').map(([name, value]) => `${name}=${value}`);
-    history.replaceState(null, '', location.pathname + (rest.length > 0 ? '#' + rest.join('&') : ''));
+    const rest =
+        parts.filter(([name]) => name !== 'token').map(([name, value]) => `${name}=${value}`);
+    history.replaceState(
+        null, '', location.pathname + (rest.length > 0 ? '#' + rest.join('&') : ''));
   }
   return {token, originKeys};
 }

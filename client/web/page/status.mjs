@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Texts of the page: connection, signature, advice, hint, states, force. Visible texts change ten times a
-// second at most. A screen reader hears the advice when its words change, every two seconds at most.
+// Texts of the page: connection, signature, advice, hint, states, force. Visible texts change ten
+// times a second at most. A screen reader hears the advice when its words change, every two seconds
+// at most.
 
 import {norm} from './geometry.mjs';
 import {find, setText} from './panel.mjs';
@@ -22,8 +23,10 @@ export class StatusTexts {
     setText(find('card-text'), (text || state) + percent);
     const progress = find('progress');
     progress.hidden = state === 'failed' || state === 'retrying';
-    if (isCounted && share > 0) progress.value = share;
-    else progress.removeAttribute('value');
+    if (isCounted && share > 0)
+      progress.value = share;
+    else
+      progress.removeAttribute('value');
     if (state !== 'connected') {
       setText(find('advice'), '\u00a0');
       find('hint').hidden = true;
@@ -41,8 +44,11 @@ export class StatusTexts {
     const signature = find('signature');
     signature.hidden = false;
     const short = stream.key ? `${stream.key.slice(0, 8)}…${stream.key.slice(-4)}` : '';
-    setText(signature, stream.signature === 'signed' ? `signed by ${short}`
-                     : stream.signature === 'waiting' ? 'waiting for the signature' : 'not signed');
+    setText(
+        signature,
+        stream.signature === 'signed' ? `signed by ${short}` :
+            stream.signature === 'waiting' ? 'waiting for the signature' :
+                                             'not signed');
     signature.className = stream.signature === 'signed' ? 'good' : '';
     signature.title = stream.key ? `key ${stream.key}` : '';
   }
@@ -54,11 +60,15 @@ export class StatusTexts {
     find('advice').className = report.contact ? 'contact' : '';
     find('states').hidden = !states;
     setText(find('states'), states ?? '');
-    const words = isTouchScreen && /wheel/.test(hint) ? 'Rest a finger on the object to press. Help: keys and colours.' : hint;
+    const words = isTouchScreen && /wheel/.test(hint) ?
+        'Rest a finger on the object to press. Help: keys and colours.' :
+        hint;
     find('hint').hidden = !words;
     setText(find('hint'), words ?? '');
     setText(find('force-text'), `${force_N.toFixed(2)} N`);
-    setText(find('force-line'), `${force_N.toFixed(2)} N, penetration ${report.penetration_mm.toFixed(2)} mm`);
+    setText(
+        find('force-line'),
+        `${force_N.toFixed(2)} N, penetration ${report.penetration_mm.toFixed(2)} mm`);
     find('gauge-bar').style.transform = `scaleX(${Math.min(1, force_N / kMost_N).toFixed(3)})`;
     find('gauge').setAttribute('aria-valuenow', Math.min(force_N, kMost_N).toFixed(1));
     find('rearm').hidden = !report.halted;

@@ -1,26 +1,26 @@
 // SPDX-License-Identifier: MIT
-// The target of the tip. Pointer, touch, pen, keys and gamepad move it; the worker leads the tip there.
-// It starts above the highest possible relief and goes down to a little behind the picture.
+// The target of the tip. Pointer, touch, pen, keys and gamepad move it; the worker leads the tip
+// there. It starts above the highest possible relief and goes down to a little behind the picture.
 
 import {clamp, computeScale, norm} from './geometry.mjs';
 
-const kAboveRelief_mm = 5;   // as in the native window
+const kAboveRelief_mm = 5;  // as in the native window
 const kFarthest_mm = -5;
-const kMostAhead_mm = 10;    // of keys and gamepad: a press of 2 N, and no longer way back
-const kFirm_N = 1;           // a held press stops here
-const kMostPress_mm = 12;    // and at most so far below the surface
-const kPen_mm = 16;          // depth of a pen's full pressure: 3 N on a hand of 0.2 N/mm
-const kPenAbove_mm = 2;      // without pressure
-const kNear_mm = 3;          // a pen presses when the tip has come below it
+const kMostAhead_mm = 10;  // of keys and gamepad: a press of 2 N, and no longer way back
+const kFirm_N = 1;         // a held press stops here
+const kMostPress_mm = 12;  // and at most so far below the surface
+const kPen_mm = 16;        // depth of a pen's full pressure: 3 N on a hand of 0.2 N/mm
+const kPenAbove_mm = 2;    // without pressure
+const kNear_mm = 3;        // a pen presses when the tip has come below it
 const kSlowest_mm_s = 8, kFastest_mm_s = 60, kApproach_1_s = 4;
 
 export class Target {
   x_mm = 0;
   y_mm = 0;
   z_mm = 0;
-  start_mm = null;    // null before the first description
-  isPressing = false; // a finger rests, or the button is held
-  pressure = null;    // of a pen, 0..1
+  start_mm = null;     // null before the first description
+  isPressing = false;  // a finger rests, or the button is held
+  pressure = null;     // of a pen, 0..1
   changed = false;
 
   /// Sets the limits of a stream. The first call, and another depth, place the target at the start.
@@ -58,7 +58,8 @@ export class Target {
     this.setDepth(this.start_mm);
   }
 
-  /// Moves by a step of keys or of a stick. The target stays near the tip: an obstacle causes no wind-up.
+  /// Moves by a step of keys or of a stick. The target stays near the tip: an obstacle causes no
+  /// wind-up.
   lead(dx_mm, dy_mm, dz_mm, report) {
     this.moveTo(this.x_mm + dx_mm, this.y_mm + dy_mm);
     this.press(-dz_mm);
@@ -75,8 +76,10 @@ export class Target {
   advance(dt_s, report) {
     if (!report) return;
     const surface_mm = report.over_object ? report.height_at_hip_mm : 0;
-    if (this.pressure !== null) this.followPen(surface_mm, report);
-    else if (this.isPressing) this.continuePress(dt_s, surface_mm, report);
+    if (this.pressure !== null)
+      this.followPen(surface_mm, report);
+    else if (this.isPressing)
+      this.continuePress(dt_s, surface_mm, report);
   }
 
   /// The pressure is the depth below the surface, so that a light press touches everywhere.
@@ -90,7 +93,8 @@ export class Target {
   continuePress(dt_s, surface_mm, report) {
     if (report.contact && norm(report.force_N) >= kFirm_N) return;
     if (report.contact && this.z_mm < report.contact_mm[2] - kMostPress_mm) return;
-    const speed_mm_s = clamp(kApproach_1_s * (this.z_mm - surface_mm), kSlowest_mm_s, kFastest_mm_s);
+    const speed_mm_s =
+        clamp(kApproach_1_s * (this.z_mm - surface_mm), kSlowest_mm_s, kFastest_mm_s);
     this.press(speed_mm_s * dt_s);
   }
 }

@@ -7,11 +7,13 @@ import {find, make, setText} from './panel.mjs';
 const kStep_s = 5;  // of a key; usual in video players
 export const kSpeeds = [0.1, 0.25, 0.5, 1, 1.5, 2, 4];
 
-const formatPlace = time_s => `${Math.floor(time_s / 60)}:${String(Math.floor(time_s % 60)).padStart(2, '0')}`;
+const formatPlace = time_s =>
+    `${Math.floor(time_s / 60)}:${String(Math.floor(time_s % 60)).padStart(2, '0')}`;
 
 /// Fills a selection with the speeds.
 export function fillSpeeds(select) {
-  for (const speed of kSpeeds) select.append(make('option', {value: String(speed), textContent: `x ${speed}`}));
+  for (const speed of kSpeeds)
+    select.append(make('option', {value: String(speed), textContent: `x ${speed}`}));
   select.value = '1';
 }
 
@@ -59,7 +61,10 @@ export class TimeBar {
     const from_s = this.wanted_s ?? this.computePlace_s(play_ms);
     if (action === 'back') this.seek(from_s - kStep_s);
     if (action === 'ahead') this.seek(from_s + kStep_s);
-    const nearest = kSpeeds.reduce((best, speed, i) => Math.abs(speed - this.speed) < Math.abs(kSpeeds[best] - this.speed) ? i : best, 0);
+    const nearest = kSpeeds.reduce(
+        (best, speed, i) =>
+            Math.abs(speed - this.speed) < Math.abs(kSpeeds[best] - this.speed) ? i : best,
+        0);
     if (action === 'faster') this.setSpeed(kSpeeds[Math.min(nearest + 1, kSpeeds.length - 1)]);
     if (action === 'slower') this.setSpeed(kSpeeds[Math.max(nearest - 1, 0)]);
   }

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: MIT
-// The two views: the flat picture, and the relief from the side. Each has a canvas for the content and a
-// canvas above it for the touch. A canvas is drawn only if its content has changed.
+// The two views: the flat picture, and the relief from the side. Each has a canvas for the content
+// and a canvas above it for the touch. A canvas is drawn only if its content has changed.
 
-import {Camera, FlatView, computeScale} from './geometry.mjs';
+import {Camera, computeScale, FlatView} from './geometry.mjs';
 import {drawTouch} from './overlay.mjs';
 import {find} from './panel.mjs';
 import {ReliefRenderer} from './relief.mjs';
 
 const kWide_px = 1200;  // both views side by side
 const kNone = [];
+const kVisible = 2e-3;  // mm or N: less than a tenth of a pixel
 
 class Pane {
   dirty = true;
@@ -19,7 +20,9 @@ class Pane {
     this.overlay = find(overlay);
     this.g = this.overlay.getContext('2d');
     this.view = view;
-    new ResizeObserver(() => { this.resized = true; }).observe(this.element);
+    new ResizeObserver(() => {
+      this.resized = true;
+    }).observe(this.element);
     this.resized = true;
   }
 
@@ -48,6 +51,7 @@ class Pane {
 export class Views {
   stream = null;
   mode = 'picture';
+  drawn = null;  // numbers of the touch that is drawn
   drawings = {pictures: 0, reliefs: 0, overlays: 0};
 
   constructor(settings) {
@@ -64,6 +68,8 @@ export class Views {
       this.problem = error.message;
     }
     this.watchContext();
+    find('relief-note').hidden = this.renderer !== null;
+    find('view-button').disabled = this.renderer === null;
     this.choose(settings.view ?? (innerWidth >= kWide_px ? 'both' : 'picture'));
   }
 
@@ -92,7 +98,8 @@ export class Views {
   setStream(stream) {
     this.stream = stream;
     find('stage').style.setProperty('--aspect', `${stream.width_px} / ${stream.height_px}`);
-    if (this.flat.content.width !== stream.width_px || this.flat.content.height !== stream.height_px)
+    if (this.flat.content.width !== stream.width_px ||
+        this.flat.content.height !== stream.height_px)
       Object.assign(this.flat.content, {width: stream.width_px, height: stream.height_px});
     this.flat.resized = this.relief.resized = this.renewed = true;
   }
@@ -102,9 +109,11 @@ export class Views {
     this.relief.resized = true;
   }
 
-  /// Draws what has changed. `changed` is that of Film.select(); `touch` {report, target} is null without one.
+  /// Draws what has changed. `changed` is that of Film.select(); `touch` {report, target} is null
+  /// without one.
   draw(film, changed, touch) {
     if (!this.stream) return;
+    this.touched = this.hasMoved(touch);
     const isNew = this.renewed;
     this.renewed = false;
     const bitmap = film.shownPicture?.bitmap;
@@ -117,6 +126,18 @@ export class Views {
       this.drawRelief(bitmap, film.shownReliefs?.objects ?? kNone, changed, isNew);
       this.drawOverlay(this.relief, touch);
     }
+  }
+
+  /// Returns true if `touch` looks different from the touch before.
+  hasMoved(touch) {
+    const before = this.drawn;
+    this.drawn = touch && [
+      ...touch.report.hip_mm, ...touch.report.contact_mm, ...touch.report.force_N,
+      ...touch.report.dynamic_force_N, touch.report.height_at_hip_mm, Number(touch.report.contact),
+      touch.target.x_mm, touch.target.y_mm
+    ];
+    if (!before || !touch) return before !== this.drawn;
+    return this.drawn.some((value, i) => Math.abs(value - before[i]) > kVisible);
   }
 
   drawPicture(bitmap) {
