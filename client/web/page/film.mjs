@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Pictures and reliefs by media time. The force belongs to play time, which is some 100 ms behind
 // the newest picture, so the page shows the picture that is nearest to play time. Pictures wait as
-// JPEG. Only the picture that will be shown next is decoded: the one at play time plus the usual
-// duration of a decoding. So a slow browser skips pictures and does not fall behind.
+// JPEG. Only the picture that will be shown next is decoded: the one of play time at the drawing
+// after its decoding. So a slow browser skips pictures and does not fall behind.
 
 const kHeld_ms = 3000;  // longest playout delay that the page follows
 const kJump_ms = 1000;  // a media time so far back belongs to another run of the server
@@ -45,6 +45,8 @@ export class Film {
   shownPicture = null;
   shownReliefs = null;
   decode_ms = 10;  // average duration of a decoding
+  step_ms = 16;    // average advance of play time from one drawing to the next
+  before_ms = 0;   // play time of the drawing before
   decodings = 0;
   undecodable = 0;
   shown = 0;  // pictures so far
@@ -66,7 +68,9 @@ export class Film {
     this.decodeNext(time_ms);
     const picture =
         this.choose(this.pictures, time_ms, item => item.bitmap !== null, this.shownPicture);
-    const reliefs = this.choose(this.reliefs, time_ms, () => true, this.shownReliefs);
+    // The picture covers the relief: both are of one moment, even where drawing is slow.
+    const relief_ms = picture?.media_ms ?? time_ms;
+    const reliefs = this.choose(this.reliefs, relief_ms, () => true, this.shownReliefs);
     const changed = {
       picture: picture !== this.shownPicture,
       reliefs: reliefs !== this.shownReliefs
@@ -91,11 +95,20 @@ export class Film {
     return Math.abs(shown.media_ms - time_ms) <= Math.abs(found.media_ms - time_ms) ? shown : found;
   }
 
+  /// Returns how far play time will be ahead at the drawing that can show a picture decoded now.
+  computeAhead_ms(time_ms) {
+    const advance_ms = time_ms - this.before_ms;
+    this.before_ms = time_ms;
+    if (!(advance_ms > 0 && advance_ms < kJump_ms)) return 0;  // a pause, or a jump
+    this.step_ms += 0.1 * (advance_ms - this.step_ms);
+    return this.step_ms * Math.ceil(this.decode_ms / this.step_ms);
+  }
+
   decodeNext(time_ms) {
-    if (this.decodings >= kMostDecodings) return;
-    const item = time_ms === Infinity ? this.pictures.items.at(-1) :
-                                        this.pictures.nearest(time_ms + this.decode_ms, () => true);
-    if (!item || item.asked) return;
+    const item = time_ms === Infinity ?
+        this.pictures.items.at(-1) :
+        this.pictures.nearest(time_ms + this.computeAhead_ms(time_ms), () => true);
+    if (!item || item.asked || this.decodings >= kMostDecodings) return;
     item.asked = true;
     ++this.decodings;
     const begin_ms = performance.now();

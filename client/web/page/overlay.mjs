@@ -140,7 +140,7 @@ function drawGap(g, {foot, tip}, unit) {
 /// Draws the touch of `report` into the context `g` of a cleared canvas. `target` is the pointer's
 /// place.
 export function drawTouch(g, view, report, target) {
-  const unit = Math.max(0.6, view.width_px / 960);
+  const unit = Math.max(0.8, view.width_px / 960);
   const parts = placeTip(view, report);
   const goal = view.project(target.x_mm, target.y_mm, view.flat ? 0 : parts.at_mm[2]);
   line(g, goal, parts.foot, 1, '#bebebe');

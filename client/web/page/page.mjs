@@ -90,7 +90,11 @@ class Page {
       ...readFragment()
     });
     this.controls.update();
+    this.askForReliefs();
   }
+
+  /// The worker sends reliefs only while they are seen.
+  askForReliefs() { this.send({type: 'show', reliefs: this.views.showsRelief}); }
 
   send(message) { this.worker?.postMessage(message); }
 
@@ -197,6 +201,7 @@ class Page {
       case 'view':
         this.settings.view = this.views.chooseNext();
         keepSettings(this.settings);
+        this.askForReliefs();
         break;
       case 'help':
         if (find('help').open)

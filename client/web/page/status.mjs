@@ -54,7 +54,9 @@ export class StatusTexts {
   }
 
   /// Shows the texts of a message 'ticks'.
-  showTicks({report, advice, hint, states}, isTouchScreen) {
+  showTicks(ticks, isTouchScreen) {
+    const {report} = ticks;
+    const {advice, hint, states} = ticks.advice === undefined ? report : ticks;
     const force_N = norm(report.force_N);
     setText(find('advice'), advice || '\u00a0');
     find('advice').className = report.contact ? 'contact' : '';

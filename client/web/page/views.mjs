@@ -89,6 +89,8 @@ export class Views {
     this.flat.resized = this.relief.resized = this.renewed = true;
   }
 
+  get showsRelief() { return this.mode !== 'picture'; }
+
   chooseNext() {
     const modes = ['picture', 'relief', 'both'];
     this.choose(modes[(modes.indexOf(this.mode) + 1) % modes.length]);
