@@ -117,10 +117,18 @@ class Page {
         break;
       case 'ticks':
         this.ticks = message;
+        this.endPreparation();
         this.plot.add(message.history);
         this.feedback.add(message.report, message.history);
         break;
     }
+  }
+
+  /// The first frames end the preparation.
+  endPreparation() {
+    const isOver =
+        this.status.state === 'preparing' && !['none', 'faded'].includes(this.report.lookup);
+    if (isOver) this.receive({type: 'status', state: 'connected', text: '', share: 1});
   }
 
   setStream(stream) {

@@ -20,7 +20,9 @@ export class StatusTexts {
     setText(find('connection'), state);
     const isCounted = state === 'loading' || state === 'preparing';
     const percent = isCounted && share > 0 ? ` ${Math.round(100 * share)} %` : '';
-    setText(find('card-text'), (text || state) + percent);
+    const sentence =
+        (text || state) + (state === 'retrying' ? ': the page connects again' : percent);
+    setText(find('card-text'), sentence);
     const progress = find('progress');
     progress.hidden = state === 'failed' || state === 'retrying';
     if (isCounted && share > 0)
@@ -30,8 +32,9 @@ export class StatusTexts {
     if (state !== 'connected') {
       setText(find('advice'), '\u00a0');
       find('hint').hidden = true;
+      find('states').hidden = true;
     }
-    if (!isCounted) this.announce(text || state);
+    if (!isCounted) this.announce(sentence);
   }
 
   showStream(stream) {
