@@ -47,7 +47,7 @@ class WebSocketTest : public StreamTest {
 };
 
 /// Payloads of the kinds that all viewers get alike.
-std::vector<Bytes> framesOf(const std::vector<Bytes>& payloads) {
+std::vector<Bytes> selectFrames(const std::vector<Bytes>& payloads) {
   std::vector<Bytes> frames;
   for (const Bytes& each : payloads) {
     const auto message = decode(each);
@@ -65,8 +65,8 @@ TEST_F(WebSocketTest, GetsTheBytesOfAViewerByTcp) {
     ASSERT_TRUE(receives<CodedFrame>(*tcp, id));
     ASSERT_TRUE((gets<Viewer, CodedFrame>(*web, id)));
   }
-  const auto frames = framesOf(web->payloads);
-  EXPECT_EQ(frames, framesOf(tcp->payloads));
+  const auto frames = selectFrames(web->payloads);
+  EXPECT_EQ(frames, selectFrames(tcp->payloads));
   EXPECT_TRUE(std::any_of(frames.begin(), frames.end(),
                           [](const Bytes& each) { return each.size() > 65535; }));
   const auto counts = server.broadcaster.counts();
@@ -292,7 +292,7 @@ TEST_F(WebSocketTest, WorksInsideTls) {
     ASSERT_TRUE(receives<CodedFrame>(*tcp, id));
     ASSERT_TRUE((gets<TlsViewer, CodedFrame>(web, id)));
   }
-  EXPECT_EQ(framesOf(web.payloads), framesOf(tcp->payloads));
+  EXPECT_EQ(selectFrames(web.payloads), selectFrames(tcp->payloads));
   TlsViewer of_http(io, server.port(), {.scheme = "http://"}, trust);
   ASSERT_TRUE(runUntil([&] { return of_http.ended; }));
   EXPECT_EQ(of_http.response.result_int(), 403U);
