@@ -59,6 +59,7 @@ std::vector<Bytes> selectFrames(const std::vector<Bytes>& payloads) {
 TEST_F(WebSocketTest, GetsTheBytesOfAViewerByTcp) {
   TestServer server(io, clock);
   const auto tcp = viewer(server);
+  tcp->keeps_payloads = true;
   const auto web = browser(server);
   for (std::uint64_t id = 1; id <= 40; ++id) {
     server.publish(id, id % 10 == 0 ? 300 : id % 3 == 0 ? 20 : 4);  // prefixes of 2, 4, 10 bytes
@@ -287,6 +288,7 @@ TEST_F(WebSocketTest, WorksInsideTls) {
   web.send(Hello{kProtocolVersion, "browser", false, true});
   ASSERT_TRUE((gets<TlsViewer, Welcome>(web))) << web.error.message();
   const auto tcp = viewer(server);
+  tcp->keeps_payloads = true;
   for (std::uint64_t id = 1; id <= 10; ++id) {
     server.publish(id, id % 5 == 0 ? 300 : 8);
     ASSERT_TRUE(receives<CodedFrame>(*tcp, id));
