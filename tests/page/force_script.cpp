@@ -7,6 +7,7 @@
 //
 // OUT is little-endian. Its records are: 1, arrival (double, ms), size (uint32), bytes; or 2, time
 // (double, ms), position (3 doubles, device mm), force (3 doubles, N).
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -89,7 +90,8 @@ class Script {
                                   height_mm_ + 1.0 - press_mm);
     clock_.set(localTime(time_s));
     hand_.moveTowards(renderer_.toDevice(goal_mm));
-    const Vec3 position_mm = hand_.exchange(force_N_, {}).position_mm;
+    (void)hand_.exchange(force_N_, {});
+    const Vec3 position_mm = hand_.tip_mm();  // not rounded to counts: see client/web/README.md
     player_.release(time_s);
     const Tick& report = renderer_.tick(time_s, position_mm);
     if (report.object_id != 0) object_mm_ = report.object_mm;
