@@ -103,8 +103,9 @@ function connect() {
 
 function onMessage(data) {
   if (typeof data === 'string') return fail('the server sent a text; is it a hapticast server?');
-  lastMessage_ms = Math.max(lastMessage_ms, now_ms());
-  const message = core.receive(new Uint8Array(data), now_ms());
+  const begin_ms = renderDueTicks();
+  lastMessage_ms = Math.max(lastMessage_ms, begin_ms);
+  const message = core.receive(new Uint8Array(data), begin_ms);
   switch (message.kind) {
     case 'error':
       return fail(message.error, PERMANENT.has(message.code) || message.untrusted);
@@ -156,7 +157,7 @@ function fail(sentence, permanent = true) {
   const ended = link;
   link = null;
   ended?.close();
-  core.e.disconnect(now_ms());
+  core.e.disconnect(renderDueTicks());
   if (permanent) return sendStatus('failed', sentence);
   retry(sentence);
 }
@@ -181,7 +182,9 @@ let reported_ms = 0;
 let lines_ms = 0;
 let lines = { advice: '', hint: '', states: '' };
 
-function run() {
+/// Renders the ticks that are due; returns the time of the call. The core's clock never goes back: each call passes
+/// this time to the core after its ticks, so that no tick to come is earlier than the clock.
+function renderDueTicks() {
   const begin_ms = now_ms();
   if (begin_ms - last_ms > MOST_TICKS) {
     stats.late++;
@@ -193,10 +196,15 @@ function run() {
     stats.ticks += ticks;
     stats.tick_us += 0.01 * ((1e3 * (now_ms() - begin_ms)) / ticks - stats.tick_us);
   }
-  if (core.e.prepare(now_ms()) && showReliefs) sendReliefs();
+  return begin_ms;
+}
+
+function run() {
+  const begin_ms = renderDueTicks();
+  if (core.e.prepare(begin_ms) && showReliefs) sendReliefs();
   if (link?.readyState === WebSocket.OPEN) {
-    for (const message of core.poll(now_ms())) link.send(message);
-    if (now_ms() - lastMessage_ms > SILENCE_MS) fail(stream ? 'the server stopped sending' : 'no welcome arrived', false);
+    for (const message of core.poll(begin_ms)) link.send(message);
+    if (begin_ms - lastMessage_ms > SILENCE_MS) fail(stream ? 'the server stopped sending' : 'no welcome arrived', false);
   }
   if (begin_ms - reported_ms >= REPORT_EVERY_MS) sendTicks(begin_ms);
 }
