@@ -9,6 +9,7 @@
 
 #include "server/origin.hpp"
 #include "server/pipeline/pipeline_counter.hpp"
+#include "server/play_recording.hpp"
 #include "server/recording/viewer_timeline.hpp"
 
 namespace hapticast::server {
@@ -25,7 +26,7 @@ struct EndOfService {
 
 void playOnDemand(const Settings& settings, const Clock& clock, ReadSettings reread) {
   Reloader reloader(settings, std::move(reread), clock);
-  const RecordingPlayer player(StreamReader::openSource(settings.source), false);
+  const RecordingPlayer player(openRecording(settings.source), false);
   PipelineCounter counter(clock);
   counter.enter(PipelinePhase::kOnDemand);
   const LocalMediaClock media_clock(clock, player.reader().begin());

@@ -13,11 +13,12 @@
 #include <variant>
 #include <vector>
 
+#include "common/playback/recording_player.hpp"
+#include "common/recording/recorder.hpp"
 #include "server/origin.hpp"
 #include "server/pipeline/control_queue.hpp"
 #include "server/pipeline/pipeline_counter.hpp"
 #include "server/play_on_demand.hpp"
-#include "server/recording/recording_player.hpp"
 #include "server/stream/limited_log.hpp"
 
 namespace hapticast::server {
@@ -61,7 +62,7 @@ class Playback {
 
 Playback::Playback(const Settings& settings, const Clock& clock, ReadSettings reread)
     : settings_(settings),
-      player_(StreamReader::openSource(settings.source), settings.loop),
+      player_(openRecording(settings.source), settings.loop),
       media_clock_(clock, player_.reader().begin()),
       reloader_(settings, std::move(reread), clock),
       log_(clock),
@@ -190,6 +191,12 @@ void Playback::logEnd() {
 }
 
 }  // namespace
+
+StreamReader openRecording(const std::string& file) {
+  auto opened = StreamReader::open(file);
+  if (!opened.ok()) throw RecordingError("--source " + file + ": " + opened.error().message);
+  return std::move(opened).value();
+}
 
 void playRecording(const Settings& settings, const Clock& clock, ReadSettings reread) {
   if (settings.on_demand) return playOnDemand(settings, clock, std::move(reread));

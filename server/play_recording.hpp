@@ -3,11 +3,17 @@
 // can pause it, seek, and change its speed and material. Thread: the caller's.
 #pragma once
 
+#include <string>
+
+#include "common/playback/stream_reader.hpp"
 #include "common/time.hpp"
 #include "server/reload.hpp"
 #include "server/settings.hpp"
 
 namespace hapticast::server {
+
+/// Opens the recording of a stream `file`. Throws RecordingError with one line that names --source.
+[[nodiscard]] StreamReader openRecording(const std::string& file);
 
 /// Plays the recording `settings.source` until it ends (with --loop it repeats), until the number
 /// of frames in --frames is reached, or until a signal. `reread`: reads the settings again at

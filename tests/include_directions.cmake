@@ -14,6 +14,7 @@ set(rules
   "common/transport/.*" "^common/([^/]*$|transport/)"
   "common/protocol/.*" "^common/([^/]*$|codec/|transport/|protocol/)"
   "common/recording/.*" "^common/([^/]*$|recording/)"
+  "common/playback/.*" "^common/([^/]*$|codec/|protocol/|recording/|playback/)"
   "common/live/.*"     "^common/([^/]*$|recording/|transport/|live/)|^common/protocol/recorded\\.hpp$"
   "common/cli/.*"      "^common/([^/]*$|cli/)"
   "common/library/.*"  "^common/([^/]*$|library/|include/)"
@@ -79,7 +80,7 @@ set(doors
   "^OpenNI\\.h$"                     "^server/source/live/openni_camera\\.cpp$"
   "^systemd/"                        "^server/service_manager\\.cpp$"
   "^libusb"                          "^client/device/falcon/usb\\.cpp$"
-  "^common/(codec|protocol|transport)/" "^(common/(codec|protocol|transport|live)/|server/(library/publisher\\.cpp$|bake/|stream/|recording/|relay/|pipeline/|http/|page/|[^/]*$)|client/(net/|discovery/|report/|library/|recording/|web/|[^/]*$)|tests/)"
+  "^common/(codec|protocol|transport)/" "^(common/(codec|protocol|transport|live|playback)/|server/(library/publisher\\.cpp$|bake/|stream/|recording/|relay/|pipeline/|http/|page/|[^/]*$)|client/(net/|discovery/|report/|library/|recording/|web/|[^/]*$)|tests/)"
 )
 
 file(GLOB_RECURSE files RELATIVE ${ROOT} ${ROOT}/common/*.?pp ${ROOT}/server/*.?pp ${ROOT}/client/*.?pp

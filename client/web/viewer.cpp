@@ -138,6 +138,13 @@ const TickReport& WebViewer::render(LocalTime now, const DeviceState& reading) {
   return report;
 }
 
+std::string WebViewer::stateLine() const {
+  TickReport shown = report();
+  // One late timer of a page sets this state for a minute. The page counts late ticks itself.
+  shown.safety_states &= ~bit(SafetyState::kLateMachine);
+  return stateLines(shown);
+}
+
 MediaTime WebViewer::mediaNow(LocalTime now) const {
   const StreamTiming& timing = receiver_.stream();
   return timing.connected ? MediaTime(now.time_since_epoch() + timing.clock_offset) : MediaTime{};

@@ -92,7 +92,7 @@ class WebViewer {
   /// Return the lines for the user: state and remedy, a hint for a beginner, safety states.
   [[nodiscard]] std::string adviceLine() const { return statusLine(report(), ui_); }
   [[nodiscard]] std::string beginnersLine() const { return hintLine(ticks_, ui_); }
-  [[nodiscard]] std::string stateLine() const { return stateLines(report()); }
+  [[nodiscard]] std::string stateLine() const;
   /// Returns for each tick since the last call: magnitudes of the force, of its static and of its
   /// dynamic part (N), and 1 in contact or 0.
   [[nodiscard]] std::vector<float> popHistory() { return std::exchange(history_, {}); }

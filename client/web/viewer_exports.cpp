@@ -81,7 +81,10 @@ Kind classify(Preparing& preparing) {
   page().value = preparing.share;
   return Kind::kPreparing;
 }
-Kind classify(Control& /*control*/) { return Kind::kControl; }
+Kind classify(Control& control) {
+  page().value = control.viewers ? static_cast<double>(*control.viewers) : kNone;
+  return Kind::kControl;
+}
 template <class Other>
 Kind classify(Other& /*other*/) {
   return Kind::kOther;
@@ -123,8 +126,8 @@ WEB_EXPORT(receive) int receive(double now_ms) {
 WEB_EXPORT(error_code) int error_code() { return static_cast<int>(page().error); }
 /// Returns 1 if the error of receive() was a server with another key than expected.
 WEB_EXPORT(untrusted) int untrusted() { return page().viewer->untrusted() ? 1 : 0; }
-/// Returns the number that belongs to the last message: the share of a scan (0..1), or the media
-/// time of a picture, ms.
+/// Returns the number that belongs to the last message: the share of a scan (0..1), the media time
+/// of a picture (ms), or the number of viewers (NaN: unknown).
 WEB_EXPORT(value) double value() { return page().value; }
 
 WEB_EXPORT(prepare) int prepare(double now_ms) {

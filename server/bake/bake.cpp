@@ -16,6 +16,7 @@
 #include "common/cli/run_program.hpp"
 #include "server/bake/bake_progress.hpp"
 #include "server/bake/baked_file.hpp"
+#include "server/page/page_folder.hpp"
 #include "server/pipeline/clip_scan.hpp"
 #include "server/pipeline/encoder_thread.hpp"
 #include "server/pipeline/input_check.hpp"
@@ -160,18 +161,27 @@ bool Bake::write() {
 }
 
 void Bake::addFrame(VisionResult result) {
-  constexpr int kJpegQuality = 80;  // as EncoderThread
   file_.add(vision_.vision().description(), result.frame, slices_,
-            encodePicture(result.color, kJpegQuality));
+            encodePicture(result.color, settings_.picture_quality));
+}
+
+/// Adds the page to the recording in `folder`.
+int completePage(const std::string& folder) {
+  writePageFolder(folder);
+  spdlog::info("{} is complete: any web server can serve it, such as python3 -m http.server -d {}",
+               folder, folder);
+  return kDone;
 }
 
 }  // namespace
 
 int bake(const BakeSettings& settings, const Clock& clock, bool& started) {
   for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, onStopSignal);
+  if (!settings.folder.empty()) createPageFolder(settings.folder);
   Bake work(settings, clock);
   started = work.scan();
   if (started && work.write()) {
+    if (!settings.folder.empty()) return completePage(settings.folder);
     spdlog::info("{} is complete; --source {} plays it", settings.out, settings.out);
     return kDone;
   }

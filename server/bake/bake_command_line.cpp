@@ -8,6 +8,7 @@
 #include "common/text.hpp"
 #include "server/bake/bake_settings.hpp"
 #include "server/command_line.hpp"
+#include "server/page/page_folder.hpp"
 #include "server/scene_option.hpp"
 #include "server/source/stream_url.hpp"
 
@@ -22,7 +23,7 @@ constexpr auto kBakeFlags = std::to_array<std::string_view>(
      "stretch",     "motion",     "compensate-pan", "method",       "object",     "not",
      "depth-range", "map-range",  "stiffness",      "damping",      "friction",   "texture-depth",
      "mass",        "scene",      "plan",           "error-budget", "quiet",      "config",
-     "help",        "version",    "print-config"});
+     "help",        "version",    "print-config",   "picture-quality"});
 
 bool isBakeFlag(const CLI::Option& option) {
   return std::find(kBakeFlags.begin(), kBakeFlags.end(), option.get_single_name()) !=
@@ -61,9 +62,10 @@ std::string listBakeFlags(const CLI::App& app) {
 std::unique_ptr<CLI::App> bakeCommandLine(BakeSettings& settings) {
   auto app = commandLine(settings.server);
   app->description(
-      "hapticast-server bake SOURCE [FLAGS] -o FILE.mcap: computes a clip as well as it can, "
-      "without a limit of time, and writes a recording. --source FILE.mcap plays it. Ctrl-C ends "
-      "the work; --resume continues it.");
+      "hapticast-server bake SOURCE [FLAGS] -o FILE.mcap|FOLDER/: computes a clip as well as it "
+      "can, without a limit of time, and writes a recording. --source FILE.mcap plays it. A folder "
+      "also has a page, which plays the recording from any web server. Ctrl-C ends the work; "
+      "--resume continues it.");
   for (CLI::Option* const option : app->get_options()) {
     if (!isBakeFlag(*option)) option->required(false)->group("");
   }
@@ -72,13 +74,19 @@ std::unique_ptr<CLI::App> bakeCommandLine(BakeSettings& settings) {
                   "--help, --source)")
       ->required();
   const auto set = [&settings](const std::string& text) {
-    if (!hasEnding(text, ".mcap"))
-      throw CLI::ValidationError("-o", quote(text) + " is not FILE.mcap");
-    settings.out = text;
+    if (text.ends_with('/')) settings.folder = text;
+    settings.out = text + (settings.folder.empty() ? "" : kPageRecording);
+    if (!hasEnding(settings.out, ".mcap"))
+      throw CLI::ValidationError("-o", quote(text) + " is neither FILE.mcap nor FOLDER/");
   };
-  app->add_option_function<std::string>("-o,--out", set, "The new recording")
-      ->type_name("FILE.mcap")
+  app->add_option_function<std::string>("-o,--out", set,
+                                        "The new recording, or the folder for it and its page")
+      ->type_name("FILE.mcap|FOLDER/")
       ->required();
+  app->add_option("--picture-quality", settings.picture_quality,
+                  "Quality of the pictures (JPEG); a page on the web loads sooner with less. "
+                  "Default: 80")
+      ->check(CLI::Range(1, 100));
   app->add_flag("--resume", settings.resume,
                 "Continue an interrupted bake of the same clip with the same flags, from "
                 "FILE.mcap.part");

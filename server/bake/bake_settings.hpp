@@ -16,9 +16,11 @@ inline constexpr const char* kBakeCommand = "bake";
 
 /// Values of the flags; --help describes each.
 struct BakeSettings {
-  Settings server;  ///< source, vision and --quiet
-  std::string out;  ///< FILE.mcap, which does not exist
+  Settings server;     ///< source, vision and --quiet
+  std::string out;     ///< FILE.mcap, which does not exist
+  std::string folder;  ///< of a page that plays the file, with a slash at its end; empty: none
   bool resume = false;
+  int picture_quality = 80;  ///< of the JPEGs, 1..100
   std::string flags;  ///< the flags that change the frames, as one text
 };
 

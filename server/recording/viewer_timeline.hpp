@@ -9,8 +9,8 @@
 #include <string>
 #include <utility>
 
+#include "common/playback/recording_player.hpp"
 #include "common/transport/asio.hpp"
-#include "server/recording/recording_player.hpp"
 #include "server/stream/broadcaster.hpp"
 #include "server/stream/encoded.hpp"
 #include "server/stream/frame_signer.hpp"

@@ -10,9 +10,9 @@
 #include <filesystem>
 
 #include "client/recording/run_recorder.hpp"
+#include "common/playback/recording_player.hpp"
 #include "common/protocol/recorded.hpp"
 #include "common/recording/schemas.hpp"
-#include "server/recording/recording_player.hpp"
 #include "server/recording/stream_recorder.hpp"
 #include "server/source/synthetic/synthetic_source.hpp"
 #include "server/vision/vision.hpp"

@@ -18,10 +18,8 @@ function makeImports(memory, readFile) {
   };
 }
 
-/// Compiles and starts the core. `source`: bytes or module of core.wasm. `readFile`: a file for
-/// the player (recording.mjs), or nothing.
-export async function startCore(source, readFile = { size: 0, read: () => 0 }) {
-  const module = source instanceof WebAssembly.Module ? source : await WebAssembly.compile(source);
+/// Starts the compiled core. `readFile`: a file for the player (remote_file.mjs), or nothing.
+export async function startCore(module, readFile = { size: 0, read: () => 0 }) {
   let instance;
   const imports = makeImports(() => instance.exports.memory, readFile);
   for (const { module: from, name } of WebAssembly.Module.imports(module))

@@ -5,6 +5,7 @@
 // `user`, `rearm`, `control` and `show`; it receives `status`, `stream`, `picture`, `reliefs` and
 // `ticks`.
 import { startCore } from './core.mjs';
+import { PlayerLink } from './player_link.mjs';
 
 const MOST_TICKS = 20; // in one call; a longer gap is a late tick, and its ticks are left out
 const REPORT_EVERY_MS = 16; // chosen: once for each picture of a screen
@@ -13,12 +14,15 @@ const SILENCE_MS = 3000; // as the native client: no message for so long counts 
 const WELCOME_MS = 5000; // as the native client
 const FIRST_RETRY_MS = 200;
 const LAST_RETRY_MS = 1000;
+const LATE_WITHIN_MS = 10_000; // chosen, with MANY_LATE: a page that is often late, not once
+const MANY_LATE = 10;
 const MOST_SAMPLES = 96; // along a side of a relief; chosen: a screen shows no more of an object
 // Errors after which a retry is of no use: version, wrong token, missing right (proto/README.md).
 const PERMANENT = new Set([3, 8, 9]);
 
 const now_ms = () => performance.now();
 let core = null;
+let module = null; // the compiled core
 let open = null; // what the page has opened
 let link = null; // WebSocket, or the port of a player
 let stream = null;
@@ -69,7 +73,8 @@ onmessage = async ({ data }) => {
 async function start() {
   sendStatus('loading', 'loading the renderer');
   try {
-    core = await startCore(await fetchBytes('core.wasm'));
+    module = await WebAssembly.compile(await fetchBytes('core.wasm'));
+    core = await startCore(module);
   } catch (error) {
     return sendStatus('failed', `the renderer does not start: ${error.message}`);
   }
@@ -90,15 +95,26 @@ async function fetchBytes(url) {
 // The session.
 
 function connect() {
-  sendStatus('connecting', 'connecting to the server');
-  link = new WebSocket(open.url, 'hapticast.3');
-  link.binaryType = 'arraybuffer';
-  lastMessage_ms = now_ms() + WELCOME_MS - SILENCE_MS;
+  const recorded = open.source === 'recording';
+  sendStatus('connecting', recorded ? 'opening the recording' : 'connecting to the server');
   firstFrame_ms = null;
   stream = null;
-  link.onopen = () => link.send(core.hello(open.token ?? ''));
+  link = recorded ? makePlayer() : new WebSocket(open.url, 'hapticast.3');
+  link.binaryType = 'arraybuffer';
+  lastMessage_ms = now_ms() + WELCOME_MS - SILENCE_MS;
+  link.onopen = () => {
+    lastMessage_ms = now_ms() + WELCOME_MS - SILENCE_MS;
+    link.send(core.hello(open.token ?? ''));
+  };
   link.onmessage = ({ data }) => onMessage(data);
-  link.onclose = ({ target }) => onClose(target, 'the server does not answer');
+  link.onclose = ({ target, text }) => onClose(target, text ?? 'the server does not answer', recorded);
+}
+
+function makePlayer() {
+  return new PlayerLink(open.url, module, {
+    onshare: (share) => sendStatus('loading', 'loading the recording', share),
+    onproblem: (text) => { problem = text; },
+  });
 }
 
 function onMessage(data) {
@@ -162,9 +178,9 @@ function fail(sentence, permanent = true) {
   retry(sentence);
 }
 
-function onClose(closed, sentence) {
+function onClose(closed, sentence, permanent) {
   if (closed !== link) return; // it is not this session's any more
-  fail(sentence, false);
+  fail(sentence, permanent);
 }
 
 function retry(sentence) {
@@ -181,6 +197,8 @@ let last_ms = 0; // time of the last tick
 let reported_ms = 0;
 let lines_ms = 0;
 let lines = { advice: '', hint: '', states: '' };
+let problem = ''; // of a recording
+const lateAt_ms = []; // late ticks of the last moments
 
 /// Renders the ticks that are due; returns the time of the call. The core's clock never goes back: each call passes
 /// this time to the core after its ticks, so that no tick to come is earlier than the clock.
@@ -188,6 +206,7 @@ function renderDueTicks() {
   const begin_ms = now_ms();
   if (begin_ms - last_ms > MOST_TICKS) {
     stats.late++;
+    lateAt_ms.push(begin_ms);
     last_ms = begin_ms - MOST_TICKS;
   }
   let ticks = 0;
@@ -219,6 +238,9 @@ function sendTicks(begin_ms) {
   if (begin_ms - lines_ms >= LINES_EVERY_MS) {
     lines_ms = begin_ms;
     lines = core.lines();
+    while (lateAt_ms.length > 0 && begin_ms - lateAt_ms[0] > LATE_WITHIN_MS) lateAt_ms.shift();
+    const busy = lateAt_ms.length >= MANY_LATE ? 'this browser is busy: the page misses its milliseconds' : '';
+    lines.states = [lines.states, problem, busy].filter(Boolean).join('\n');
   }
   const { frames_received, frames_lost, frames_late, media_now_ms, ...report } = core.report(begin_ms);
   const history = core.history();

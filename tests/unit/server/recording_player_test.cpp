@@ -7,10 +7,10 @@
 #include <map>
 #include <random>
 
+#include "common/playback/recording_player.hpp"
 #include "common/protocol/recorded.hpp"
 #include "common/recording/schemas.hpp"
 #include "common/wire_limits.hpp"
-#include "server/recording/recording_player.hpp"
 #include "server/recording/stream_recorder.hpp"
 #include "tests/support/temp_folder.hpp"
 

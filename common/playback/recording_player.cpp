@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/recording/recording_player.hpp"
+#include "common/playback/recording_player.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 #include "common/wire_limits.hpp"
 
-namespace hapticast::server {
+namespace hapticast {
 
 namespace {
 
@@ -157,4 +157,4 @@ void RecordingPlayer::setSpeed(double speed) {
   resume();
 }
 
-}  // namespace hapticast::server
+}  // namespace hapticast

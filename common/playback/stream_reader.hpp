@@ -18,7 +18,7 @@
 #include "common/recording/mcap_reader.hpp"
 #include "common/result.hpp"
 
-namespace hapticast::server {
+namespace hapticast {
 
 /// An item of a recorded stream. Of a picture only media time and JPEG are known.
 using RecordedItem = std::variant<StreamDescription, CodedFrame, VideoFrame>;
@@ -29,9 +29,6 @@ class StreamReader {
   /// Opens `file`. Returns an error without the file's name ("is no MCAP file") if it is no
   /// recording of a stream, or has no frame.
   [[nodiscard]] static Result<StreamReader> open(const std::string& file);
-
-  /// Opens `file` as open() does. Throws RecordingError with one line that names --source.
-  [[nodiscard]] static StreamReader openSource(const std::string& file);
 
   /// Returns another reader of the same file, at its begin, as McapReader::reopen() does.
   [[nodiscard]] Result<StreamReader> reopen() const;
@@ -82,4 +79,4 @@ class StreamReader {
   std::string problem_;
 };
 
-}  // namespace hapticast::server
+}  // namespace hapticast

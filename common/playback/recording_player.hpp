@@ -11,10 +11,10 @@
 #include <string>
 #include <variant>
 
+#include "common/playback/stream_reader.hpp"
 #include "common/time.hpp"
-#include "server/recording/stream_reader.hpp"
 
-namespace hapticast::server {
+namespace hapticast {
 
 /// Returns the description of a stream that plays `recorded` at `speed`. `name`: of the stream;
 /// empty: as recorded.
@@ -95,4 +95,4 @@ class RecordingPlayer {
   std::uint32_t epoch_shift_ = 0;
 };
 
-}  // namespace hapticast::server
+}  // namespace hapticast

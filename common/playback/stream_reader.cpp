@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: MIT
-#include "server/recording/stream_reader.hpp"
+#include "common/playback/stream_reader.hpp"
 
 #include <algorithm>
 #include <cstdlib>
 
 #include "common/protocol/recorded.hpp"
-#include "common/recording/recorder.hpp"
 #include "common/wire_limits.hpp"
 
-namespace hapticast::server {
+namespace hapticast {
 
 namespace {
 
@@ -36,12 +35,6 @@ Result<StreamReader> StreamReader::open(const std::string& file) {
   }
   const std::string& problem = reader.problem();
   return Error{problem.empty() ? "has no frames" : "has no frames: it " + problem};
-}
-
-StreamReader StreamReader::openSource(const std::string& file) {
-  auto opened = open(file);
-  if (!opened.ok()) throw RecordingError("--source " + file + ": " + opened.error().message);
-  return std::move(opened).value();
 }
 
 bool StreamReader::findChannels() {
@@ -160,4 +153,4 @@ void StreamReader::seek(MediaTime time) {
   left_out_ = 0;
 }
 
-}  // namespace hapticast::server
+}  // namespace hapticast
