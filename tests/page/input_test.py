@@ -20,12 +20,7 @@ navigator.vibrate = pulse_ms => { pulses.push(pulse_ms); return true; };
 """
 
 
-class Fingers(support.PageTest):
-
-    @classmethod
-    def setUpClass(cls):
-        super().setUpClass()
-        cls.server = cls.serve_all(*support.STILL)
+class Fingers(support.BallTest):
 
     def setUp(self):
         super().setUp()
@@ -84,9 +79,9 @@ class Fingers(support.PageTest):
         self.page.wait_for_force(most=True)
 
 
-class Pen(support.PageTest):
+class Pen(support.BallTest):
     def test_pressure_is_the_depth(self):
-        page = self.browser.touchable(self.serve(*support.STILL).link)
+        page = self.browser.touchable(self.server.link)
         at = page.place()
         pen = {"button": "left", "buttons": 1, "pointerType": "pen"}
         page.mouse("Pressed", at, force=0.3, clickCount=1, **pen)
@@ -102,12 +97,11 @@ class Pen(support.PageTest):
         page.wait_for_force(most=True)
 
 
-class Gamepad(support.PageTest):
+class Gamepad(support.BallTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
         cls.browser.command("Page.addScriptToEvaluateOnNewDocument", source=DEVICES)
-        cls.server = cls.serve_all(*support.STILL)
 
     def setUp(self):
         super().setUp()

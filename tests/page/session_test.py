@@ -22,15 +22,13 @@ window.Worker = class extends Worker {
 };
 """
 LARGEST_STEP_N = 0.5  # of a tick: the slew limit of a falling force
-DEEP = 21  # notches from the start (35 mm) to 10 mm below the top of the ball (24 mm)
-
 
 class Reconnection(support.PageTest):
 
     def press(self):
         at = self.browser.place()
         self.browser.mouse("Moved", at)
-        self.browser.wheel(at, DEEP)
+        self.browser.wheel(at, support.DEEP)
         self.browser.wait_for_force()
 
     def check_return(self, second):
@@ -152,7 +150,7 @@ class OnDemand(support.PageTest):
     def press(self):
         at = self.page.place()
         self.page.mouse("Moved", at)
-        self.page.wheel(at, DEEP)
+        self.page.wheel(at, support.DEEP)
         self.page.wait_for_force()
 
     def test_speed(self):

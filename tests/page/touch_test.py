@@ -8,8 +8,6 @@ from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.keys import Keys
 
 import support
-
-DEEP = 21  # notches from the start (35 mm) to 10 mm below the top of the ball (24 mm)
 # Keeps the reports of the page, each once, from now on.
 KEEP_REPORTS = """
 window.kept = [];
@@ -21,13 +19,8 @@ window.kept = [];
 """
 
 
-class Opening(support.PageTest):
+class Opening(support.BallTest):
     SCREEN = (1280, 800)  # both views
-
-    @classmethod
-    def setUpClass(cls):
-        super().setUpClass()
-        cls.server = cls.serve_all(*support.STILL)
 
     def test_shows_the_stream(self):
         page = self.browser.touchable(self.server.link)
@@ -83,19 +76,14 @@ class Opening(support.PageTest):
         page.errors()
 
 
-class Touch(support.PageTest):
-
-    @classmethod
-    def setUpClass(cls):
-        super().setUpClass()
-        cls.server = cls.serve_all(*support.STILL)
+class Touch(support.BallTest):
 
     def setUp(self):
         super().setUp()
         self.page = self.browser.touchable(self.server.link)
         self.page.driver.execute_script(KEEP_REPORTS)
 
-    def press(self, x_mm=0.0, y_mm=0.0, notches=DEEP):
+    def press(self, x_mm=0.0, y_mm=0.0, notches=support.DEEP):
         at = self.page.place(x_mm, y_mm)
         self.page.mouse("Moved", at)
         self.page.wheel(at, notches)
@@ -110,7 +98,7 @@ class Touch(support.PageTest):
         self.page.wait("document.getElementById('advice').innerText.startsWith('in contact')",
                        "the page does not say that it is in contact")
         self.assertGreater(float(self.page.text("force-text").split()[0]), 0.1)
-        self.page.wheel(at, -DEEP)
+        self.page.wheel(at, -support.DEEP)
         self.page.wait_for_force(most=True)
 
     def check_drawn_tips(self):
@@ -157,7 +145,7 @@ class Touch(support.PageTest):
         at = (x + width / 2, y + height / 2)
         self.page.wait("hapticast.stats.reliefs > 1", "the relief is drawn once only")
         self.page.mouse("Moved", at)
-        self.page.wheel(at, DEEP)
+        self.page.wheel(at, support.DEEP)
         self.page.wait_for_force()
         self.page.shoot("relief")
         before = self.page.get("hapticast.stats.reliefs")
