@@ -181,14 +181,14 @@ std::optional<WireError> Broadcaster::control(const Control& request,
     confirm(*sender, control);
     return std::nullopt;
   }
+  if (control == Control{}) {  // asks for the number of viewers, which only an operator gets
+    confirm(*sender, control);
+    return std::nullopt;
+  }
   const auto& grant = sender->grant();
   if (!grant) return WireError{ErrorCode::kForbidden, "this server has no operators (--tokens)"};
   if (grant->role != Role::kOperator)
     return WireError{ErrorCode::kForbidden, "this access token is a viewer's, not an operator's"};
-  if (control == Control{}) {  // asks for the number of viewers
-    confirm(*sender, control);
-    return std::nullopt;
-  }
   if (!control_)
     return WireError{ErrorCode::kForbidden, "this server is an edge; control its origin"};
   control_(control, [this, control, weak = std::weak_ptr(sender)] {

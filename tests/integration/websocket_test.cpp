@@ -258,6 +258,9 @@ TEST_F(WebSocketTest, AnOperatorLearnsTheNumberOfViewers) {
   EXPECT_EQ(request, (Control{true, {}, {}}));
   EXPECT_EQ(boss.all<Control>()[1], (Control{true, {}, {}, {}, 2U}));
   guest.send(Control{});
+  ASSERT_TRUE((gets<Viewer, Control>(guest)));
+  EXPECT_EQ(guest.all<Control>()[0], Control{}) << "a viewer gets no number";
+  guest.send(Control{true, {}, {}});
   ASSERT_TRUE(ends(guest));
   EXPECT_EQ(guest.all<WireError>()[0].code, ErrorCode::kForbidden);
 }

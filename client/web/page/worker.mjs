@@ -10,6 +10,7 @@ import { PlayerLink } from './player_link.mjs';
 const MOST_TICKS = 20; // in one call; a longer gap is a late tick, and its ticks are left out
 const REPORT_EVERY_MS = 16; // chosen: once for each picture of a screen
 const LINES_EVERY_MS = 100; // chosen: faster than anybody reads
+const ASK_EVERY_MS = 2000; // chosen: an operator sees viewers come and go
 const SILENCE_MS = 3000; // as the native client: no message for so long counts as a loss
 const WELCOME_MS = 5000; // as the native client
 const FIRST_RETRY_MS = 200;
@@ -28,6 +29,7 @@ let link = null; // WebSocket, or the port of a player
 let stream = null;
 let operator = false;
 let viewers = null;
+let asked_ms = 0; // for the number of viewers
 let pause_ms = FIRST_RETRY_MS;
 let lastMessage_ms = 0;
 let firstFrame_ms = null;
@@ -119,8 +121,9 @@ function makePlayer() {
 
 function onMessage(data) {
   if (typeof data === 'string') return fail('the server sent a text; is it a hapticast server?');
-  lastMessage_ms = Math.max(lastMessage_ms, now_ms());
-  const message = core.receive(new Uint8Array(data), now_ms());
+  const begin_ms = renderDueTicks();
+  lastMessage_ms = Math.max(lastMessage_ms, begin_ms);
+  const message = core.receive(new Uint8Array(data), begin_ms);
   switch (message.kind) {
     case 'error':
       return fail(message.error, PERMANENT.has(message.code) || message.untrusted);
@@ -149,9 +152,17 @@ function onMessage(data) {
 
 function onWelcome() {
   stream = core.stream();
+  operator = false;
+  viewers = null;
   sendStatus('connected', '');
   sendStream();
-  if (open.token) link.send(core.control({})); // an operator's answer has the number of viewers
+  if (open.token) askForViewers();
+}
+
+/// Sends an empty request: an operator's answer has the number of viewers, a viewer's has none.
+function askForViewers() {
+  asked_ms = now_ms();
+  link.send(core.control({}));
 }
 
 function onFrame() {
@@ -162,8 +173,9 @@ function onFrame() {
 }
 
 function onControl(message) {
+  if (Number.isNaN(message.value) || message.value === viewers) return;
   operator = true;
-  viewers = Number.isNaN(message.value) ? null : message.value;
+  viewers = message.value;
   sendStream();
 }
 
@@ -172,7 +184,7 @@ function fail(sentence, permanent = true) {
   const ended = link;
   link = null;
   ended?.close();
-  core.e.disconnect(now_ms());
+  core.e.disconnect(renderDueTicks());
   if (permanent) return sendStatus('failed', sentence);
   retry(sentence);
 }
@@ -199,7 +211,9 @@ let lines = { advice: '', hint: '', states: '' };
 let problem = ''; // of a recording
 const lateAt_ms = []; // late ticks of the last moments
 
-function run() {
+/// Renders the ticks that are due; returns the time of the call. The core's clock never goes back: each call passes
+/// this time to the core after its ticks, so that no tick to come is earlier than the clock.
+function renderDueTicks() {
   const begin_ms = now_ms();
   if (begin_ms - last_ms > MOST_TICKS) {
     stats.late++;
@@ -212,11 +226,20 @@ function run() {
     stats.ticks += ticks;
     stats.tick_us += 0.01 * ((1e3 * (now_ms() - begin_ms)) / ticks - stats.tick_us);
   }
-  if (core.e.prepare(now_ms()) && showReliefs) sendReliefs();
-  if (link?.readyState === WebSocket.OPEN) {
-    for (const message of core.poll(now_ms())) link.send(message);
-    if (now_ms() - lastMessage_ms > SILENCE_MS) fail(stream ? 'the server stopped sending' : 'no welcome arrived', false);
+  return begin_ms;
+}
+
+function run() {
+  const begin_ms = renderDueTicks();
+  if (core.e.prepare(begin_ms) && showReliefs) sendReliefs();
+  const isOpen = link?.readyState === WebSocket.OPEN;
+  if (isOpen) {
+    for (const message of core.poll(begin_ms)) link.send(message);
+    if (operator && begin_ms - asked_ms > ASK_EVERY_MS) askForViewers();
   }
+  // A recording may take long to open; a server may not.
+  if (link && (isOpen || open.source === 'stream') && begin_ms - lastMessage_ms > SILENCE_MS)
+    fail(stream ? 'the server stopped sending' : 'no welcome arrived', false);
   if (begin_ms - reported_ms >= REPORT_EVERY_MS) sendTicks(begin_ms);
 }
 

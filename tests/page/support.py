@@ -1,0 +1,264 @@
+# SPDX-License-Identifier: MIT
+"""What the tests of the page share: a server as a program, Chromium, and the words for both.
+
+The server is the real one, and the page comes from it. Chromium runs without a window and draws by
+software. Every wait is for a condition. Its deadline only ends a test that has failed.
+"""
+
+import contextlib
+import math
+import os
+import pathlib
+import re
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+try:
+    from selenium import webdriver
+    from selenium.webdriver.chrome.service import Service
+except ImportError:
+    webdriver = None
+
+SERVER = os.environ.get("HAPTICAST_SERVER", "build/release/server/hapticast-server")
+SHOTS = os.environ.get("HAPTICAST_PAGE_SHOTS")  # a folder for screenshots; without it there are none
+AXE = os.environ.get("HAPTICAST_AXE", "build/npm/node_modules/axe-core/axe.min.js")
+SOON_S = 30
+STILL = ["--source", "synthetic:still", "--loop", "--map-range", "520,620"]
+DEEP = 21  # notches of the wheel from the start (35 mm) to 10 mm below the top of this ball (24 mm)
+SKIPPED = 77  # ctest's code for a test that was left out
+
+
+def find_missing():
+    """Returns why the tests cannot run here, or an empty text."""
+    if webdriver is None:
+        return "selenium was not found: apt-get install python3-selenium"
+    for program, package in (("chromium", "chromium"), ("chromedriver", "chromium-driver")):
+        if not shutil.which(program):
+            return f"{program} was not found: apt-get install {package}"
+    return ""
+
+
+def main(missing=""):
+    """Runs the tests of a file, unless something is `missing`. SIGTERM ends all programs, too."""
+    missing = missing or find_missing()
+    if missing:
+        print("left out:", missing)
+        sys.exit(SKIPPED)
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit("the test took too long"))
+    unittest.main(verbosity=2)
+
+
+def wait_until(condition, what, seconds=SOON_S):
+    """Returns the first true value of `condition()`; fails with `what` after a deadline."""
+    deadline = time.monotonic() + seconds
+    while True:
+        value = condition()
+        if value:
+            return value
+        if time.monotonic() > deadline:
+            raise AssertionError(f"{what()} after {seconds} s" if callable(what) else what)
+        time.sleep(0.02)
+
+
+def find_port():
+    """Returns a port that is free now."""
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        return listener.getsockname()[1]
+
+
+class Server:
+    """hapticast-server as a user runs it. `link` is the one that it prints."""
+
+    def __init__(self, *arguments, listen="127.0.0.1:0"):
+        self.folder = tempfile.TemporaryDirectory(prefix="hapticast-page-")
+        self.log = pathlib.Path(self.folder.name, "log")
+        with self.log.open("w", encoding="utf-8") as log:
+            # pylint: disable-next=consider-using-with
+            self.process = subprocess.Popen(
+                [SERVER, *arguments, "--listen", listen], stdout=log, stderr=log,
+                env={**os.environ, "XDG_STATE_HOME": self.folder.name})
+        try:
+            self.link = self.wait_for(r"touch it in a browser: (\S+)") if "off" not in arguments else \
+                "http://" + self.wait_for(r"listening on ([\d.:]+)") + "/"
+        except BaseException:
+            self.stop()
+            raise
+        self.port = int(re.search(r":(\d+)/", self.link)[1])
+
+    def output(self):
+        return self.log.read_text(encoding="utf-8")
+
+    def wait_for(self, pattern):
+        """Returns the first group (or the text) of `pattern` in the log."""
+        def find():
+            found = re.search(pattern, self.output())
+            if not found and self.process.poll() is not None:
+                raise AssertionError(f"the server has ended: {self.output()}")
+            return found
+        found = wait_until(find, lambda: f"no '{pattern}' in: {self.output()}", 60)
+        return found[1] if found.re.groups else found[0]
+
+    def end(self, number=signal.SIGINT):
+        """Ends the server; returns its exit code."""
+        self.process.send_signal(number)
+        return self.process.wait(SOON_S)
+
+    def stop(self):
+        if self.process.poll() is None:
+            self.process.kill()
+            self.process.wait()
+        self.folder.cleanup()
+
+
+class Browser:
+    """Chromium with one page. `script` of the methods is JavaScript in that page."""
+
+    def __init__(self, width=1280, height=800, *flags):
+        self.folder = tempfile.TemporaryDirectory(prefix="hapticast-chromium-")
+        options = webdriver.ChromeOptions()
+        options.binary_location = shutil.which("chromium")
+        for flag in ("--headless=new", "--no-sandbox", "--use-angle=swiftshader",
+                     "--enable-unsafe-swiftshader", "--disable-dev-shm-usage",
+                     "--disable-background-networking", f"--window-size={width},{height}",
+                     f"--user-data-dir={self.folder.name}", *flags):
+            options.add_argument(flag)
+        options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+        self.driver = webdriver.Chrome(
+            service=Service(shutil.which("chromedriver")), options=options)
+        self.set_screen(width, height)
+
+    def stop(self):
+        with contextlib.suppress(Exception):
+            self.driver.quit()
+        self.folder.cleanup()
+
+    def command(self, name, **parameters):
+        """Sends a command of Chromium's DevTools protocol."""
+        return self.driver.execute_cdp_cmd(name, parameters)
+
+    def set_screen(self, width, height, touch=False):
+        self.command("Emulation.setDeviceMetricsOverride", width=width, height=height,
+                     deviceScaleFactor=1, mobile=touch)
+        self.command("Emulation.setTouchEmulationEnabled", enabled=touch)
+
+    def open(self, link):
+        """Opens a link, also one that differs in its fragment alone."""
+        self.driver.get("about:blank")
+        self.driver.get(link)
+        return self
+
+    def touchable(self, link):
+        """Opens a link and waits until the object can be touched."""
+        self.open(link)
+        self.wait("hapticast.status.state === 'connected' && hapticast.stats.pictures_shown > 0"
+                  " && hapticast.report?.lookup === 'interpolated'", "no picture is shown")
+        return self
+
+    def leave(self):
+        """Leaves the page; forgets its settings and its errors."""
+        self.driver.execute_script("if (location.host) localStorage.clear()")
+        self.driver.get("about:blank")
+        self.errors()
+
+    def get(self, script):
+        return self.driver.execute_script("return " + script)
+
+    def wait(self, script, what, seconds=SOON_S):
+        """Waits until `script` is true; returns its value."""
+        describe = "[hapticast.status, hapticast.report, hapticast.stats]"
+        return wait_until(lambda: self.get(script), lambda: f"{what}: {self.get(describe)}", seconds)
+
+    def wait_for_state(self, state, seconds=SOON_S):
+        self.wait(f"window.hapticast?.status.state === '{state}'", f"the page is not {state}", seconds)
+
+    def text(self, name):
+        return self.get(f"document.getElementById('{name}').innerText").strip()
+
+    def is_shown(self, name):
+        return self.get(f"document.getElementById('{name}').checkVisibility()")
+
+    def force_N(self):
+        return math.hypot(*self.get("hapticast.report.force_N"))
+
+    def wait_for_force(self, most=False):
+        """Waits for a contact with more than 0.1 N; `most`: until there is none any more."""
+        force = "Math.hypot(...hapticast.report.force_N)"
+        if most:
+            return self.wait(f"{force} < 0.001 && !hapticast.report.contact", "the force stays")
+        return self.wait(f"hapticast.report.contact && {force} > 0.1 ? {force} : 0", "there is no force")
+
+    def place(self, x_mm=0, y_mm=0, element="flat"):
+        """Returns the point of the window where the flat picture has a nominal position."""
+        x, y, width, height = self.get(
+            f"(b => [b.x, b.y, b.width, b.height])"
+            f"(document.getElementById('{element}').getBoundingClientRect())")
+        stream = self.get("hapticast.stream")
+        zoom = min(width / stream["width_px"], height / stream["height_px"])
+        scale = min(stream["width_mm"] / stream["width_px"], stream["height_mm"] / stream["height_px"])
+        return x + width / 2 + zoom * x_mm / scale, y + height / 2 - zoom * y_mm / scale
+
+    def mouse(self, kind, at, **parameters):
+        self.command("Input.dispatchMouseEvent", type="mouse" + kind, x=at[0], y=at[1], **parameters)
+
+    def wheel(self, at, notches):
+        """Turns the wheel: positive values press."""
+        for _ in range(abs(notches)):
+            self.mouse("Wheel", at, deltaX=0, deltaY=math.copysign(100, notches))
+
+    def fingers(self, kind, *points):
+        """Sends a touch event with the fingers that are down."""
+        self.command("Input.dispatchTouchEvent", type="touch" + kind, touchPoints=[
+            {"x": x, "y": y, "id": i} for i, (x, y) in enumerate(points)])
+
+    def errors(self):
+        """Returns the errors that the browser has logged since the last call."""
+        return [each["message"] for each in self.driver.get_log("browser")
+                if each["level"] in ("SEVERE", "WARNING")]
+
+    def shoot(self, name):
+        """Keeps a screenshot, if somebody wants to look at it."""
+        if SHOTS:
+            self.driver.save_screenshot(f"{SHOTS}/{name}.png")
+
+
+class PageTest(unittest.TestCase):
+    """A test with one browser for all of its cases, and any number of servers."""
+    SCREEN = (1100, 760)  # px; the page then begins with the flat picture
+    FLAGS = ()
+
+    @classmethod
+    def setUpClass(cls):
+        cls.browser = Browser(*cls.SCREEN, *cls.FLAGS)
+        cls.addClassCleanup(cls.browser.stop)
+
+    @classmethod
+    def serve_all(cls, *arguments):
+        """Starts a server for all cases."""
+        server = Server(*arguments)
+        cls.addClassCleanup(server.stop)
+        return server
+
+    def setUp(self):
+        self.addCleanup(self.browser.leave)
+        self.addCleanup(self.browser.command, "Emulation.setEmulatedMedia", features=[])
+        self.addCleanup(self.browser.set_screen, *self.SCREEN)
+
+    def serve(self, *arguments, **options):
+        server = Server(*arguments, **options)
+        self.addCleanup(server.stop)
+        return server
+
+
+class BallTest(PageTest):
+    """A test with one server for all of its cases: a ball at rest in the middle."""
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.server = cls.serve_all(*STILL)
