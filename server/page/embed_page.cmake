@@ -1,9 +1,8 @@
 # Writes OUT from page_table.cpp.in with the FILES of the page, compressed by GZIP (gzip).
 # Run: cmake -DFILES=... -DGZIP=... -DOUT=... -P embed_page.cmake
 cmake_minimum_required(VERSION 3.25)
-set(types ".html" "text/html; charset=utf-8" ".css" "text/css; charset=utf-8" ".mjs" "text/javascript; charset=utf-8"
-  ".js" "text/javascript; charset=utf-8" ".wasm" "application/wasm" ".svg" "image/svg+xml" ".png" "image/png"
-  ".json" "application/json" ".txt" "text/plain; charset=utf-8")
+set(types .html text/html .css text/css .mjs text/javascript .js text/javascript .wasm application/wasm
+  .svg image/svg+xml .png image/png .json application/json .txt text/plain)
 set(arrays)
 set(table)
 set(count 0)
@@ -17,6 +16,9 @@ foreach(file IN LISTS FILES)
   endif()
   math(EXPR at "${at} + 1")
   list(GET types ${at} type)
+  if(type MATCHES "^text/")
+    string(APPEND type "; charset=utf-8")
+  endif()
   execute_process(COMMAND ${GZIP} -9nc "${file}" OUTPUT_FILE "${OUT}.gz" COMMAND_ERROR_IS_FATAL ANY)
   file(READ "${OUT}.gz" hex HEX)
   file(SHA256 "${file}" hash)

@@ -139,7 +139,7 @@ HttpAnswer showNoFile(const HttpRequest& request) {
   if (request.path == "/")
     return refuse(status::service_unavailable,
                   "This server was built without the page: install clang, lld, wasi-libc, "
-                  "libc++-dev-wasm32, libclang-rt-dev-wasm32 and node-tweetnacl, and build again.");
+                  "libc++-dev-wasm32, libclang-rt-dev-wasm32 and python3, and build again.");
   HttpAnswer answer = refuse(status::not_found, "There is no such file; the page is at /.");
   answer.problem = fmt::format("HTTP 404: there is no file {}", show(request.path));
   if (request.path == kIconPath) answer.problem.clear();

@@ -7,6 +7,7 @@
 
 #include "common/build_options.hpp"
 #include "common/transport/asio.hpp"
+#include "server/page/page_files.hpp"
 #include "tests/integration/programs_fixture.hpp"
 #include "tests/support/nats_server.hpp"
 
@@ -43,6 +44,33 @@ class ProgramsHttpTest : public ProgramsTest {
   }
 };
 
+TEST_F(ProgramsHttpTest, ThePageIsOnThePortOfTheViewers) {
+  const auto portOf = [](const std::string& address) {
+    return static_cast<std::uint16_t>(std::stoi(address.substr(address.rfind(':') + 1)));
+  };
+  const std::string host = "Host: 127.0.0.1\r\n";
+  const auto server = startServer({"--source", "synthetic:still", "--loop"});
+  const std::string address = addressOf(*server);
+  const std::string page = ask(portOf(address), "/", host);
+  if (server::isPageComplete()) {
+    EXPECT_TRUE(server->says("touch it in a browser: http://" + address + "/", kSoon));
+    EXPECT_TRUE(page.starts_with("HTTP/1.1 200 OK\r\n")) << page.substr(0, 200);
+    EXPECT_NE(page.find("<!doctype html>"), std::string::npos) << page.substr(0, 2000);
+  } else {
+    EXPECT_TRUE(page.starts_with("HTTP/1.1 503 ")) << page;
+    EXPECT_NE(page.find("libc++-dev-wasm32"), std::string::npos) << page;
+  }
+  EXPECT_TRUE(ask(portOf(address), "/", "Host: evil.example\r\n").starts_with("HTTP/1.1 403 "));
+  EXPECT_TRUE(server->says("HTTP 403: This server does not have the name evil.example", kSoon));
+  interrupt(*server);
+  const auto without = startServer({"--source", "synthetic:still", "--loop", "--page", "off"});
+  EXPECT_TRUE(ask(portOf(addressOf(*without)), "/", host)
+                  .ends_with("This port is for hapticast-client. It has no pages for a web "
+                             "browser.\n"));
+  EXPECT_EQ(without->output().find("touch it in a browser"), std::string::npos);
+  interrupt(*without);
+}
+
 TEST_F(ProgramsHttpTest, FiguresMoveWhenAViewerJoins) {
   const auto server = startServer(
       {"--source", makeClip("clip"), "--loop", "--http", "127.0.0.1:0", "--name", "a \"clip\""});
@@ -54,6 +82,8 @@ TEST_F(ProgramsHttpTest, FiguresMoveWhenAViewerJoins) {
   EXPECT_TRUE(waitUntil(
       kSoon, [&] { return sample(port, "sent_bytes_total{transport=\"udp\"}") > 10'000.0; }));
   EXPECT_GT(sample(port, "sent_bytes_total{transport=\"tcp\"}"), 100.0);
+  EXPECT_EQ(sample(port, "viewers_by_way{way=\"tcp\"}"), 1.0);
+  EXPECT_EQ(sample(port, "viewers_by_way{way=\"websocket\"}"), 0.0);
   EXPECT_GT(sample(port, "frames_published_total"), 1.0);
   for (const char* stage : {"vision", "encode", "sign"}) {
     const std::string name = "stage_duration_seconds_sum{stage=\"" + std::string(stage) + "\"}";
@@ -84,7 +114,7 @@ TEST_F(ProgramsHttpTest, AServerThatWaitsForAViewerIsHealthyAndOpensNoOtherPort)
   interrupt(*waiting);
   const auto plain = startServer({"--source", makeClip("clip"), "--loop"});
   addressOf(*plain);
-  EXPECT_EQ(countOccurrences("http", plain->output()), 0U) << plain->output();
+  EXPECT_EQ(countOccurrences("figures for operators", plain->output()), 0U) << plain->output();
   interrupt(*plain);
 }
 

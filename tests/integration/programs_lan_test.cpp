@@ -5,6 +5,7 @@
 
 #include "common/build_options.hpp"
 #include "common/cli/parse.hpp"
+#include "server/page/page_files.hpp"
 #include "tests/integration/programs_fixture.hpp"
 #include "tests/support/two_hosts.hpp"
 
@@ -116,6 +117,27 @@ TEST_F(ProgramsLanTest, ATakenNameGetsANumberAndAllAreListedClean) {
   interrupt(*beside);
   interrupt(*elsewhere);
   listed({"no server is announced"});
+}
+
+TEST_F(ProgramsLanTest, ThePageIsListedAsAWebSite) {
+  if (!server::isPageComplete()) GTEST_SKIP() << "this build has no page";
+  if (std::system("command -v avahi-browse >/dev/null") != 0) GTEST_SKIP() << "no avahi-browse";
+  const auto first = announce(hosts_.server(), kName);
+  ASSERT_TRUE(first->says(std::string("announced on the LAN as ") + kName + "\n", kSoon))
+      << first->output();
+  const auto second = announce(hosts_.server(), kName);
+  ASSERT_TRUE(second->says(std::string(kName) + " #2 (another server has the name ", kSoon))
+      << second->output();
+  std::string text;
+  EXPECT_TRUE(waitUntil(kSoon, [&] {
+    const auto list = run(hosts_.viewer(), {"/usr/bin/env", "avahi-browse", "-rpt", "_http._tcp"});
+    EXPECT_NE(list->wait(kSoon), std::nullopt);
+    text = list->output();
+    return text.find("\\0352;Web Site;") != std::string::npos &&  // "#2" with avahi's escapes
+           text.find("\"path=/\"") != std::string::npos;
+  })) << text;
+  interrupt(*second);
+  interrupt(*first);
 }
 
 TEST_F(ProgramsLanTest, AServerIsFoundByNameAndNeverUsedUnnamed) {

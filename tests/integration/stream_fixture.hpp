@@ -123,8 +123,8 @@ class RawPeer {
       received_bytes += size;
       reader_.feed(std::span(chunk).first(size));
       for (auto next = reader_.next(); next.ok() && next.value(); next = reader_.next()) {
-        payloads.emplace_back(next.value()->begin(), next.value()->end());
-        got.push_back(decode(payloads.back()).value());
+        got.push_back(decode(*next.value()).value());
+        if (keeps_payloads) payloads.emplace_back(next.value()->begin(), next.value()->end());
       }
     }
   }
@@ -138,6 +138,7 @@ class RawPeer {
   }
 
   std::vector<Message> got;
+  bool keeps_payloads = false;
   std::vector<std::vector<std::uint8_t>> payloads;  // of the same messages
   bool closed = false;
   bool reset = false;

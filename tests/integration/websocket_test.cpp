@@ -47,7 +47,7 @@ class WebSocketTest : public StreamTest {
 };
 
 /// Payloads of the kinds that all viewers get alike.
-std::vector<Bytes> framesOf(const std::vector<Bytes>& payloads) {
+std::vector<Bytes> selectFrames(const std::vector<Bytes>& payloads) {
   std::vector<Bytes> frames;
   for (const Bytes& each : payloads) {
     const auto message = decode(each);
@@ -59,14 +59,15 @@ std::vector<Bytes> framesOf(const std::vector<Bytes>& payloads) {
 TEST_F(WebSocketTest, GetsTheBytesOfAViewerByTcp) {
   TestServer server(io, clock);
   const auto tcp = viewer(server);
+  tcp->keeps_payloads = true;
   const auto web = browser(server);
   for (std::uint64_t id = 1; id <= 40; ++id) {
     server.publish(id, id % 10 == 0 ? 300 : id % 3 == 0 ? 20 : 4);  // prefixes of 2, 4, 10 bytes
     ASSERT_TRUE(receives<CodedFrame>(*tcp, id));
     ASSERT_TRUE((gets<Viewer, CodedFrame>(*web, id)));
   }
-  const auto frames = framesOf(web->payloads);
-  EXPECT_EQ(frames, framesOf(tcp->payloads));
+  const auto frames = selectFrames(web->payloads);
+  EXPECT_EQ(frames, selectFrames(tcp->payloads));
   EXPECT_TRUE(std::any_of(frames.begin(), frames.end(),
                           [](const Bytes& each) { return each.size() > 65535; }));
   const auto counts = server.broadcaster.counts();
@@ -290,12 +291,13 @@ TEST_F(WebSocketTest, WorksInsideTls) {
   web.send(Hello{kProtocolVersion, "browser", false, true});
   ASSERT_TRUE((gets<TlsViewer, Welcome>(web))) << web.error.message();
   const auto tcp = viewer(server);
+  tcp->keeps_payloads = true;
   for (std::uint64_t id = 1; id <= 10; ++id) {
     server.publish(id, id % 5 == 0 ? 300 : 8);
     ASSERT_TRUE(receives<CodedFrame>(*tcp, id));
     ASSERT_TRUE((gets<TlsViewer, CodedFrame>(web, id)));
   }
-  EXPECT_EQ(framesOf(web.payloads), framesOf(tcp->payloads));
+  EXPECT_EQ(selectFrames(web.payloads), selectFrames(tcp->payloads));
   TlsViewer of_http(io, server.port(), {.scheme = "http://"}, trust);
   ASSERT_TRUE(runUntil([&] { return of_http.ended; }));
   EXPECT_EQ(of_http.response.result_int(), 403U);

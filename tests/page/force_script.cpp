@@ -7,6 +7,7 @@
 //
 // OUT is little-endian. Its records are: 1, arrival (double, ms), size (uint32), bytes; or 2, time
 // (double, ms), position (3 doubles, device mm), force (3 doubles, N).
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -87,12 +88,15 @@ class Script {
     const double press_mm = 3.0 * std::sin(5.0 * time_s);
     const Eigen::Vector3d goal_mm(object_mm_.x() + slide_mm.x(), object_mm_.y() + slide_mm.y(),
                                   height_mm_ + 1.0 - press_mm);
-    hand_mm_ += 0.01 * (goal_mm - hand_mm_);  // no jumps
-    const Eigen::Vector3d position_mm = renderer_.toDevice(hand_mm_);
+    clock_.set(localTime(time_s));
+    hand_.moveTowards(renderer_.toDevice(goal_mm));
+    (void)hand_.exchange(force_N_, {});
+    const Vec3 position_mm = hand_.tip_mm();  // not rounded to counts: see client/web/README.md
     player_.release(time_s);
     const Tick& report = renderer_.tick(time_s, position_mm);
     if (report.object_id != 0) object_mm_ = report.object_mm;
     if (report.height_mm != 0.0) height_mm_ = report.height_mm;
+    force_N_ = report.force_N;
     touched_ += report.contact ? 1 : 0;
     most_N_ = std::max(most_N_, report.force_N.norm());
     put(std::uint8_t{2});
@@ -112,7 +116,9 @@ class Script {
   MessagePlayer player_{renderer_};
   std::deque<Arrival> arrivals_;
   double last_ms_ = 0.0;
-  Eigen::Vector3d hand_mm_{0.0, 0.0, 35.0};
+  client::SetClock clock_;
+  client::PointedHand hand_{client::PlantProfile(), clock_};
+  Vec3 force_N_ = Vec3::Zero();
   Eigen::Vector3d object_mm_ = Eigen::Vector3d::Zero();
   double height_mm_ = 20.0;
   int touched_ = 0;

@@ -25,28 +25,11 @@ sockaddr_in resolve(const Endpoint& endpoint) {
   return address;
 }
 
-Transport wayOf(Contestant who) {
-  switch (who) {
-    case Contestant::kTcp:
-      return Transport::kTcp;
-    case Contestant::kUdp:
-      return Transport::kUdp;
-    case Contestant::kBareTcp:
-      return Transport::kPlainTcp;
-    case Contestant::kBareUdp:
-      return Transport::kPlainUdp;
-    case Contestant::kMosquitto:
-      return Transport::kMqtt;
-    case Contestant::kNats:
-      return Transport::kNats;
-  }
-  return Transport::kTcp;
-}
-
 ServerProcess::Serve serverOf(Contestant who, const Frames& frames, const Switch& playing) {
   switch (who) {
     case Contestant::kTcp:
     case Contestant::kUdp:
+    case Contestant::kWebSocket:
       return broadcaster(frames, playing);
     case Contestant::kBareTcp:
       return bareLoop(frames, playing);
@@ -60,6 +43,26 @@ ServerProcess::Serve serverOf(Contestant who, const Frames& frames, const Switch
 }
 
 }  // namespace
+
+Transport wayOf(Contestant who) {
+  switch (who) {
+    case Contestant::kTcp:
+      return Transport::kTcp;
+    case Contestant::kUdp:
+      return Transport::kUdp;
+    case Contestant::kWebSocket:
+      return Transport::kWebSocket;
+    case Contestant::kBareTcp:
+      return Transport::kPlainTcp;
+    case Contestant::kBareUdp:
+      return Transport::kPlainUdp;
+    case Contestant::kMosquitto:
+      return Transport::kMqtt;
+    case Contestant::kNats:
+      return Transport::kNats;
+  }
+  return Transport::kTcp;
+}
 
 Contender::Contender(Contestant who, const Frames& frames) : frames_(frames) {
   const Transport way = wayOf(who);

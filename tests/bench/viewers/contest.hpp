@@ -18,11 +18,15 @@ namespace hapticast::testing {
 enum class Contestant {
   kTcp,  ///< the server's broadcaster
   kUdp,
+  kWebSocket,
   kBareTcp,
   kBareUdp,
   kMosquitto,
   kNats,
 };
+
+/// How the frames of a contestant come.
+[[nodiscard]] Transport wayOf(Contestant who);
 
 /// A server and its crowd.
 class Contender {

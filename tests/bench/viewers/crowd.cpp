@@ -58,8 +58,8 @@ class Varints {
   std::span<const std::uint8_t> bytes_;
 };
 
-void say(int socket, const Message& message) {
-  const auto bytes = framed(encode(message));
+void say(Transport way, int socket, const Message& message) {
+  const auto bytes = published(way, encode(message));
   require(::send(socket, bytes.data(), bytes.size(), MSG_NOSIGNAL) >= 0, "cannot send");
 }
 
@@ -98,6 +98,7 @@ struct Crowd::Viewer {
   std::size_t skip = 0;             // bytes of the message before that nobody looks at
   std::vector<std::uint8_t> small;  // a message that is looked at, as far as it has come
   std::size_t small_bytes = 0;      // of it in all; 0: none is on its way
+  std::size_t small_head = 0;       // of these, before its payload
   bool welcomed = false;
   bool watching = false;
   int datagrams = -1;  // their socket
@@ -140,7 +141,7 @@ void Crowd::connect(Viewer& viewer) {
   epoll_event event{EPOLLIN, {.ptr = &viewer}};
   ::epoll_ctl(epoll_, EPOLL_CTL_ADD, viewer.socket, &event);
   if (ours(way_))
-    say(viewer.socket, Hello{kProtocolVersion, "viewers", false, way_ == Transport::kTcp});
+    say(way_, viewer.socket, Hello{kProtocolVersion, "viewers", false, way_ != Transport::kUdp});
 }
 
 void Crowd::join() {
@@ -202,7 +203,7 @@ void Crowd::pingAll() {
   }
 }
 
-void Crowd::ping(Viewer& viewer) { say(viewer.socket, Ping{clock_.now()}); }
+void Crowd::ping(Viewer& viewer) { say(way_, viewer.socket, Ping{clock_.now()}); }
 
 void Crowd::echo(Viewer& viewer) {
   const EchoBytes bytes = echoBytes(viewer.its_echo);
@@ -281,7 +282,7 @@ bool Crowd::take(Viewer& viewer) {
   if (viewer.skip > 0) return false;
   if (viewer.small_bytes > 0) {
     if (viewer.small.size() < viewer.small_bytes) return false;
-    message(viewer, std::span(viewer.small).subspan(kPrefixBytes));
+    message(viewer, std::span(viewer.small).subspan(viewer.small_head));
     viewer.small.clear();
     viewer.small_bytes = 0;
   }
@@ -301,6 +302,7 @@ bool Crowd::take(Viewer& viewer) {
     if (whole > kMostSmallBytes) throw std::runtime_error("a message that is no frame is too long");
     viewer.small.assign(held.begin(), held.end());
     viewer.small_bytes = whole;
+    viewer.small_head = message->head;
   }
   std::copy(viewer.head.begin() + static_cast<std::ptrdiff_t>(here),
             viewer.head.begin() + static_cast<std::ptrdiff_t>(viewer.held), viewer.head.begin());
@@ -330,7 +332,7 @@ void Crowd::askForDatagrams(Viewer& viewer, const Welcome& welcome) {
   openDatagrams(viewer, to);
   viewer.its_echo = {welcome.datagram_token, welcome.stream};
   echo(viewer);
-  say(viewer.socket, Delivery{false, true, 1});
+  say(way_, viewer.socket, Delivery{false, true, 1});
 }
 
 void Crowd::openDatagrams(Viewer& viewer, const sockaddr_in& to) {

@@ -14,6 +14,7 @@
 #include <string_view>
 
 #include "tests/support/framed.hpp"
+#include "tests/support/websocket_frames.hpp"
 
 namespace hapticast::testing {
 
@@ -100,6 +101,32 @@ void greetNats(int socket, bool subscribe) {
   if (subscribe) sendAll(socket, countBytes("SUB " + std::string(kTopic) + " 1\r\n"));
 }
 
+// WebSocket (RFC 6455): a head of 2, 4 or 10 bytes; a server's has no mask.
+std::optional<Envelope> webSocketEnvelope(std::span<const std::uint8_t> bytes) {
+  constexpr std::uint8_t kTwoBytes = 126, kEightBytes = 127;
+  if (bytes.size() < 2) return std::nullopt;
+  if (bytes[0] != 0x82) throw std::runtime_error("the server sends what is no binary message");
+  const std::size_t more = bytes[1] == kEightBytes ? 8 : bytes[1] == kTwoBytes ? 2 : 0;
+  if (bytes.size() < 2 + more) return std::nullopt;
+  std::size_t length = more > 0 ? 0 : bytes[1];
+  for (const std::uint8_t each : bytes.subspan(2, more)) length = length << 8U | each;
+  return Envelope{2 + more, length, 0};
+}
+
+void greetWebSocket(int socket) {
+  // The page of a server may be opened by any address of it.
+  sendAll(socket, countBytes("GET /stream HTTP/1.1\r\nHost: 127.0.0.1\r\n"
+                             "Origin: http://127.0.0.1\r\nConnection: Upgrade\r\n"
+                             "Upgrade: websocket\r\nSec-WebSocket-Version: 13\r\n"
+                             "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
+                             "Sec-WebSocket-Protocol: hapticast.3\r\n\r\n"));
+  std::string answer;
+  for (char byte = 0; !answer.ends_with("\r\n\r\n"); answer += byte)
+    require(::recv(socket, &byte, 1, 0) == 1, "no answer from the server");
+  if (!answer.starts_with("HTTP/1.1 101 "))
+    throw std::runtime_error("the server opens no WebSocket: " + answer.substr(0, 60));
+}
+
 }  // namespace
 
 void require(bool done, const char* what) {
@@ -134,6 +161,7 @@ void sendAll(int socket, std::span<const std::uint8_t> bytes) {
 std::optional<Envelope> envelope(Transport way, std::span<const std::uint8_t> bytes) {
   if (way == Transport::kMqtt) return mqttEnvelope(bytes);
   if (way == Transport::kNats) return natsEnvelope(bytes);
+  if (way == Transport::kWebSocket) return webSocketEnvelope(bytes);
   std::uint32_t length = 0;
   if (bytes.size() < sizeof length) return std::nullopt;
   std::memcpy(&length, bytes.data(), sizeof length);
@@ -142,6 +170,7 @@ std::optional<Envelope> envelope(Transport way, std::span<const std::uint8_t> by
 
 std::vector<std::uint8_t> published(Transport way, std::span<const std::uint8_t> payload) {
   if (way == Transport::kMqtt) return mqttMessage(kPublish, counted(kTopic), payload);
+  if (way == Transport::kWebSocket) return maskedFrame(0x82, {payload.begin(), payload.end()});
   if (way != Transport::kNats) return framed(payload);
   const std::string line =
       "PUB " + std::string(kTopic) + " " + std::to_string(payload.size()) + std::string(kEnd);
@@ -154,6 +183,7 @@ std::vector<std::uint8_t> published(Transport way, std::span<const std::uint8_t>
 void greet(Transport way, int socket, bool subscribe) {
   if (way == Transport::kMqtt) greetMqtt(socket, subscribe);
   if (way == Transport::kNats) greetNats(socket, subscribe);
+  if (way == Transport::kWebSocket) greetWebSocket(socket);
 }
 
 }  // namespace hapticast::testing

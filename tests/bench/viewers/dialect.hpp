@@ -14,6 +14,7 @@ namespace hapticast::testing {
 enum class Transport {
   kTcp,
   kUdp,
+  kWebSocket,
   kPlainTcp,  ///< frames unasked, with this machine's steady clock as their media time
   kPlainUdp,  ///< the same as datagrams, to whoever has sent one
   kMqtt,
@@ -22,7 +23,7 @@ enum class Transport {
 
 /// Whether it speaks the protocol, with hello and pings.
 [[nodiscard]] constexpr bool ours(Transport way) {
-  return way == Transport::kTcp || way == Transport::kUdp;
+  return way == Transport::kTcp || way == Transport::kUdp || way == Transport::kWebSocket;
 }
 [[nodiscard]] constexpr bool byDatagrams(Transport way) {
   return way == Transport::kUdp || way == Transport::kPlainUdp;
@@ -40,12 +41,12 @@ inline constexpr std::size_t kMostEnvelopeHead = 24;
 
 /// The message that begins with these bytes; nullopt: more of them are needed.
 [[nodiscard]] std::optional<Envelope> envelope(Transport way, std::span<const std::uint8_t> bytes);
-/// A message that publishes a payload.
+/// A message that publishes a payload, or one of our viewers to its server.
 [[nodiscard]] std::vector<std::uint8_t> published(Transport way,
                                                   std::span<const std::uint8_t> payload);
 
-/// Introduces a fresh connection to a broker; who subscribes gets every frame from then on. Waits
-/// for its answer; throws std::runtime_error where that is wrong.
+/// Introduces a fresh connection to a broker, or opens a WebSocket; who subscribes gets every frame
+/// from then on. Waits for the answer; throws std::runtime_error where that is wrong.
 void greet(Transport way, int socket, bool subscribe);
 
 /// A TCP connection to a port of this machine; -1 where nobody listens there.

@@ -18,12 +18,13 @@ namespace {
 
 const std::map<std::string, Contestant> kContestants{{"tcp", Contestant::kTcp},
                                                      {"udp", Contestant::kUdp},
+                                                     {"websocket", Contestant::kWebSocket},
                                                      {"bare", Contestant::kBareTcp},
                                                      {"bare-udp", Contestant::kBareUdp},
                                                      {"mosquitto", Contestant::kMosquitto},
                                                      {"nats", Contestant::kNats}};
-const std::map<std::string, Contestant> kTransports{{"tcp", Contestant::kTcp},
-                                                    {"udp", Contestant::kUdp}};
+const std::map<std::string, Contestant> kTransports{
+    {"tcp", Contestant::kTcp}, {"udp", Contestant::kUdp}, {"websocket", Contestant::kWebSocket}};
 constexpr Duration kTurn = std::chrono::seconds(1);
 
 struct Settings {
@@ -36,6 +37,7 @@ struct Settings {
   bool broadcast = false;
   bool churn = false;
   std::uint64_t stalled = 0;
+  std::uint64_t browsers = 0;
   std::vector<std::string> beside;
 };
 
@@ -60,12 +62,13 @@ std::unique_ptr<CLI::App> commandLine(Settings& settings) {
             "how often, for medians (default: 3)");
   app->add_option("--transport", settings.transport, "how frames come (default: tcp)")
       ->check(CLI::IsMember(kTransports))
-      ->type_name("tcp|udp");
+      ->type_name("tcp|udp|websocket");
   app->add_option(
          "--beside", settings.beside,
          "after --broadcast: others that play the same frames in the same rounds, in turns "
          "of a second, each to as many viewers: bare (a loop around send()), bare-udp (one "
-         "around sendto()), mosquitto, nats (where they are installed), tcp or udp")
+         "around sendto()), mosquitto, nats (where they are installed), tcp, udp or "
+         "websocket")
       ->check(CLI::IsMember(kContestants))
       ->delimiter(',')
       ->type_name("NAME,...");
@@ -74,6 +77,8 @@ std::unique_ptr<CLI::App> commandLine(Settings& settings) {
                 "compared");
   addNumber(*app, "--stalled", settings.stalled, std::uint64_t{1}, std::uint64_t{100000}, "N",
             "instead: turns without and with N viewers that read nothing, for --seconds");
+  addNumber(*app, "--browsers", settings.browsers, std::uint64_t{1}, std::uint64_t{100000}, "N",
+            "instead: turns of --seconds without and with N viewers by WebSocket, --rounds times");
   app->set_config("--config", "", "FILE");
   return app;
 }
@@ -116,9 +121,8 @@ Contest contest(const Settings& settings) {
     const auto pid = static_cast<pid_t>(settings.server_pid);
     contest.emplace_back(
         settings.transport,
-        std::make_unique<Contender>(settings.transport == "udp" ? Transport::kUdp : Transport::kTcp,
-                                    settings.server, pid > 0 ? std::optional(pid) : std::nullopt,
-                                    settings.frames));
+        std::make_unique<Contender>(wayOf(kContestants.at(settings.transport)), settings.server,
+                                    pid > 0 ? std::optional(pid) : std::nullopt, settings.frames));
   }
   return contest;
 }
@@ -158,13 +162,17 @@ std::string spread(std::vector<double> values) {
 void run(const Settings& settings) {
   if (!settings.broadcast && !settings.beside.empty())
     throw std::runtime_error("--beside needs --broadcast");
-  const std::size_t files = 2 * settings.frames.viewers * (1 + settings.beside.size());
+  const std::size_t files =
+      2 * (settings.frames.viewers * (1 + settings.beside.size()) + settings.browsers);
   if (server::raiseFileLimit(files) < files)
     throw std::runtime_error("this system allows fewer open files than viewers");
   const Contestant who = kContestants.at(settings.transport);
   const Duration time = fromSeconds(settings.seconds);
   if (settings.churn) return churn(who, settings.frames, time);
   if (settings.stalled > 0) return stall(who, settings.frames, settings.stalled, time);
+  for (std::uint64_t i = 0; settings.browsers > 0 && i < settings.rounds; ++i)
+    besideBrowsers(who, settings.frames, settings.browsers, time);
+  if (settings.browsers > 0) return;
   std::vector<std::vector<double>> rounds;
   rounds.reserve(settings.rounds);
   for (std::uint64_t i = 0; i < settings.rounds; ++i) rounds.push_back(playRound(settings));

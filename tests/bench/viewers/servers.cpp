@@ -20,6 +20,7 @@
 #include <thread>
 #include <vector>
 
+#include "server/page/page_responder.hpp"
 #include "server/stream/datagram_sender.hpp"
 #include "server/stream/listener.hpp"
 #include "tests/support/framed.hpp"
@@ -147,7 +148,8 @@ ServerProcess::Serve broadcaster(const Frames& frames, const Switch& playing) {
     server::StreamSettings settings;
     settings.max_clients = server::raiseFileLimit(frames.viewers);
     server::Broadcaster broadcaster(io, clock, media, description, settings);
-    server::Listener listener(io, {"127.0.0.1", 0}, broadcaster);
+    server::PageResponder page({"localhost"});
+    server::Listener listener(io, {"127.0.0.1", 0}, broadcaster, std::nullopt, &page);
     server::FrameSigner signer;
     server::DatagramSender sender(io, clock, listener.endpoint(), signer.identity());
     broadcaster.introduce(signer.identity());

@@ -57,8 +57,7 @@ void stall(Contestant who, const Frames& frames, std::size_t stalled, Duration t
   places.viewers += stalled;
   Switch playing;
   const ServerProcess server(broadcaster(places, playing));
-  Contender contender(who == Contestant::kUdp ? Transport::kUdp : Transport::kTcp,
-                      {"127.0.0.1", server.port()}, server.id(), frames);
+  Contender contender(wayOf(who), {"127.0.0.1", server.port()}, server.id(), frames);
   playing.set(true);
   contender.join();
   const std::array<Crowd*, 1> crowds{&contender.crowd()};

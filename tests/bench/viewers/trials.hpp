@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The effect of misbehaving viewers on a server and on the others. Thread: main.
+// The effect of some viewers on a server and on the others. Thread: main.
 #pragma once
 
 #include "common/time.hpp"
@@ -15,5 +15,9 @@ void churn(Contestant who, const Frames& frames, Duration time);
 /// Turns without and with so many viewers that say hello and read nothing; says what the others got
 /// and what memory that took, the system's included.
 void stall(Contestant who, const Frames& frames, std::size_t stalled, Duration time);
+
+/// Turns without and with so many viewers by WebSocket, which want no pictures; says what the
+/// others got.
+void besideBrowsers(Contestant who, const Frames& frames, std::size_t browsers, Duration time);
 
 }  // namespace hapticast::testing

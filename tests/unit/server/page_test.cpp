@@ -257,6 +257,9 @@ TEST_F(HandshakeTest, RefusesOtherVersionsAndWrongKeys) {
 TEST(PageFiles, AreThoseOfTheFolder) {
   for (const PageFile& file : listPageFiles()) {
     EXPECT_EQ(findPageFile("/" + std::string(file.name)), &file);
+    EXPECT_EQ(file.content_type.starts_with("text/"),
+              file.content_type.ends_with("; charset=utf-8"))
+        << file.name;
     const std::filesystem::path source =
         std::filesystem::path(HAPTICAST_TESTS) / "../client/web/page" / file.name;
     const auto content = inflate(file);
