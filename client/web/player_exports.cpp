@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// What the worker of the player calls (page/player.mjs): the server of a page that plays a
+// What the worker of the player calls (page/player.js): the server of a page that plays a
 // recording. Bytes and times are passed as in viewer_exports.cpp. Thread: one.
 #include <memory>
 #include <utility>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// What the worker of the page calls to view a stream (page/core.mjs). Bytes come in through
+// What the worker of the page calls to view a stream (page/core.js). Bytes come in through
 // input(), and go out through output() with the returned size. Times are ms of the page's clock.
-// A result of many numbers is an array of doubles, which is valid until the next call; core.mjs
+// A result of many numbers is an array of doubles, which is valid until the next call; core.js
 // names its elements. Thread: one.
 #include <array>
 #include <cmath>

@@ -1,7 +1,7 @@
 # Writes OUT from page_table.cpp.in with the FILES of the page, compressed by GZIP (gzip).
 # Run: cmake -DFILES=... -DGZIP=... -DOUT=... -P embed_page.cmake
 cmake_minimum_required(VERSION 3.25)
-set(types .html text/html .css text/css .mjs text/javascript .js text/javascript .wasm application/wasm
+set(types .html text/html .css text/css .js text/javascript .wasm application/wasm
   .svg image/svg+xml .png image/png .json application/json .txt text/plain)
 set(arrays)
 set(table)

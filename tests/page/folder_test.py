@@ -4,6 +4,7 @@ servers that answer wrongly."""
 
 import functools
 import http.server
+import os
 import pathlib
 import shutil
 import subprocess
@@ -14,7 +15,7 @@ import unittest
 import support
 
 NGINX = """
-daemon off; pid {folder}/pid; error_log {folder}/error.log; worker_processes 1;
+daemon off; {user} pid {folder}/pid; error_log {folder}/error.log; worker_processes 1;
 events {{}}
 http {{
   access_log {folder}/access.log; include /etc/nginx/mime.types; types {{ application/wasm wasm; text/javascript mjs; }}
@@ -75,7 +76,8 @@ class Folder(support.PageTest):
         self.addCleanup(work.cleanup)
         port = support.find_port()
         config = pathlib.Path(work.name, "nginx.conf")
-        config.write_text(NGINX.format(folder=work.name, root=self.folder, port=port), encoding="utf-8")
+        config.write_text(NGINX.format(
+            folder=work.name, root=self.folder, port=port, user="user root;" if os.geteuid() == 0 else ""), encoding="utf-8")
         # pylint: disable-next=consider-using-with
         process = subprocess.Popen(["/usr/sbin/nginx", "-c", str(config)], stderr=subprocess.DEVNULL)
         self.addCleanup(process.wait)

@@ -38,7 +38,7 @@ CLIPS = [
 RENDER = """
 const [text, done] = arguments;
 (async () => {
-  const { startCore } = await import('/core.mjs');
+  const { startCore } = await import('/core.js');
   const core = await startCore(await WebAssembly.compileStreaming(fetch('/core.wasm')));
   core.start([]);
   core.setControls({ paused: false, staticOn: true, dynamicOn: true, stiffnessFactor: 1, forceFactor: 1, friction: null }, 0);

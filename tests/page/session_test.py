@@ -23,6 +23,18 @@ window.Worker = class extends Worker {
 """
 LARGEST_STEP_N = 0.5  # of a tick: the slew limit of a falling force
 
+def record(folder, *arguments):
+    """Returns a recording that a server has made."""
+    path = os.path.join(folder, "recorded.mcap")
+    recorder = support.Server(*arguments, "--record", path)
+    try:
+        if recorder.process.wait(60) != 0:
+            raise AssertionError(recorder.output())
+    finally:
+        recorder.stop()
+    return path
+
+
 class Reconnection(support.PageTest):
 
     def press(self):
@@ -81,22 +93,19 @@ class Seam(support.PageTest):
         cls.browser.command("Page.addScriptToEvaluateOnNewDocument", source=KEEP)
 
     def test_the_clip_begins_again_under_the_tip(self):
-        """0.6 s of a ball that comes nearer: at the seam it jumps by tens of mm."""
-        server = self.serve("--source", "synthetic:approach", "--frames", "400", "--loop",
-                            "--map-range", "440,720")
+        """2 s of a ball that comes and goes: at the seam it jumps away by 70 mm."""
+        clip = record(self.browser.folder.name, "--source", "synthetic:approach", "--frames", "48",
+                      "--map-range", "440,720")
+        server = self.serve("--source", clip, "--loop")
         page = self.browser.touchable(server.link)
         at = page.place()
         page.mouse("Moved", at)
-        page.wheel(at, 25)
-        page.wait_for_force()
-        page.driver.execute_script("window.forces = []")
+        page.wheel(at, 28)
+        page.wait("forces.some(force_N => force_N > 0.1)", "there is no force")
         began_ms = page.get("hapticast.report.play_ms")
-        page.wait(f"hapticast.report.play_ms > {began_ms} + 5500", "play time stands still")
-        self.assertEqual([each for each in page.get("states") if each != "connected"], ["loading", "connecting"])
-        self.assertFalse(page.get("hapticast.report.halted"))
-        self.assertEqual(page.get("hapticast.stats.frames_lost"), 0)
+        page.wait(f"hapticast.report.play_ms > {began_ms} + 4000", "play time stands still")
+        self.assertEqual({"failed", "retrying"} & set(page.get("states")), set())
         forces_N = page.get("forces")
-        self.assertGreater(max(forces_N), 0.1)
         self.assertLess(max(abs(b - a) for a, b in zip(forces_N, forces_N[1:])), LARGEST_STEP_N)
 
 
@@ -105,13 +114,8 @@ class OnDemand(support.PageTest):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        recorder = support.Server(*support.STILL, "--frames", "150", "--record",
-                                  os.path.join(cls.browser.folder.name, "still.mcap"))
-        cls.addClassCleanup(recorder.stop)
-        if recorder.process.wait(60) != 0:
-            raise AssertionError(recorder.output())
-        cls.server = cls.serve_all("--source", os.path.join(cls.browser.folder.name, "still.mcap"),
-                                   "--on-demand", "--loop")
+        clip = record(cls.browser.folder.name, *support.STILL, "--frames", "150")
+        cls.server = cls.serve_all("--source", clip, "--on-demand", "--loop")
 
     def setUp(self):
         super().setUp()
@@ -122,9 +126,6 @@ class OnDemand(support.PageTest):
         self.page.driver.execute_script(
             f"const e = document.getElementById('{name}'); e.value = {value};"
             f"e.dispatchEvent(new Event('input')); e.dispatchEvent(new Event('{event}'))")
-
-    def place_s(self):
-        return self.page.get("Number(document.getElementById('place').value)")
 
     def test_the_time_bar_seeks(self):
         self.assertTrue(self.page.is_shown("time"))
@@ -140,12 +141,14 @@ class OnDemand(support.PageTest):
         self.page.driver.find_element("id", "pause-button").click()
         self.page.wait("hapticast.stream.timeline.speed === 0", "the server does not pause")
         self.page.wait("document.getElementById('pause-button').innerText === 'play'", "no button to play")
-        stands_s = self.place_s()
+        stands_s = round(self.page.get("hapticast.stream.timeline.position_s"), 1)
+        place = "Number(document.getElementById('place').value)"
+        self.page.wait(f"Math.abs({place} - {stands_s}) < 0.11", "the time bar is elsewhere")
         self.press()  # a paused recording can be touched
-        self.assertEqual(self.place_s(), stands_s)
+        self.assertAlmostEqual(self.page.get(place), stands_s, delta=0.11)
         self.page.driver.find_element("id", "pause-button").click()
         self.page.wait("hapticast.stream.timeline.speed === 1", "the server does not play")
-        self.page.wait(f"Number(document.getElementById('place').value) !== {stands_s}", "time stands")
+        self.page.wait(f"Math.abs(Number(document.getElementById('place').value) - {stands_s}) > 0.3", "time stands")
 
     def press(self):
         at = self.page.place()

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The recording of a page, which the page reads over the network (page/player.mjs).
+// The recording of a page, which the page reads over the network (page/player.js).
 #include "common/recording/mcap_file.hpp"
 
 #include <utility>

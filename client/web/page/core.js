@@ -18,7 +18,7 @@ function makeImports(memory, readFile) {
   };
 }
 
-/// Starts the compiled core. `readFile`: a file for the player (remote_file.mjs), or nothing.
+/// Starts the compiled core. `readFile`: a file for the player (remote_file.js), or nothing.
 export async function startCore(module, readFile = { size: 0, read: () => 0 }) {
   let instance;
   const imports = makeImports(() => instance.exports.memory, readFile);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Controls of an operator: time and material of the stream, for all viewers.
 
-import {find, make, setText} from './panel.mjs';
-import {fillSpeeds} from './timeline.mjs';
+import {find, make, setText} from './panel.js';
+import {fillSpeeds} from './timeline.js';
 
 // Name in the message, text, ends and step of the slider, value at the start. Chosen: the useful
 // part of what the protocol permits.

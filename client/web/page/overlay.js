@@ -4,7 +4,7 @@
 // never inside the object: so stiffness and bumps are seen as they are felt. Before contact a line
 // leads from the cone to the spot that it would touch.
 
-import {kTowardsViewer, norm} from './geometry.mjs';
+import {kTowardsViewer, norm} from './geometry.js';
 
 export const kColours = {
   force: '#ffd640',

@@ -2,7 +2,7 @@
 // The target of the tip. Pointer, touch, pen, keys and gamepad move it; the worker leads the tip
 // there. It starts above the highest possible relief and goes down to a little behind the picture.
 
-import {clamp, computeScale, norm} from './geometry.mjs';
+import {clamp, computeScale, norm} from './geometry.js';
 
 const kAboveRelief_mm = 5;  // as in the native window
 const kFarthest_mm = -5;

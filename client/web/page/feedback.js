@@ -5,9 +5,9 @@
 // sudden change) drives the weak motor and a high tone. All are off at once without a contact,
 // without fresh data, and in a hidden page.
 
-import {findPad} from './gamepad.mjs';
-import {norm} from './geometry.mjs';
-import {computeShare} from './overlay.mjs';
+import {findPad} from './gamepad.js';
+import {norm} from './geometry.js';
+import {computeShare} from './overlay.js';
 
 const kSudden_ticks = 50;  // of the low-pass and of the peak hold
 const kNothing_N = 0.01;

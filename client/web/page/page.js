@@ -2,20 +2,20 @@
 // The page of a stream: connects the worker, which receives the stream and renders the force, with
 // the views, the input and the panel.
 
-import {Feedback} from './feedback.mjs';
-import {Film} from './film.mjs';
-import {GamepadInput} from './gamepad.mjs';
-import {Keys} from './keys.mjs';
-import {makeOperatorControls} from './operator.mjs';
-import * as panel from './panel.mjs';
-import {find} from './panel.mjs';
-import {ForcePlot} from './plot.mjs';
-import {PointerInput} from './pointer.mjs';
-import {keepSettings, loadSettings, readFragment} from './settings.mjs';
-import {StatusTexts} from './status.mjs';
-import {Target} from './target.mjs';
-import {TimeBar} from './timeline.mjs';
-import {Views} from './views.mjs';
+import {Feedback} from './feedback.js';
+import {Film} from './film.js';
+import {GamepadInput} from './gamepad.js';
+import {Keys} from './keys.js';
+import {makeOperatorControls} from './operator.js';
+import * as panel from './panel.js';
+import {find} from './panel.js';
+import {ForcePlot} from './plot.js';
+import {PointerInput} from './pointer.js';
+import {keepSettings, loadSettings, readFragment} from './settings.js';
+import {StatusTexts} from './status.js';
+import {Target} from './target.js';
+import {TimeBar} from './timeline.js';
+import {Views} from './views.js';
 
 const kWorkspace = ['width_px', 'height_px', 'width_mm', 'height_mm', 'depth_mm', 'stretch'];
 const kTexts_ms = 100;  // texts change ten times a second
@@ -70,7 +70,7 @@ class Page {
     const url = new URL(this.source, document.baseURI);
     url.hash = '';
     if (!this.isRecording) url.protocol = url.protocol === 'https:' ? 'wss:' : 'ws:';
-    const worker = new Worker('worker.mjs', {type: 'module'});
+    const worker = new Worker('worker.js', {type: 'module'});
     worker.onmessage = ({data}) => this.receive(data);
     worker.onerror = event => {
       event.preventDefault();

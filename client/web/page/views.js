@@ -2,10 +2,10 @@
 // The two views: the flat picture, and the relief from the side. Each has a canvas for the content
 // and a canvas above it for the touch. A canvas is drawn only if its content has changed.
 
-import {Camera, computeScale, FlatView} from './geometry.mjs';
-import {drawTouch} from './overlay.mjs';
-import {find} from './panel.mjs';
-import {ReliefRenderer} from './relief.mjs';
+import {Camera, computeScale, FlatView} from './geometry.js';
+import {drawTouch} from './overlay.js';
+import {find} from './panel.js';
+import {ReliefRenderer} from './relief.js';
 
 const kWide_px = 1200;  // both views side by side
 const kNone = [];

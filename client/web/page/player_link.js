@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-// The link to the player of a static folder, with the interface of a WebSocket as far as worker.mjs
+// The link to the player of a static folder, with the interface of a WebSocket as far as worker.js
 // uses it. Thread: the worker of the page.
 
 export class PlayerLink {
   /// `module`: the compiled core. `events`: onshare(share), onproblem(text).
   constructor(url, module, events) {
     this.readyState = WebSocket.CONNECTING;
-    this.worker = new Worker('player.mjs', { type: 'module' });
+    this.worker = new Worker('player.js', { type: 'module' });
     this.worker.onmessage = ({ data }) => this.onPlayer(data, events);
     this.worker.onerror = () => this.end('the player does not start');
     this.worker.postMessage({ url, module });

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The force of the last eight seconds: a ring of columns of 20 ms, each with its peaks.
 
-import {kColours} from './overlay.mjs';
+import {kColours} from './overlay.js';
 
 const kSpan_s = 8;  // as in the native window: a press and its release
 const kTicks = 20;  // of a column

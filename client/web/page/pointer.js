@@ -44,6 +44,7 @@ export class PointerInput {
   /// Moves the tip to a point. Returns false beside the picture.
   point([x, y]) {
     const {stream, objects} = this.state();
+    if (!this.view.zoom) return false;  // before the first drawing
     const at_mm = this.view.pick(x + this.offset[0], y + this.offset[1], stream, objects);
     if (at_mm) this.target.moveTo(...at_mm);
     return at_mm !== null;

@@ -2,8 +2,8 @@
 // The worker of the player: it plays the recording of a static folder to the viewer in this page,
 // by the messages of the protocol (client/web/recorded_server.hpp). It receives `open`, then the
 // viewer's messages as bytes. It sends messages as bytes, `open`, `share` and `failed`.
-import { startCore } from './core.mjs';
-import { openFile } from './remote_file.mjs';
+import { startCore } from './core.js';
+import { openFile } from './remote_file.js';
 
 const MOST_AT_ONCE = 50; // messages of a poll; others wait for the next one
 

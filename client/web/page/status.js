@@ -3,8 +3,8 @@
 // times a second at most. A screen reader hears the advice when its words change, every two seconds
 // at most.
 
-import {norm} from './geometry.mjs';
-import {find, setText} from './panel.mjs';
+import {norm} from './geometry.js';
+import {find, setText} from './panel.js';
 
 const kAnnounce_ms = 2000;
 const kMost_N = 3.3;  // end of the gauge

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // The time bar of a recording on demand: pause, place, speed.
 
-import {clamp} from './geometry.mjs';
-import {find, make, setText} from './panel.mjs';
+import {clamp} from './geometry.js';
+import {find, make, setText} from './panel.js';
 
 const kStep_s = 5;  // of a key; usual in video players
 export const kSpeeds = [0.1, 0.25, 0.5, 1, 1.5, 2, 4];

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // The panel: controls of the force, feedback of the browser, legend, facts of the stream.
 
-import {findAbilities} from './feedback.mjs';
-import {kHelp} from './keys.mjs';
-import {kColours} from './overlay.mjs';
-import {keepSettings} from './settings.mjs';
+import {findAbilities} from './feedback.js';
+import {kHelp} from './keys.js';
+import {kColours} from './overlay.js';
+import {keepSettings} from './settings.js';
 
 export const find = id => document.getElementById(id);
 

@@ -4,8 +4,8 @@
 // most. Frames are prepared between the ticks, one in each call. The page sends `open`, `pointer`,
 // `user`, `rearm`, `control` and `show`; it receives `status`, `stream`, `picture`, `reliefs` and
 // `ticks`.
-import { startCore } from './core.mjs';
-import { PlayerLink } from './player_link.mjs';
+import { startCore } from './core.js';
+import { PlayerLink } from './player_link.js';
 
 const MOST_TICKS = 20; // in one call; a longer gap is a late tick, and its ticks are left out
 const REPORT_EVERY_MS = 16; // chosen: once for each picture of a screen
