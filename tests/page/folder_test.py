@@ -18,7 +18,7 @@ NGINX = """
 daemon off; {user} pid {folder}/pid; error_log {folder}/error.log; worker_processes 1;
 events {{}}
 http {{
-  access_log {folder}/access.log; include /etc/nginx/mime.types; types {{ application/wasm wasm; text/javascript mjs; }}
+  access_log {folder}/access.log; include /etc/nginx/mime.types;
   client_body_temp_path {folder}; proxy_temp_path {folder}; fastcgi_temp_path {folder}; uwsgi_temp_path {folder};
   scgi_temp_path {folder};
   server {{ listen 127.0.0.1:{port}; root {root}; }}
@@ -114,7 +114,8 @@ class Folder(support.PageTest):
         self.press()
         self.seek()
         ranges = [line for line in log.read_text(encoding="utf-8").splitlines() if ".mcap" in line]
-        self.assertTrue(ranges and all(" 206 " in line for line in ranges), ranges)
+        self.assertGreater(sum(" 206 " in line for line in ranges), 2)
+        self.assertFalse([line for line in ranges if " 200 " in line], "the whole file")
 
     def test_wrong_ranges(self):
         self.browser.open(self.serve_by(WrongRanges))
