@@ -4,27 +4,12 @@
 #include <spdlog/common.h>
 
 #include <algorithm>
-#include <map>
-#include <string>
+#include <string_view>
+#include <unordered_map>
 
 #include "server/stream/broadcaster.hpp"
 
 namespace hapticast::server {
-
-namespace {
-
-/// Returns the first 64 bits of an IPv6 address, since one host may use all addresses with this
-/// prefix. Other addresses are returned unchanged.
-std::string findNetwork(const std::string& address) {
-  boost::system::error_code ec;
-  const auto v6 = asio::ip::make_address_v6(
-      address.starts_with('[') ? address.substr(1, address.size() - 2) : address, ec);
-  if (ec) return address;
-  const auto bytes = v6.to_bytes();
-  return {bytes.begin(), bytes.begin() + 8};
-}
-
-}  // namespace
 
 void Broadcaster::accept(std::unique_ptr<Channel> channel) {
   const auto session = std::make_shared<Session>(
@@ -49,14 +34,13 @@ void Broadcaster::addWithin(Sessions& list, const std::shared_ptr<Session>& sess
 }
 
 std::shared_ptr<Session> Broadcaster::evictionCandidate(const Sessions& list) {
-  std::map<std::string, std::size_t> from;
-  for (const auto& each : list) ++from[findNetwork(each->address())];
+  std::unordered_map<std::string_view, std::size_t> from;
+  for (const auto& each : list) ++from[each->network()];
   const auto most = std::max_element(
       from.begin(), from.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
   // Among networks with equally many sessions, the oldest session is the candidate.
-  return *std::find_if(list.begin(), list.end(), [&](const auto& each) {
-    return from[findNetwork(each->address())] == most->second;
-  });
+  return *std::find_if(list.begin(), list.end(),
+                       [&](const auto& each) { return from[each->network()] == most->second; });
 }
 
 void Broadcaster::onRequest(const std::shared_ptr<Session>& session, const std::string& problem) {
@@ -69,7 +53,7 @@ void Broadcaster::onRequest(const std::shared_ptr<Session>& session, const std::
 }
 
 std::optional<LocalTime> Broadcaster::reserveRefusal(const Session& session, LocalTime latest) {
-  return refusals_.reserve(findNetwork(session.address()), clock_.now(), latest);
+  return refusals_.reserve(session.network(), clock_.now(), latest);
 }
 
 }  // namespace hapticast::server

@@ -18,6 +18,17 @@ namespace {
 // that the peer can read the reason.
 constexpr std::size_t kMaxDrainBytes = 1U << 20U;
 
+/// Returns the first 64 bits of an IPv6 address, since one host may use all addresses with this
+/// prefix. Other addresses are returned unchanged.
+std::string findNetwork(const std::string& address) {
+  boost::system::error_code ec;
+  const auto v6 = asio::ip::make_address_v6(
+      address.starts_with('[') ? address.substr(1, address.size() - 2) : address, ec);
+  if (ec) return address;
+  const auto bytes = v6.to_bytes();
+  return {bytes.begin(), bytes.begin() + 8};
+}
+
 }  // namespace
 
 Session::Session(asio::io_context& io, std::unique_ptr<Channel> channel, SessionHost& host,
@@ -27,6 +38,7 @@ Session::Session(asio::io_context& io, std::unique_ptr<Channel> channel, Session
       wake_(io),
       host_(host),
       id_(id),
+      network_(findNetwork(address())),
       started_(host.clock().now()),
       received_(started_),
       write_progress_(started_),

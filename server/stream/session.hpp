@@ -125,6 +125,9 @@ class Session : public std::enable_shared_from_this<Session> {
   [[nodiscard]] bool ofWebSocket() const { return channel_->carrier() == Carrier::kWebSocket; }
   [[nodiscard]] std::string label() const;    ///< names the client in the log
   [[nodiscard]] std::string address() const;  ///< client's address, without its port
+  /// Returns a text that is the same for all addresses that one client may use: of IPv6, the first
+  /// 64 bits.
+  [[nodiscard]] const std::string& network() const { return network_; }
   [[nodiscard]] const SendCounts& counts() const { return queue_.counts(); }
   [[nodiscard]] std::uint64_t bytesSent() const { return channel_->bytesWritten(); }
 
@@ -172,6 +175,7 @@ class Session : public std::enable_shared_from_this<Session> {
   asio::steady_timer wake_;  // wakes the writer
   SessionHost& host_;
   std::uint32_t id_;
+  std::string network_;
   SharedBytes unfinished_;       // payload that is written in part; the writer continues with it
   std::deque<Pong> pongs_;       // t2 and error are set when the pong is sent
   std::size_t quick_pongs_ = 0;  // pongs that were sent at once, since the newest welcome
