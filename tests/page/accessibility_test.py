@@ -17,7 +17,8 @@ class Accessibility(support.BallTest):
         if not driver.execute_script("return Boolean(window.axe)"):
             driver.execute_script(AXE.read_text(encoding="utf-8"))
         result = driver.execute_async_script(
-            "const done = arguments[0]; axe.run({resultTypes: ['violations']}).then(done, e => done({problem: `${e}`}))")
+            "const done = arguments[0];"
+            "axe.run({resultTypes: ['violations']}).then(done, error => done({problem: `${error}`}))")
         self.assertNotIn("problem", result)
         self.assertGreater(len(result["passes"]), 10)
         broken = [{"rule": each["id"], "at": [node["html"] for node in each["nodes"]][:5],

@@ -58,7 +58,7 @@ def measure_first_touch(browser):
         (function press() {
           const report = window.hapticast?.report;
           if (report?.contact) return window.touched_ms = performance.now();
-          if (report?.over_object && !pressed) {
+          if (report?.over_object && hapticast.stats.pictures_shown > 0 && !pressed) {
             const box = flat.getBoundingClientRect();
             const place = {clientX: box.x + box.width / 2, clientY: box.y + box.height / 2,
                            bubbles: true, cancelable: true, pointerType: 'mouse'};
@@ -103,19 +103,17 @@ def measure_bytes():
              f"({total['core.wasm']} of them core.wasm)")
 
 
-def find_renderer(browser):
-    """Returns the process of the page: the child of this Chromium with the busiest threads."""
-    folder = browser.folder.name
+def find_renderers(browser):
+    """Returns the processes of pages below this Chromium. A link of another host changes the process."""
     renderers = []
     for path in pathlib.Path("/proc").glob("[0-9]*"):
         try:
             words = path.joinpath("cmdline").read_bytes().decode(errors="replace")
         except OSError:
             continue
-        # Chromium writes the words of a renderer into one.
-        if "--type=renderer" in words and is_below(path, folder):
+        if "--type=renderer" in words and is_below(path, browser.folder.name):
             renderers.append(path)
-    return max(renderers, key=lambda path: sum(read_threads(path).values()))
+    return renderers
 
 
 def is_below(path, folder):
@@ -130,16 +128,17 @@ def is_below(path, folder):
             return False
 
 
-def read_threads(process):
-    """Returns the CPU time of each thread by name, s."""
+def read_threads(renderers):
+    """Returns the CPU time of each thread by its part: page, worker or others; s."""
     times = {}
-    for task in process.joinpath("task").iterdir():
+    for task in (task for process in renderers for task in process.joinpath("task").glob("*")):
         try:
             name = task.joinpath("comm").read_text().strip()
             words = task.joinpath("stat").read_text().rsplit(")", 1)[1].split()
         except OSError:
             continue
-        times[name, task.name] = (int(words[11]) + int(words[12])) / TICKS_S
+        part = "page" if task.name == task.parts[2] else "worker" if "Dedicated" in name else "others"
+        times[part, task.name] = (int(words[11]) + int(words[12])) / TICKS_S
     return times
 
 
@@ -149,16 +148,15 @@ def measure_run(browser, server, seconds):
     at = browser.place()
     browser.mouse("Moved", at)
     browser.wheel(at, support.DEEP)
-    process = find_renderer(browser)
-    before, counts = read_threads(process), browser.get("hapticast.stats")
+    renderers = find_renderers(browser)
+    before, counts = read_threads(renderers), browser.get("hapticast.stats")
     begin = time.monotonic()
     time.sleep(seconds)
-    after, later = read_threads(process), browser.get("hapticast.stats")
+    after, later = read_threads(renderers), browser.get("hapticast.stats")
     took = time.monotonic() - begin
     parts = {"page": 0.0, "worker": 0.0, "others": 0.0}
-    for (name, number), cpu_s in after.items():
-        part = "page" if number == process.name else "worker" if "Dedicated" in name else "others"
-        parts[part] += (cpu_s - before.get((name, number), 0.0)) / took
+    for (part, number), cpu_s in after.items():
+        parts[part] += (cpu_s - before.get((part, number), 0.0)) / took
     rates = {name: (later[name] - counts[name]) / took
              for name in ("frames_received", "pictures_shown", "late", "ticks")}
     return parts, rates, later["tick_us"]
