@@ -29,8 +29,7 @@ std::optional<WireError> MessageReceiver::onWelcome(const Welcome& welcome, Loca
                                               ", not of " + std::to_string(kProtocolVersion)};
   auto refusal = origin_.refuse(welcome.verifying_key);
   untrusted_ = refusal.has_value();
-  if (refusal)
-    return WireError{ErrorCode::kUnexpected, std::move(*refusal)};
+  if (refusal) return WireError{ErrorCode::kUnexpected, std::move(*refusal)};
   if (!welcomed_) {
     welcomes_ = makeWelcomeLimiter();
   } else if (welcomes_.allow(now)) {

@@ -18,11 +18,11 @@ namespace {
 
 // The flags of the server that a bake obeys, too. All others are for a stream.
 constexpr auto kBakeFlags = std::to_array<std::string_view>(
-    {"fps",         "layout",     "depth-code",     "depth-near",   "depth-unit", "color",
-     "depth",       "to-and-fro", "frames",         "name",         "segment",    "fov",
-     "stretch",     "motion",     "compensate-pan", "method",       "object",     "not",
-     "depth-range", "map-range",  "stiffness",      "damping",      "friction",   "texture-depth",
-     "mass",        "scene",      "plan",           "error-budget", "quiet",      "config",
+    {"fps",         "layout",     "depth-code",     "depth-near",     "depth-unit", "color",
+     "depth",       "to-and-fro", "frames",         "name",           "segment",    "fov",
+     "stretch",     "motion",     "compensate-pan", "method",         "object",     "not",
+     "depth-range", "map-range",  "stiffness",      "damping",        "friction",   "texture-depth",
+     "mass",        "scene",      "plan",           "error-budget",   "quiet",      "config",
      "help",        "version",    "print-config",   "picture-quality"});
 
 bool isBakeFlag(const CLI::Option& option) {
@@ -57,6 +57,20 @@ std::string listBakeFlags(const CLI::App& app) {
   return text;
 }
 
+/// Adds -o: a recording, or a folder with one.
+void addOutput(CLI::App& app, BakeSettings& settings) {
+  const auto set = [&settings](const std::string& text) {
+    if (text.ends_with('/')) settings.folder = text;
+    settings.out = text + (settings.folder.empty() ? "" : kPageRecording);
+    if (!hasEnding(settings.out, ".mcap"))
+      throw CLI::ValidationError("-o", quote(text) + " is neither FILE.mcap nor FOLDER/");
+  };
+  app.add_option_function<std::string>("-o,--out", set,
+                                       "The new recording, or the folder for it and its page")
+      ->type_name("FILE.mcap|FOLDER/")
+      ->required();
+}
+
 }  // namespace
 
 std::unique_ptr<CLI::App> bakeCommandLine(BakeSettings& settings) {
@@ -73,16 +87,7 @@ std::unique_ptr<CLI::App> bakeCommandLine(BakeSettings& settings) {
                   "The clip: synthetic:NAME, a folder, COLOR,DEPTH or FILE (hapticast-server "
                   "--help, --source)")
       ->required();
-  const auto set = [&settings](const std::string& text) {
-    if (text.ends_with('/')) settings.folder = text;
-    settings.out = text + (settings.folder.empty() ? "" : kPageRecording);
-    if (!hasEnding(settings.out, ".mcap"))
-      throw CLI::ValidationError("-o", quote(text) + " is neither FILE.mcap nor FOLDER/");
-  };
-  app->add_option_function<std::string>("-o,--out", set,
-                                        "The new recording, or the folder for it and its page")
-      ->type_name("FILE.mcap|FOLDER/")
-      ->required();
+  addOutput(*app, settings);
   app->add_option("--picture-quality", settings.picture_quality,
                   "Quality of the pictures (JPEG); a page on the web loads sooner with less. "
                   "Default: 80")

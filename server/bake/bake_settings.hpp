@@ -21,7 +21,7 @@ struct BakeSettings {
   std::string folder;  ///< of a page that plays the file, with a slash at its end; empty: none
   bool resume = false;
   int picture_quality = 80;  ///< of the JPEGs, 1..100
-  std::string flags;  ///< the flags that change the frames, as one text
+  std::string flags;         ///< the flags that change the frames, as one text
 };
 
 /// Returns the parser of the words behind `bake`. It writes into `settings`, which must outlive it.

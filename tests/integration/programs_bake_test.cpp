@@ -44,6 +44,19 @@ TEST_F(ProgramsBakeTest, ABakedClipPlays) {
   interrupt(*server);
 }
 
+TEST_F(ProgramsBakeTest, AFolderHasThePageBesideTheRecording) {
+  const auto bake = startBake("touch/", {"--frames", "25", "--picture-quality", "20"});
+  EXPECT_EQ(bake->wait(kStart), 0) << bake->output();
+  EXPECT_TRUE(bake->says("touch/ is complete", kSoon)) << bake->output();
+  EXPECT_NE(read("touch/index.html").find("content=\"recording.mcap\""), std::string::npos);
+  EXPECT_EQ(read("touch/core.wasm").substr(0, 4), std::string("\0asm", 4));
+  EXPECT_GT(sizeOf("touch/recording.mcap"), 100'000U);
+  std::uintmax_t all = 0;
+  for (const auto& file : std::filesystem::directory_iterator(path("touch")))
+    all += file.file_size();
+  EXPECT_LT(all, 1'000'000U) << "as the demo leaves it";
+}
+
 TEST_F(ProgramsBakeTest, AnInterruptedBakeEndsInTheSameBytes) {
   const auto whole = startBake("whole.mcap");
   EXPECT_EQ(whole->wait(kStart), 0) << whole->output();

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "client/net/connection.hpp"
+#include "client/net/decode_thread.hpp"
 #include "common/transport/asio.hpp"
 #include "server/page/page_responder.hpp"
 #include "server/stream/listener.hpp"
