@@ -70,6 +70,7 @@ class Fingers(support.BallTest):
         self.page.fingers("End")
 
     def test_the_button_presses_while_it_is_held(self):
+        self.page.get("document.getElementById('press').scrollIntoView()")
         point = self.page.get(
             "(b => [b.x + b.width / 2, b.y + b.height / 2])"
             "(document.getElementById('press').getBoundingClientRect())")

@@ -169,7 +169,7 @@ def measure_load(browser, size_px, view, seconds):
         try:
             browser.open(server.link)
             browser.driver.execute_script(
-                f"localStorage.hapticast = JSON.stringify({{view: '{view}', panel: true}})")
+                f"localStorage.hapticast = JSON.stringify({{view: '{view}', panel: false}})")
             parts, rates, tick_us = measure_run(browser, server, seconds)
         finally:
             browser.leave()
@@ -181,7 +181,7 @@ def measure_load(browser, size_px, view, seconds):
 
 def main():
     seconds = float(sys.argv[1]) if len(sys.argv) > 1 else 10.0
-    browser = support.Browser(1100, 760)
+    browser = support.Browser(*support.PageTest.SCREEN)
     try:
         print("| quantity | value |\n|---|---|")
         measure_bytes()

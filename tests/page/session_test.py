@@ -54,6 +54,7 @@ class Reconnection(support.PageTest):
         self.assertIn("connects again", page.text("card"))
         page.shoot("retrying")
         page.wait("Math.hypot(...hapticast.report.force_N) === 0", "the force outlives the server")
+        page.wait("document.getElementById('force-text').innerText === '0.00 N'", "the page shows an old force")
         self.serve(*second, listen=f"127.0.0.1:{first.port}")
         page.wait_for_state("connected")
         shown = page.get("hapticast.stats.pictures_shown")

@@ -229,7 +229,7 @@ class Browser:
 
 class PageTest(unittest.TestCase):
     """A test with one browser for all of its cases, and any number of servers."""
-    SCREEN = (1100, 760)  # px; the page then begins with the flat picture
+    SCREEN = (800, 600)  # px: the flat picture; a software renderer draws a larger page slowly
     FLAGS = ()
 
     @classmethod

@@ -20,7 +20,7 @@ window.kept = [];
 
 
 class Opening(support.BallTest):
-    SCREEN = (1280, 800)  # both views
+    SCREEN = (1210, 500)  # both views
 
     def test_shows_the_stream(self):
         page = self.browser.touchable(self.server.link)

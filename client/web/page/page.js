@@ -263,6 +263,8 @@ class Page {
   showTexts(report) {
     if (this.status.state === 'connected')
       this.texts.showTicks(this.ticks, matchMedia('(pointer: coarse)').matches);
+    else
+      this.texts.showForce(report);
     this.timeBar.show(report.play_ms, this.controls.paused);
     panel.showFacts(this.stream, report, this.ticks.stats, this.stats);
   }

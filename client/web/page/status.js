@@ -60,7 +60,6 @@ export class StatusTexts {
   showTicks(ticks, isTouchScreen) {
     const {report} = ticks;
     const {advice, hint, states} = ticks.advice === undefined ? report : ticks;
-    const force_N = norm(report.force_N);
     setText(find('advice'), advice || '\u00a0');
     find('advice').className = report.contact ? 'contact' : '';
     find('states').hidden = !states;
@@ -70,6 +69,13 @@ export class StatusTexts {
         hint;
     find('hint').hidden = !words;
     setText(find('hint'), words ?? '');
+    this.showForce(report);
+    this.announce(states ? `${advice}. ${states}` : advice);
+  }
+
+  /// Shows the force, also without a connection: it fades then.
+  showForce(report) {
+    const force_N = norm(report.force_N);
     setText(find('force-text'), `${force_N.toFixed(2)} N`);
     setText(
         find('force-line'),
@@ -77,7 +83,6 @@ export class StatusTexts {
     find('gauge-bar').style.transform = `scaleX(${Math.min(1, force_N / kMost_N).toFixed(3)})`;
     find('gauge').setAttribute('aria-valuenow', Math.min(force_N, kMost_N).toFixed(1));
     find('rearm').hidden = !report.halted;
-    this.announce(states ? `${advice}. ${states}` : advice);
   }
 
   announce(text) {
