@@ -117,7 +117,7 @@ void playFrame(benchmark::State& state) {
       recorder.publish(makePicture(each));
     }
   }
-  server::RecordingPlayer player(std::move(server::StreamReader::open(file.name())).value(), true);
+  RecordingPlayer player(std::move(StreamReader::open(file.name())).value(), true);
   server::FrameSigner signer;
   server::FrameEncoder encoder;
   MediaTime now = player.reader().begin();
@@ -125,7 +125,7 @@ void playFrame(benchmark::State& state) {
     (void)unused;
     for (bool is_frame = false; !is_frame;) {
       now = std::max(now, player.prepare(now).value());
-      server::RecordedItem item = player.take();
+      RecordedItem item = player.take();
       is_frame = std::holds_alternative<CodedFrame>(item);
       if (is_frame) {
         benchmark::DoNotOptimize(
@@ -169,7 +169,7 @@ void seekInADay(benchmark::State& state) {
     }
   }
   const double opened_s = readProcessTime_s();
-  server::RecordingPlayer player(std::move(server::StreamReader::open(file.name())).value(), true);
+  RecordingPlayer player(std::move(StreamReader::open(file.name())).value(), true);
   state.counters["open_cpu_ms"] = 1e3 * (readProcessTime_s() - opened_s);
   std::uint64_t next = 1;
   for (auto unused : state) {

@@ -30,10 +30,10 @@ class OnDemandTest : public StreamTest {
         recorder.publish(encoder.encode(frame));
       }
     }
-    reader_.emplace(server::StreamReader::openSource(file_));
+    reader_.emplace(StreamReader::openSource(file_));
     timelines_.emplace(server::ViewerTimeline::Server{io, media_, signer_, "on demand"}, *reader_,
                        false);
-    const server::RecordingPlayer player(reader_->reopen().value(), false);
+    const RecordingPlayer player(reader_->reopen().value(), false);
     broadcaster_.emplace(io, clock, media_,
                          server::ViewerTimeline::describeBegin(player, "on demand"),
                          server::StreamSettings{});
@@ -76,7 +76,7 @@ class OnDemandTest : public StreamTest {
   std::string file_ = (folder_ / "stream.mcap").string();
   LocalMediaClock media_{clock};
   server::FrameSigner signer_;
-  std::optional<server::StreamReader> reader_;
+  std::optional<StreamReader> reader_;
   std::optional<server::ViewerTimelines> timelines_;
   std::optional<server::Broadcaster> broadcaster_;
   std::optional<server::Listener> listener_;
