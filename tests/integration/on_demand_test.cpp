@@ -2,6 +2,7 @@
 // A recording on demand: each viewer has a time line of its own, and no other right.
 #include <algorithm>
 
+#include "server/play_recording.hpp"
 #include "server/recording/stream_recorder.hpp"
 #include "server/recording/viewer_timeline.hpp"
 #include "tests/integration/stream_fixture.hpp"
@@ -30,7 +31,7 @@ class OnDemandTest : public StreamTest {
         recorder.publish(encoder.encode(frame));
       }
     }
-    reader_.emplace(StreamReader::openSource(file_));
+    reader_.emplace(server::openRecording(file_));
     timelines_.emplace(server::ViewerTimeline::Server{io, media_, signer_, "on demand"}, *reader_,
                        false);
     const RecordingPlayer player(reader_->reopen().value(), false);
