@@ -179,8 +179,14 @@ function onControl(message) {
   sendStream();
 }
 
+/// Returns a sentence of the server or of the core in the words of a page: a flag of the client is a part of the link.
+function toPage(sentence) {
+  return sentence.replace('--token-file', '#token= in the link').replace('--origin-key', '#origin-key= in the link');
+}
+
 /// Ends the session with a sentence. `permanent`: no retry follows.
-function fail(sentence, permanent = true) {
+function fail(text, permanent = true) {
+  const sentence = toPage(text);
   const ended = link;
   link = null;
   ended?.close();
