@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <csignal>
 #include <utility>
 
@@ -22,18 +23,24 @@ std::optional<MulticastGroup> openMulticastGroup(asio::io_context& io, const Set
   return MulticastGroup(io, *settings.multicast, static_cast<int>(settings.multicast_hops));
 }
 
+constexpr std::size_t kLeastAnswers = 32;  // chosen: five browsers
+
 StreamSettings makeStreamSettings(const Settings& settings) {
   const std::size_t pending = settings.tls.wanted() || settings.page
                                   ? Broadcaster::kMaxPendingHandshakes
                                   : Broadcaster::kMaxPending;
   const std::size_t http =
       settings.http ? HttpServer::kMostConnections + HttpServer::kMostSilent : 0;
-  const std::size_t answers = settings.page ? StreamSettings{}.max_answers : 0;
   const std::size_t recordings = settings.on_demand ? settings.max_clients : 0;
-  return {
-      .max_clients = raiseFileLimit(settings.max_clients, pending + answers + http + recordings),
-      .max_pending = pending,
-      .insecure = settings.insecure};
+  const std::size_t beside = pending + http + recordings;
+  const std::size_t viewers = raiseFileLimit(settings.max_clients, beside);
+  // The page has the files that viewers leave.
+  const std::size_t answers =
+      settings.page ? raiseSpareFiles(StreamSettings{}.max_answers, viewers + beside) : 0;
+  return {.max_clients = viewers,
+          .max_pending = pending,
+          .max_answers = std::max(answers, kLeastAnswers),
+          .insecure = settings.insecure};
 }
 
 }  // namespace

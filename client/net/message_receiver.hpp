@@ -31,8 +31,6 @@ class MessageReceiver {
   void disconnect(LocalTime now);
 
   [[nodiscard]] bool welcomed() const { return welcomed_; }
-  /// Returns whether the server signs its frames. Valid after a welcome.
-  [[nodiscard]] bool isSigned() const { return key_.has_value(); }
   /// Returns whether the last error was a server with another key than expected.
   [[nodiscard]] bool untrusted() const { return untrusted_; }
 

@@ -51,7 +51,7 @@ struct ReceiverCounts {
 /// Processes the messages of one connection.
 class Receiver {
  public:
-  /// The object passes frames to `sink` (the decode thread) and writes the timing of the stream to
+  /// The object passes frames to `sink` and writes the timing of the stream to
   /// `stream`. No other object may do so. Both must outlive this object. `lookahead_frames` is the
   /// number of frame intervals that the interpolation needs in advance (Hermite: 1, the thesis's
   /// method: 2). `max_delay` is the largest playout delay.

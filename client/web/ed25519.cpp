@@ -120,14 +120,14 @@ Bytes32 encode(Field a) {
 bool isEqual(const Field& a, const Field& b) { return encode(a) == encode(b); }
 bool isOdd(const Field& a) { return (encode(a)[0] & 1U) != 0; }
 
-Field small(std::uint64_t value) { return {value}; }
+Field makeField(std::uint64_t value) { return {value}; }
 
 /// The curve's constants: d = -121665/121666, 2 d, and sqrt(-1) = 2^((p - 1)/4).
 struct Curve {
-  Field d = multiply(subtract(kZero, small(121'665)), invert(small(121'666)));
+  Field d = multiply(subtract(kZero, makeField(121'665)), invert(makeField(121'666)));
   Field d2 = add(d, d);
   // (p - 1)/4 = 2^253 - 5 = 2 * (2^252 - 3) + 1.
-  Field root = multiply(square(power252m3(small(2))), small(2));
+  Field root = multiply(square(power252m3(makeField(2))), makeField(2));
 };
 
 const Curve& curve() {
@@ -147,7 +147,7 @@ Point add(const Point& p, const Point& q) {
 }
 
 /// Doubles a point (RFC 8032, section 5.1.4).
-Point twice(const Point& p) {
+Point doublePoint(const Point& p) {
   const Field a = square(p.x), b = square(p.y), zz = square(p.z);
   const Field h = add(a, b);
   const Field e = subtract(h, square(add(p.x, p.y)));
@@ -160,7 +160,7 @@ Point negate(const Point& p) { return {subtract(kZero, p.x), p.y, p.z, subtract(
 
 const Point& base() {  // y = 4/5, with an even x
   static const Point the_base = [] {
-    return *decodePoint(encode(multiply(small(4), invert(small(5)))));
+    return *decodePoint(encode(multiply(makeField(4), invert(makeField(5)))));
   }();
   return the_base;
 }
@@ -209,7 +209,7 @@ Point computeSum(const Scalar& a, const Point& p, const Scalar& b, const Point& 
   const Point both = add(p, q);
   Point sum{kZero, kOne, kOne, kZero};
   for (std::size_t bit = 253; bit-- > 0;) {
-    sum = twice(sum);
+    sum = doublePoint(sum);
     const bool with_p = hasBit(a, bit), with_q = hasBit(b, bit);
     if (with_p || with_q) sum = add(sum, with_p && with_q ? both : with_p ? p : q);
   }

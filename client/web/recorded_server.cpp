@@ -20,17 +20,17 @@ void RecordedServer::receive(std::span<const std::uint8_t> bytes, MediaTime now)
   const auto message = decode(bytes);
   if (!message.ok()) {
     waiting_.push_back(encode(message.error()));
-  } else if (const auto* const hello = std::get_if<Hello>(&message.value())) {
-    handle(*hello);
+  } else if (std::holds_alternative<Hello>(message.value())) {
+    welcome();
   } else if (const auto* const ping = std::get_if<Ping>(&message.value())) {
     waiting_.push_back(encode(Pong{ping->t0, now, now, {}}));
   } else if (const auto* const control = std::get_if<Control>(&message.value())) {
     carryOut(*control);
-    describe(now);
+    if (welcomed_ && paused_) describe(now);  // else with the next frame
   }
 }
 
-void RecordedServer::handle(const Hello& /*hello*/) {
+void RecordedServer::welcome() {
   waiting_.clear();
   sent_ = describePlayback(recorded_, player_.speed(), "");
   sent_.timeline = player_.timeline();
@@ -82,7 +82,7 @@ void RecordedServer::describe(MediaTime now) {
     timeline.speed = 0.0;
   }
   description.timeline = timeline;
-  if (!welcomed_ || description == sent_) return;
+  if (description == sent_) return;
   sent_ = std::move(description);
   waiting_.push_back(encode(sent_));
 }

@@ -31,10 +31,10 @@ class RecordedServer {
 
  private:
   explicit RecordedServer(StreamReader reader);
-  void handle(const Hello& hello);
+  void welcome();
   void carryOut(const Control& control);
   void play(MediaTime now);
-  /// Describes the stream to the viewer, if the description changed.
+  /// Describes the stream to the viewer, if the description changed. Requires a welcomed viewer.
   void describe(MediaTime now);
 
   RecordingPlayer player_;

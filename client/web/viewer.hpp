@@ -82,7 +82,6 @@ class WebViewer {
 
   [[nodiscard]] const TickReport& report() const { return renderer_.report(); }
   [[nodiscard]] DeviceMapping mapping() const { return renderer_.report().mapping; }
-  [[nodiscard]] bool isSigned() const { return messages_.isSigned(); }
   [[nodiscard]] bool untrusted() const { return messages_.untrusted(); }
   [[nodiscard]] const ReceiverCounts& counts() const { return receiver_.counts(); }
   /// Returns the reliefs of the frame that was prepared last.

@@ -210,9 +210,7 @@ WEB_EXPORT(report) const double* report(double now_ms) {
   numbers.add(from.static_force_N).add(from.dynamic_force_N).add(from.penetration_mm);
   numbers.add(from.contact ? 1.0 : 0.0).add(static_cast<double>(from.lookup));
   numbers.add(from.over_object ? 1.0 : 0.0).add(from.height_at_hip_mm);
-  numbers.add(from.object_present ? 1.0 : 0.0).add(from.object_position_mm);
-  numbers.add(from.object_centre_mm.x()).add(from.object_centre_mm.y());
-  numbers.add(from.object_centre_height_mm).add(from.halt == Halt::kNone ? 0.0 : 1.0);
+  numbers.add(from.object_present ? 1.0 : 0.0).add(from.halt == Halt::kNone ? 0.0 : 1.0);
   const ReceiverCounts& counts = viewer.counts();
   numbers.add(static_cast<double>(counts.received)).add(static_cast<double>(counts.lost));
   numbers.add(static_cast<double>(counts.late)).add(toMs(viewer.mediaNow(web::toLocal(now_ms))));

@@ -42,8 +42,6 @@ class WireReader {
       : rest_(bytes), depth_(depth) {}
 
   [[nodiscard]] bool atEnd() const { return rest_.empty(); }
-  /// Returns the number of bytes that are not read yet.
-  [[nodiscard]] std::size_t left() const { return rest_.size(); }
 
   /// Reads the tag of a field. Returns false if it is no tag, or the number is 0.
   bool readTag(std::uint32_t& tag);

@@ -65,7 +65,7 @@ class Framing {
   [[nodiscard]] virtual bool ended() const { return false; }
   /// Returns the bytes that announce the end of this host's messages. They are empty if the framing
   /// has no such announcement.
-  [[nodiscard]] virtual FramePrefix farewell() const { return {}; }
+  [[nodiscard]] virtual FramePrefix makeFarewell() const { return {}; }
 
   /// Sets the largest size of the messages that next() returns from now on.
   void setLimit(std::size_t limit_bytes) { limit_bytes_ = limit_bytes; }

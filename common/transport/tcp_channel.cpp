@@ -246,7 +246,7 @@ asio::awaitable<void> TcpChannel::drain(std::size_t most_bytes) {
 asio::awaitable<void> TcpChannel::finishWriting() {
   finished_ = true;
   if (!isMute()) {
-    const FramePrefix farewell = framing_->farewell();
+    const FramePrefix farewell = framing_->makeFarewell();
     (void)co_await writeBytes({asio::const_buffer(farewell.bytes.data(), farewell.size), {}});
   }
   if (tls_ != nullptr) {

@@ -170,7 +170,7 @@ void WebSocketFraming::writePrefix(std::size_t payload_bytes, FramePrefix& out) 
   }
 }
 
-FramePrefix WebSocketFraming::farewell() const {
+FramePrefix WebSocketFraming::makeFarewell() const {
   std::uint16_t status = kNormalClosure;
   if (error_) status = error_->code == ErrorCode::kTooLarge ? kMessageTooBig : kProtocolError;
   FramePrefix frame;

@@ -32,7 +32,7 @@ class WebSocketFraming final : public Framing {
   void writePrefix(std::size_t payload_bytes, FramePrefix& out) override;
   [[nodiscard]] bool ended() const override { return ended_; }
   /// Returns a close frame. Its status is that of the error of next(), else 1000.
-  [[nodiscard]] FramePrefix farewell() const override;
+  [[nodiscard]] FramePrefix makeFarewell() const override;
 
  private:
   static constexpr std::size_t kMaskBytes = 4;
@@ -56,7 +56,7 @@ class WebSocketFraming final : public Framing {
   /// Stores the answer to a control frame.
   [[nodiscard]] std::optional<WireError> onControl(std::uint8_t opcode,
                                                    std::span<const std::uint8_t> payload);
-  /// Stores the error for farewell(), and returns it.
+  /// Stores the error for makeFarewell(), and returns it.
   WireError fail(WireError error);
 
   std::vector<std::uint8_t> buffer_;                    // bytes of the peer

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "server/page/page_folder.hpp"
 
+#include <fmt/core.h>
+
 #include <filesystem>
 #include <stdexcept>
 #include <string_view>
@@ -9,6 +11,7 @@
 
 #include "common/write_file.hpp"
 #include "server/page/page_files.hpp"
+#include "server/page/page_policy.hpp"
 
 namespace hapticast::server {
 
@@ -22,6 +25,9 @@ std::vector<std::uint8_t> nameRecording(std::vector<std::uint8_t> index) {
   const std::size_t place = text.find(kSource);
   if (place == std::string::npos) throw std::runtime_error("index.html names no source");
   text.replace(place, kSource.size(), kRecording);
+  text.insert(
+      place - std::string_view("<meta ").size(),
+      fmt::format("<meta http-equiv=\"Content-Security-Policy\" content=\"{}\">\n", kPagePolicy));
   return {text.begin(), text.end()};
 }
 

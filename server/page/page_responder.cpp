@@ -26,20 +26,20 @@ constexpr std::string_view kStreamPath = "/stream";
 // Browsers ask for it without a reason in the page.
 constexpr std::string_view kIconPath = "/favicon.ico";
 constexpr std::size_t kMostShown_bytes = 100;  // of a request's text, in a sentence
-// No content of another host, no code in the page itself: nothing that is injected would run.
 constexpr const char* kSecurityFields =
-    "Content-Security-Policy: default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; "
-    "worker-src 'self'; connect-src 'self'; img-src 'self' blob:; style-src 'self'; "
-    "base-uri 'none'; form-action 'none'; frame-ancestors 'none'\r\n"
     "X-Content-Type-Options: nosniff\r\n"
     "Referrer-Policy: no-referrer\r\n"
     "Cross-Origin-Opener-Policy: same-origin\r\n";
 
-std::string writeHead(status code, std::size_t body_bytes, std::string_view fields) {
+/// `body_bytes`: nullopt for an answer that has no body by its status.
+std::string writeHead(status code, std::optional<std::size_t> body_bytes, std::string_view fields) {
   const auto reason = http::obsolete_reason(code);
-  return fmt::format("HTTP/1.1 {} {}\r\n{}Content-Length: {}\r\nConnection: close\r\n{}\r\n",
-                     static_cast<unsigned>(code), std::string_view(reason.data(), reason.size()),
-                     fields, body_bytes, kSecurityFields);
+  return fmt::format(
+      "HTTP/1.1 {} {}\r\n{}{}Connection: close\r\n"
+      "Content-Security-Policy: {}; frame-ancestors 'none'\r\n{}\r\n",
+      static_cast<unsigned>(code), std::string_view(reason.data(), reason.size()), fields,
+      body_bytes ? fmt::format("Content-Length: {}\r\n", *body_bytes) : "", kPagePolicy,
+      kSecurityFields);
 }
 
 /// Returns an answer with one sentence, which is also the problem for the log. `fields`: more
@@ -179,8 +179,10 @@ HttpAnswer PageResponder::respond(std::string_view head, bool encrypted) {
     return showNoFile(request);
   if (!isUnchanged(request, *file)) return showFile(*file, acceptsGzip(request));
   HttpAnswer answer;
-  answer.head = writeHead(status::not_modified, 0,
-                          fmt::format("ETag: W/{}\r\nCache-Control: no-cache\r\n", file->etag));
+  answer.head = writeHead(status::not_modified, std::nullopt,
+                          fmt::format("Vary: Accept-Encoding\r\nETag: W/{}\r\n"
+                                      "Cache-Control: no-cache\r\n",
+                                      file->etag));
   return answer;
 }
 

@@ -79,7 +79,7 @@ struct Announcer::Service {
 
   void publish() {
     int error = 0;
-    // What another program of this machine has taken is told at once.
+    // Avahi reports a name of another program on this machine at once.
     while ((error = addAll()) == AVAHI_ERR_COLLISION) {
       rename();
       avahi_entry_group_reset(group);

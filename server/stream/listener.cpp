@@ -44,6 +44,18 @@ std::size_t raiseFileLimit(std::size_t viewers, std::size_t pending) {
   return fit;
 }
 
+std::size_t raiseSpareFiles(std::size_t wanted, std::size_t used) {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return 0;
+  const rlim_t needed = kOwnFiles + used + wanted;
+  if (limit.rlim_cur < needed) {
+    limit.rlim_cur = std::min(needed, limit.rlim_max);
+    if (setrlimit(RLIMIT_NOFILE, &limit) != 0) getrlimit(RLIMIT_NOFILE, &limit);
+  }
+  const rlim_t beside = kOwnFiles + used;
+  return limit.rlim_cur > beside ? std::min<rlim_t>(wanted, limit.rlim_cur - beside) : 0;
+}
+
 namespace {
 constexpr auto kPauseAfterError = std::chrono::milliseconds(200);
 }  // namespace

@@ -24,6 +24,10 @@ namespace hapticast::server {
 /// before the first connection. Each connection is an open file (RLIMIT_NOFILE).
 std::size_t raiseFileLimit(std::size_t viewers, std::size_t pending = Broadcaster::kMaxPending);
 
+/// Raises this process's limit of open files by up to `wanted`, beside `used` connections. Returns
+/// how many of them the limit then allows. Thread: main, after raiseFileLimit().
+std::size_t raiseSpareFiles(std::size_t wanted, std::size_t used);
+
 /// Accepts the connections of viewers.
 class Listener {
  public:

@@ -29,8 +29,8 @@ struct StreamSettings {
   /// Largest number of connections that are no viewers: they have sent no hello yet, or they close.
   /// Without TLS and page, a stream without attacks always has fewer than the default.
   std::size_t max_pending = 32;
-  /// Largest number of requests of HTTP that are answered at the same time: 300 phones load all
-  /// 8 files of the page at once.
+  /// Largest number of requests of HTTP that are answered at the same time. Chosen: 300 phones open
+  /// six connections each, as browsers do, and a reserve.
   std::size_t max_answers = 2400;
   /// Whether viewers of other machines may connect without TLS although the server needs tokens.
   bool insecure = false;

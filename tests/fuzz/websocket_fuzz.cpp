@@ -49,7 +49,7 @@ Outcome read(std::span<const std::uint8_t> stream, std::size_t chunk) {
     open = readAll(framing, outcome);
   }
   outcome.ended = framing.ended();
-  const hapticast::FramePrefix farewell = framing.farewell();
+  const hapticast::FramePrefix farewell = framing.makeFarewell();
   outcome.farewell.assign(farewell.view().begin(), farewell.view().end());
   hapticast::FramePrefix prefix;
   framing.writePrefix(hapticast::kMaxMessageBytes, prefix);

@@ -61,7 +61,8 @@ class WebSocketViewer {
   void ping(const std::string& text) {
     const boost::beast::websocket::ping_data data(
         boost::beast::string_view(text.data(), text.size()));
-    socket_.async_ping(data, [](const boost::system::error_code&) {});
+    boost::system::error_code ended;
+    socket_.ping(data, ended);  // at once: Beast permits one asynchronous ping at a time
   }
   void close() {
     socket_.async_close(boost::beast::websocket::close_code::normal,

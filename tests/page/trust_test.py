@@ -56,6 +56,7 @@ class Trust(support.PageTest):
         self.assertIn(f"origin-key={key}", page.driver.current_url)
         self.assertLessEqual(server.output().count("web page"), connections + 1)
         self.check_failure(f"{server.link}#origin-key=0123", "key")
+        self.check_failure(f"{server.link}#origin-key=", "key")  # a link that was cut
 
     def test_tokens(self):
         server = self.serve(*support.STILL, "--tokens", self.list_tokens())

@@ -3,8 +3,9 @@
 // bytes in and out, and names the numbers that the core returns. Views of the core's memory are
 // made anew in each call, because they end when the memory grows. Thread: the worker.
 
-export const KINDS = ['error', 'welcome', 'description', 'frame', 'picture', 'preparing', 'control', 'other'];
-const LOOKUPS = ['none', 'interpolated', 'extrapolated', 'held', 'faded'];
+const kKinds =
+    ['error', 'welcome', 'description', 'frame', 'picture', 'preparing', 'control', 'other'];
+const kLookups = ['none', 'interpolated', 'extrapolated', 'held', 'faded'];
 
 /// Returns the functions that the core imports. `memory()` returns its memory.
 function makeImports(memory, readFile) {
@@ -19,11 +20,17 @@ function makeImports(memory, readFile) {
 }
 
 /// Starts the compiled core. `readFile`: a file for the player (remote_file.js), or nothing.
-export async function startCore(module, readFile = { size: 0, read: () => 0 }) {
+export async function startCore(module, readFile = {
+  size: 0,
+  read: () => 0
+}) {
   let instance;
   const imports = makeImports(() => instance.exports.memory, readFile);
-  for (const { module: from, name } of WebAssembly.Module.imports(module))
-    if (!imports[from]?.[name]) (imports[from] ??= {})[name] = () => { throw new Error('the core called ' + name); };
+  for (const {module: from, name} of WebAssembly.Module.imports(module))
+    if (!imports[from]?.[name])
+      (imports[from] ??= {})[name] = () => {
+        throw new Error('the core called ' + name);
+      };
   instance = await WebAssembly.instantiate(module, imports);
   instance.exports._initialize();
   return new Core(instance.exports);
@@ -31,26 +38,19 @@ export async function startCore(module, readFile = { size: 0, read: () => 0 }) {
 
 /// The functions of the core, with the types of JavaScript.
 export class Core {
-  constructor(exports) {
-    this.e = exports;
-  }
+  constructor(exports) { this.e = exports; }
 
   put(bytes) {
     new Uint8Array(this.e.memory.buffer, this.e.web_input(bytes.length), bytes.length).set(bytes);
   }
-  putText(text) {
-    this.put(new TextEncoder().encode(text));
-  }
+  putText(text) { this.put(new TextEncoder().encode(text)); }
   /// Returns a copy of the core's output.
-  output(size) {
-    return new Uint8Array(this.e.memory.buffer, this.e.web_output(), size).slice();
-  }
+  output(size) { return new Uint8Array(this.e.memory.buffer, this.e.web_output(), size).slice(); }
   text(size) {
-    return new TextDecoder().decode(new Uint8Array(this.e.memory.buffer, this.e.web_output(), size));
+    return new TextDecoder().decode(
+        new Uint8Array(this.e.memory.buffer, this.e.web_output(), size));
   }
-  numbers(at, count) {
-    return new Float64Array(this.e.memory.buffer, at, count);
-  }
+  numbers(at, count) { return new Float64Array(this.e.memory.buffer, at, count); }
 
   start(originKeys) {
     this.putText(originKeys.join(' '));
@@ -63,51 +63,87 @@ export class Core {
   /// Processes a message. Returns {kind, value, bytes, error, code}, of which a kind has some.
   receive(bytes, now_ms) {
     this.put(bytes);
-    const kind = KINDS[this.e.receive(now_ms)];
-    if (kind === 'error') return { kind, error: this.text(this.e.output_size()), code: this.e.error_code(),
-      untrusted: this.e.untrusted() !== 0 };
+    const kind = kKinds[this.e.receive(now_ms)];
+    if (kind === 'error')
+      return {
+        kind,
+        error: this.text(this.e.output_size()),
+        code: this.e.error_code(),
+        untrusted: this.e.untrusted() !== 0
+      };
     const bytesOfPicture = kind === 'picture' ? this.output(this.e.output_size()) : null;
-    return { kind, value: this.e.value(), bytes: bytesOfPicture };
+    return {kind, value: this.e.value(), bytes: bytesOfPicture};
   }
   /// Returns the messages for the server that are due.
   poll(now_ms) {
     const messages = [];
-    for (let size = this.e.poll(now_ms); size > 0; size = this.e.poll(now_ms)) messages.push(this.output(size));
+    for (let size = this.e.poll(now_ms); size > 0; size = this.e.poll(now_ms))
+      messages.push(this.output(size));
     return messages;
   }
-  control({ paused = null, seek_s = NaN, speed = NaN, material = {} }) {
+  control({paused = null, seek_s = NaN, speed = NaN, material = {}}) {
     const m = (name) => material[name] ?? NaN;
-    return this.output(this.e.control(paused === null ? NaN : Number(paused), seek_s ?? NaN, speed ?? NaN,
-      m('stiffness_N_mm'), m('damping_Ns_m'), m('static_friction'), m('dynamic_friction'), m('texture_K_mm'),
-      m('mass_kg')));
+    return this.output(this.e.control(
+        paused === null ? NaN : Number(paused), seek_s ?? NaN, speed ?? NaN, m('stiffness_N_mm'),
+        m('damping_Ns_m'), m('static_friction'), m('dynamic_friction'), m('texture_K_mm'),
+        m('mass_kg')));
   }
   /// Returns the description of the stream.
   stream() {
     const n = this.numbers(this.e.stream(), 11);
     const [width_px, height_px, fps, width_mm, height_mm, depth_mm] = n;
-    const timeline = Number.isNaN(n[7]) ? null : { length_s: n[7], position_s: n[8], at_ms: n[9], speed: n[10] };
+    const timeline =
+        Number.isNaN(n[7]) ? null : {length_s: n[7], position_s: n[8], at_ms: n[9], speed: n[10]};
     const stretch = n[6] !== 0;
-    return { width_px, height_px, fps, width_mm, height_mm, depth_mm, stretch, timeline,
-      name: this.text(this.e.stream_name()), key: this.text(this.e.server_key()) };
+    return {
+      width_px,
+      height_px,
+      fps,
+      width_mm,
+      height_mm,
+      depth_mm,
+      stretch,
+      timeline,
+      name: this.text(this.e.stream_name()),
+      key: this.text(this.e.server_key())
+    };
   }
-  setControls({ paused, staticOn, dynamicOn, stiffnessFactor, forceFactor, friction }, rearm) {
-    this.e.set_controls(Number(paused), rearm, Number(staticOn), Number(dynamicOn), stiffnessFactor, forceFactor,
-      friction ?? NaN);
+  setControls({paused, staticOn, dynamicOn, stiffnessFactor, forceFactor, friction}, rearm) {
+    this.e.set_controls(
+        Number(paused), rearm, Number(staticOn), Number(dynamicOn), stiffnessFactor, forceFactor,
+        friction ?? NaN);
   }
   /// Returns what the last tick reported, and the counts of frames.
   report(now_ms) {
-    const n = this.numbers(this.e.report(now_ms), 34);
+    const n = this.numbers(this.e.report(now_ms), 28);
     const vector = (at) => [n[at], n[at + 1], n[at + 2]];
     return {
-      play_ms: n[0], playout_delay_ms: n[1], hip_mm: vector(2), contact_mm: vector(5), force_N: vector(8),
-      static_force_N: vector(11), dynamic_force_N: vector(14), penetration_mm: n[17], contact: n[18] !== 0,
-      lookup: LOOKUPS[n[19]], over_object: n[20] !== 0, height_at_hip_mm: n[21], object_present: n[22] !== 0,
-      object_position_mm: vector(23), object_centre_mm: [n[26], n[27]], object_centre_height_mm: n[28],
-      halted: n[29] !== 0, frames_received: n[30], frames_lost: n[31], frames_late: n[32], media_now_ms: n[33],
+      play_ms: n[0],
+      playout_delay_ms: n[1],
+      hip_mm: vector(2),
+      contact_mm: vector(5),
+      force_N: vector(8),
+      static_force_N: vector(11),
+      dynamic_force_N: vector(14),
+      penetration_mm: n[17],
+      contact: n[18] !== 0,
+      lookup: kLookups[n[19]],
+      over_object: n[20] !== 0,
+      height_at_hip_mm: n[21],
+      object_present: n[22] !== 0,
+      halted: n[23] !== 0,
+      frames_received: n[24],
+      frames_lost: n[25],
+      frames_late: n[26],
+      media_now_ms: n[27],
     };
   }
   lines() {
-    return { advice: this.text(this.e.advice()), hint: this.text(this.e.hint()), states: this.text(this.e.states()) };
+    return {
+      advice: this.text(this.e.advice()),
+      hint: this.text(this.e.hint()),
+      states: this.text(this.e.states())
+    };
   }
   history() {
     const at = this.e.history();
@@ -117,11 +153,13 @@ export class Core {
   reliefs(mostSide) {
     const objects = [];
     for (let i = 0; i < this.e.relief_count(); ++i) {
-      const [u, v, width, height, columns, rows, step] = this.numbers(this.e.sample_relief(i, mostSide), 7);
+      const [u, v, width, height, columns, rows, step] =
+          this.numbers(this.e.sample_relief(i, mostSide), 7);
       if (columns === 0) continue;
-      const heights = new Float32Array(this.e.memory.buffer, this.e.heights(), columns * rows).slice();
-      objects.push({ id: i, u, v, width, height, columns, rows, step, heights });
+      const heights =
+          new Float32Array(this.e.memory.buffer, this.e.heights(), columns * rows).slice();
+      objects.push({id: i, u, v, width, height, columns, rows, step, heights});
     }
-    return { media_ms: this.e.relief_ms(), objects };
+    return {media_ms: this.e.relief_ms(), objects};
   }
 }

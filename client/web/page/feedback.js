@@ -7,7 +7,7 @@
 
 import {findPad} from './gamepad.js';
 import {norm} from './geometry.js';
-import {computeShare} from './overlay.js';
+import {computeRenderedShare} from './overlay.js';
 
 const kSudden_ticks = 50;  // of the low-pass and of the peak hold
 const kNothing_N = 0.01;
@@ -57,7 +57,7 @@ export class Feedback {
   /// Adds the ticks of a message: their force's magnitude, static, dynamic part and contact.
   add(report, history) {
     const isFelt = report.contact && report.lookup !== 'none' && report.lookup !== 'faded';
-    const share = isFelt ? computeShare(report) : 0;
+    const share = isFelt ? computeRenderedShare(report) : 0;
     for (let i = 0; i < history.length; i += 4) {
       const force_N = isFelt ? history[i] : 0;
       if (!(force_N > kNothing_N)) {

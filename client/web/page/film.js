@@ -48,7 +48,6 @@ export class Film {
   step_ms = 16;    // average advance of play time from one drawing to the next
   before_ms = 0;   // play time of the drawing before
   decodings = 0;
-  undecodable = 0;
   shown = 0;  // pictures so far
 
   addPicture(media_ms, jpeg) {
@@ -121,7 +120,7 @@ export class Film {
               else
                 bitmap.close();
             },
-            () => ++this.undecodable)
+            () => {})  // no picture is shown
         .finally(() => --this.decodings);
   }
 

@@ -9,7 +9,7 @@ const kLeftTrigger = 6, kRightTrigger = 7;
 const kSearch_s = 0.25;  // without a gamepad the page looks less often
 
 /// Returns the deflection without the dead zone: its square, for fine movements.
-export function computeShare(x, y) {
+export function shapeDeflection(x, y) {
   const deflection = Math.hypot(x, y);
   if (!(deflection > kDeadZone)) return [0, 0];
   const beyond = Math.min(1, (deflection - kDeadZone) / (1 - kDeadZone));
@@ -36,8 +36,8 @@ export class GamepadInput {
     this.pad = findPad();
     if (!this.pad) return;
     const {axes, buttons} = this.pad;
-    const [x, y] = computeShare(axes[0] ?? 0, axes[1] ?? 0);
-    const [, back] = computeShare(0, axes[3] ?? 0);
+    const [x, y] = shapeDeflection(axes[0] ?? 0, axes[1] ?? 0);
+    const [, back] = shapeDeflection(0, axes[3] ?? 0);
     const trigger = i => buttons[i]?.value ?? 0;
     const out = back + trigger(kLeftTrigger) - trigger(kRightTrigger);
     if (x || y || out)

@@ -23,7 +23,7 @@ const kMostHeight_mm = 12;  // a high cone is drawn at most so far from its shad
 const kInvisible_N = 5e-3;
 
 /// Returns the factor (0..1) between the rendered force and static plus dynamic force.
-export function computeShare(report) {
+export function computeRenderedShare(report) {
   const before_N = norm(report.static_force_N.map((part, i) => part + report.dynamic_force_N[i]));
   const force_N = norm(report.force_N);
   return before_N > kInvisible_N && force_N > kInvisible_N ? Math.min(force_N / before_N, 1) : 0;
@@ -157,7 +157,7 @@ export function drawTouch(g, view, report, target) {
       arrow(g, parts.tip, view.arrow(parts.at_mm, force_N), width_px, colour, dashed);
   };
   show(report.force_N, 7 * unit, kColours.force, false);
-  const share = computeShare(report);
+  const share = computeRenderedShare(report);
   show(report.static_force_N.map(part => share * part), 2.5 * unit, kColours.static, true);
   show(report.dynamic_force_N.map(part => share * part), 2.5 * unit, kColours.dynamic, true);
   g.beginPath();

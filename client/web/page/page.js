@@ -65,8 +65,7 @@ class Page {
 
   /// Starts the worker and opens the stream, or the recording beside the page.
   open() {
-    this.worker?.terminate();
-    this.ticks = null;
+    this.stopWorker();
     const url = new URL(this.source, document.baseURI);
     url.hash = '';
     if (!this.isRecording) url.protocol = url.protocol === 'https:' ? 'wss:' : 'ws:';
@@ -74,11 +73,12 @@ class Page {
     worker.onmessage = ({data}) => this.receive(data);
     worker.onerror = event => {
       event.preventDefault();
+      this.stopWorker();
       this.receive({
         type: 'status',
         state: 'failed',
         share: 0,
-        text: 'The renderer of the page cannot start in this browser' +
+        text: 'The renderer of the page has stopped' +
             (event.message ? `: ${event.message}` : '.')
       });
     };
@@ -91,6 +91,14 @@ class Page {
     });
     this.controls.update();
     this.askForReliefs();
+  }
+
+  /// Ends the worker. No force of it stays on the screen.
+  stopWorker() {
+    this.worker?.terminate();
+    this.worker = null;
+    this.ticks = null;
+    this.texts.showForce({force_N: [0, 0, 0], penetration_mm: 0, halted: false});
   }
 
   /// The worker sends reliefs only while they are seen.
@@ -141,7 +149,7 @@ class Page {
     }
     this.texts.showStream(stream);
     this.timeBar.setTimeline(stream.timeline);
-    find('operator').hidden = !stream.operator;
+    find('operator').hidden = !stream.operator || stream.timeline !== null;
   }
 
   connectButtons() {
@@ -150,6 +158,7 @@ class Page {
     find('panel-button').addEventListener('click', () => this.act('panel'));
     find('lift').addEventListener('click', () => this.act('lift'));
     find('rearm').addEventListener('click', () => this.act('rearm'));
+    find('pause').addEventListener('change', ({target}) => this.setPaused(target.checked));
     this.showPanel(this.settings.panel ?? innerWidth >= 900);
     this.connectPress(find('press'));
     for (const name of ['pointerdown', 'keydown'])
@@ -189,12 +198,17 @@ class Page {
     this.plot.changed = true;
   }
 
+  /// Pauses play time, and the recording where this viewer has a time line.
+  setPaused(paused) {
+    this.controls.paused = paused;
+    if (this.stream?.timeline) this.control({paused});
+  }
+
   /// Carries out an action of a key or of a button.
   act(action) {
     switch (action) {
       case 'pause':
-        this.controls.paused = !this.controls.paused;
-        if (this.stream?.timeline) this.control({paused: this.controls.paused});
+        this.setPaused(!this.controls.paused);
         break;
       case 'lift':
         this.target.lift();

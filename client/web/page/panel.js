@@ -76,7 +76,7 @@ export function fillHelp(isRecording) {
 }
 
 const kSliders = ['factor', 'stiffness', 'friction'];
-const kForceControls = ['pause', 'static', 'dynamic', 'authors-friction', ...kSliders];
+const kForceControls = ['static', 'dynamic', 'authors-friction', ...kSliders];
 
 /// The user's controls of the force. `send(message)` receives the message 'user' after each change.
 export class ForceControls {
@@ -145,14 +145,14 @@ export function noteAbilities() {
   find('vibration').disabled = !has.vibration;
 }
 
-/// Connects the switches with the settings. `changed(name)` follows each change.
+/// Connects the switches with the settings. `changed()` follows each change.
 export function connectSettings(settings, changed) {
   for (const name of ['sound', 'rumble', 'vibration', 'letters']) {
     find(name).checked = settings[name];
     find(name).addEventListener('change', () => {
       settings[name] = find(name).checked;
       keepSettings(settings);
-      changed(name);
+      changed();
     });
   }
   noteAbilities();

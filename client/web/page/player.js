@@ -1,26 +1,26 @@
 // SPDX-License-Identifier: MIT
 // The worker of the player: it plays the recording of a static folder to the viewer in this page,
 // by the messages of the protocol (client/web/recorded_server.hpp). It receives `open`, then the
-// viewer's messages as bytes. It sends messages as bytes, `open`, `share` and `failed`.
-import { startCore } from './core.js';
-import { openFile } from './remote_file.js';
+// viewer's messages as bytes. It sends messages as bytes, `open`, `share`, `failed` and `problem`.
+import {startCore} from './core.js';
+import {openFile} from './remote_file.js';
 
-const MOST_AT_ONCE = 50; // messages of a poll; others wait for the next one
+const kMostAtOnce = 50;  // messages of a poll; others wait for the next one
 
 let core = null;
 let file = null;
 
-onmessage = async ({ data }) => {
+onmessage = async ({data}) => {
   if (data instanceof Uint8Array) return receive(data);
   try {
-    file = await openFile(data.url, (share) => postMessage({ type: 'share', share }));
+    file = await openFile(data.url, (share) => postMessage({type: 'share', share}));
     core = await startCore(data.module, file);
+    if (!core.e.play_open())
+      throw new Error(file.failure || `the recording ${core.text(core.e.output_size())}`);
   } catch (error) {
-    return postMessage({ type: 'failed', text: error.message });
+    return postMessage({type: 'failed', text: error.message});
   }
-  if (!core.e.play_open())
-    return postMessage({ type: 'failed', text: file.failure || `the recording ${core.text(core.e.output_size())}` });
-  postMessage({ type: 'open' });
+  postMessage({type: 'open'});
   setInterval(play, 2);
 };
 
@@ -31,7 +31,7 @@ function receive(bytes) {
 }
 
 function play() {
-  for (let i = 0; i < MOST_AT_ONCE; ++i) {
+  for (let i = 0; i < kMostAtOnce; ++i) {
     const size = core.e.play_poll(performance.now());
     if (size === 0) break;
     const bytes = core.output(size);
@@ -46,5 +46,5 @@ function reportProblem() {
   const problem = file.failure || (size > 0 ? `the recording ${core.text(size)}` : '');
   if (problem === reported) return;
   reported = problem;
-  postMessage({ type: 'problem', text: problem });
+  postMessage({type: 'problem', text: problem});
 }

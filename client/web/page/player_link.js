@@ -6,14 +6,14 @@ export class PlayerLink {
   /// `module`: the compiled core. `events`: onshare(share), onproblem(text).
   constructor(url, module, events) {
     this.readyState = WebSocket.CONNECTING;
-    this.worker = new Worker('player.js', { type: 'module' });
-    this.worker.onmessage = ({ data }) => this.onPlayer(data, events);
+    this.worker = new Worker('player.js', {type: 'module'});
+    this.worker.onmessage = ({data}) => this.onPlayer(data, events);
     this.worker.onerror = () => this.end('the player does not start');
-    this.worker.postMessage({ url, module });
+    this.worker.postMessage({url, module});
   }
 
   onPlayer(data, events) {
-    if (data instanceof Uint8Array) return this.onmessage({ data: data.buffer });
+    if (data instanceof Uint8Array) return this.onmessage({data: data.buffer});
     if (data.type === 'share') return events.onshare(data.share);
     if (data.type === 'problem') return events.onproblem(data.text);
     if (data.type === 'failed') return this.end(data.text);
@@ -22,11 +22,9 @@ export class PlayerLink {
   }
   end(text) {
     this.close();
-    this.onclose({ target: this, text });
+    this.onclose({target: this, text});
   }
-  send(bytes) {
-    this.worker.postMessage(bytes);
-  }
+  send(bytes) { this.worker.postMessage(bytes); }
   close() {
     this.readyState = WebSocket.CLOSED;
     this.worker.terminate();

@@ -152,6 +152,7 @@ export class PointerInput {
   touchUp(event) {
     if (!this.fingers.delete(event.pointerId) || this.fingers.size > 0) return;
     clearTimeout(this.resting);
+    this.drag = null;
     this.target.lift();
   }
 }

@@ -94,8 +94,6 @@ function makeTriangles(columns, rows) {
 }
 
 export class ReliefRenderer {
-  uploads = 0;
-
   /// Throws Error if the browser has no WebGL2.
   constructor(canvas) {
     const gl = canvas.getContext('webgl2', {antialias: true});
@@ -149,7 +147,6 @@ export class ReliefRenderer {
           this.scratch);
       return {...object, heights: null, texture};
     });
-    ++this.uploads;
   }
 
   useTriangles({columns, rows}) {

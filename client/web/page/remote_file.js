@@ -3,39 +3,42 @@
 // 14), blocks are read when they are needed, and the next ones ahead. Otherwise the whole file is
 // loaded first. The reads are synchronous, which a worker may do. Thread: the worker of the player.
 
-const BLOCK_BYTES = 256 * 1024; // chosen: a second of a stream with pictures
-const MOST_BLOCKS = 64; // in memory: 16 MB
-const AHEAD = 3; // blocks
-const MOST_WHOLE_BYTES = 100e6;
+const kBlock_bytes = 256 * 1024;  // chosen: a second of a stream with pictures
+const kMostBlocks = 64;           // in memory: 16 MB
+const kAhead = 3;                 // blocks
+const kMostWhole_bytes = 100e6;
+const kTimeout_ms = 20_000;  // of a block; chosen: 13 kB/s
+const kRetry_ms = 1000;      // chosen
 
 /// Opens the file at `url`. `onShare` receives the loaded share of a whole file, 0..1. Throws an
 /// Error with one sentence.
 export async function openFile(url, onShare) {
-  const response = await fetch(url, { headers: { Range: 'bytes=0-0' } });
-  if (!response.ok) throw new Error(`the web server has no ${nameOf(url)} (${response.status})`);
+  const response = await fetch(url, {headers: {Range: 'bytes=0-0'}});
+  if (!response.ok) throw new Error(`the web server has no ${findName(url)} (${response.status})`);
   const size = Number(/^bytes 0-0\/(\d+)$/.exec(response.headers.get('Content-Range') ?? '')?.[1]);
-  if (response.status === 206 && size > 0 && (await response.arrayBuffer()).byteLength === 1) return new RangedFile(url, size);
-  if (response.status === 206) throw new Error('the web server answers ranges wrongly; use another one');
+  if (response.status === 206 && size > 0 && (await response.arrayBuffer()).byteLength === 1)
+    return new RangedFile(url, size);
+  if (response.status === 206)
+    throw new Error('the web server answers ranges wrongly; use another one');
   return new WholeFile(await loadWhole(url, response, onShare));
 }
 
-function nameOf(url) {
-  return new URL(url).pathname.split('/').pop();
-}
+function findName(url) { return new URL(url).pathname.split('/').pop(); }
 
 async function loadWhole(url, response, onShare) {
   const expected = Number(response.headers.get('Content-Length'));
-  const tooLarge = () =>
-    new Error(`${nameOf(url)} is larger than 100 MB, and the web server answers no ranges; use one that does`);
-  if (expected > MOST_WHOLE_BYTES) throw tooLarge();
+  const tooLarge = () => new Error(`${
+      findName(
+          url)} is larger than 100 MB, and the web server answers no ranges; use one that does`);
+  if (expected > kMostWhole_bytes) throw tooLarge();
   const parts = [];
   let size = 0;
-  for (const reader = response.body.getReader(); ; ) {
-    const { done, value } = await reader.read();
+  for (const reader = response.body.getReader();;) {
+    const {done, value} = await reader.read();
     if (done) break;
     parts.push(value);
     size += value.length;
-    if (size > MOST_WHOLE_BYTES) {
+    if (size > kMostWhole_bytes) {
       reader.cancel();
       throw tooLarge();
     }
@@ -61,65 +64,79 @@ class RangedFile {
   constructor(url, size) {
     this.url = url;
     this.size = size;
-    this.blocks = new Map(); // number -> bytes, the newest last
+    this.blocks = new Map();  // number -> bytes, the newest last
     this.loading = new Set();
     this.failure = '';
+    this.retry_ms = 0;  // after a failure; a file without an answer is asked for once a second
   }
 
   read(offset, to) {
     let done = 0;
     while (done < to.length && offset + done < this.size) {
-      const index = Math.floor((offset + done) / BLOCK_BYTES);
+      const index = Math.floor((offset + done) / kBlock_bytes);
       const block = this.blocks.get(index) ?? this.loadNow(index);
       if (!block) break;
-      const part = block.subarray(offset + done - index * BLOCK_BYTES).subarray(0, to.length - done);
+      const part =
+          block.subarray(offset + done - index * kBlock_bytes).subarray(0, to.length - done);
       if (part.length === 0) break;
       to.set(part, done);
       done += part.length;
-      for (let i = 1; i <= AHEAD; ++i) this.loadAhead(index + i);
+      for (let i = 1; i <= kAhead; ++i) this.loadAhead(index + i);
     }
     return done;
   }
 
-  range(index) {
-    const begin = index * BLOCK_BYTES;
-    return { begin, end: Math.min(begin + BLOCK_BYTES, this.size) - 1 };
+  findRange(index) {
+    const begin = index * kBlock_bytes;
+    return {begin, end: Math.min(begin + kBlock_bytes, this.size) - 1};
   }
   store(index, bytes) {
     this.blocks.set(index, bytes);
-    if (this.blocks.size > MOST_BLOCKS) this.blocks.delete(this.blocks.keys().next().value);
+    if (this.blocks.size > kMostBlocks) this.blocks.delete(this.blocks.keys().next().value);
     return bytes;
   }
   /// Returns whether an answer has exactly the bytes that were requested.
-  isAnswer({ begin, end }, status, contentRange, size) {
-    const ok = status === 206 && contentRange === `bytes ${begin}-${end}/${this.size}` && size === end - begin + 1;
-    if (!ok) this.failure = `the web server answers ranges wrongly (${status})`;
-    return ok;
+  isAnswer({begin, end}, status, contentRange, size) {
+    return status === 206 && contentRange === `bytes ${begin}-${end}/${this.size}` &&
+        size === end - begin + 1;
+  }
+  fail(sentence) {
+    this.failure = sentence;
+    this.retry_ms = performance.now() + kRetry_ms;
+    return null;
   }
   loadNow(index) {
-    const range = this.range(index);
+    if (performance.now() < this.retry_ms) return null;
+    const range = this.findRange(index);
     const request = new XMLHttpRequest();
     try {
       request.open('GET', this.url, false);
+      request.timeout = kTimeout_ms;
       request.responseType = 'arraybuffer';
       request.setRequestHeader('Range', `bytes=${range.begin}-${range.end}`);
       request.send();
-    } catch (error) {
-      this.failure = 'the web server does not answer';
-      return null;
+    } catch {
+      return this.fail('the web server does not answer');
     }
     const answer = request.response;
-    const header = request.getResponseHeader('Content-Range');
-    return this.isAnswer(range, request.status, header, answer?.byteLength) ? this.store(index, new Uint8Array(answer)) : null;
+    if (!this.isAnswer(
+            range, request.status, request.getResponseHeader('Content-Range'), answer?.byteLength))
+      return this.fail(`the web server answers ranges wrongly (${request.status})`);
+    this.failure = '';
+    return this.store(index, new Uint8Array(answer));
   }
   async loadAhead(index) {
-    if (index * BLOCK_BYTES >= this.size || this.blocks.has(index) || this.loading.has(index)) return;
+    if (index * kBlock_bytes >= this.size || this.blocks.has(index) || this.loading.has(index))
+      return;
     this.loading.add(index);
-    const range = this.range(index);
+    const range = this.findRange(index);
     try {
-      const response = await fetch(this.url, { headers: { Range: `bytes=${range.begin}-${range.end}` } });
+      const response =
+          await fetch(this.url, {headers: {Range: `bytes=${range.begin}-${range.end}`}});
       const bytes = new Uint8Array(await response.arrayBuffer());
-      if (this.isAnswer(range, response.status, response.headers.get('Content-Range'), bytes.length)) this.store(index, bytes);
+      if (this.isAnswer(
+              range, response.status, response.headers.get('Content-Range'), bytes.length))
+        this.store(index, bytes);
     } catch {
       // The block is loaded again when it is needed.
     } finally {

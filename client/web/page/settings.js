@@ -3,7 +3,7 @@
 
 const kName = 'hapticast';
 
-/// Returns the settings, with `change(name, value)` that also keeps them.
+/// Returns the kept settings, or the default ones.
 export function loadSettings() {
   const settings =
       {view: null, panel: null, sound: false, rumble: true, vibration: true, letters: true};
@@ -40,7 +40,9 @@ export function readFragment() {
     }
   });
   const token = parts.findLast(([name]) => name === 'token')?.[1] ?? '';
-  const originKeys = parts.filter(([name]) => name === 'origin-key').map(([, value]) => value);
+  // A key that is missing or damaged accepts no server.
+  const originKeys =
+      parts.filter(([name]) => name === 'origin-key').map(([, value]) => value || 'none');
   if (token) {
     const rest =
         parts.filter(([name]) => name !== 'token').map(([name, value]) => `${name}=${value}`);

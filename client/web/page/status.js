@@ -39,7 +39,7 @@ export class StatusTexts {
 
   showStream(stream) {
     setText(find('name'), stream.name || 'hapticast');
-    document.title = `${stream.name} - hapticast`;
+    document.title = `${stream.name || 'stream'} - hapticast`;
     find('name').title = stream.name;
     const viewers = find('viewers');
     viewers.hidden = stream.viewers === null || stream.viewers === undefined;
@@ -59,7 +59,7 @@ export class StatusTexts {
   /// Shows the texts of a message 'ticks'.
   showTicks(ticks, isTouchScreen) {
     const {report} = ticks;
-    const {advice, hint, states} = ticks.advice === undefined ? report : ticks;
+    const {advice, hint, states} = report;
     setText(find('advice'), advice || '\u00a0');
     find('advice').className = report.contact ? 'contact' : '';
     find('states').hidden = !states;

@@ -5,7 +5,7 @@ import {clamp} from './geometry.js';
 import {find, make, setText} from './panel.js';
 
 const kStep_s = 5;  // of a key; usual in video players
-export const kSpeeds = [0.1, 0.25, 0.5, 1, 1.5, 2, 4];
+const kSpeeds = [0.1, 0.25, 0.5, 1, 1.5, 2, 4];
 
 const formatPlace = time_s =>
     `${Math.floor(time_s / 60)}:${String(Math.floor(time_s % 60)).padStart(2, '0')}`;

@@ -4,50 +4,59 @@
 // most. Frames are prepared between the ticks, one in each call. The page sends `open`, `pointer`,
 // `user`, `rearm`, `control` and `show`; it receives `status`, `stream`, `picture`, `reliefs` and
 // `ticks`.
-import { startCore } from './core.js';
-import { PlayerLink } from './player_link.js';
+import {startCore} from './core.js';
+import {PlayerLink} from './player_link.js';
 
-const MOST_TICKS = 20; // in one call; a longer gap is a late tick, and its ticks are left out
-const REPORT_EVERY_MS = 16; // chosen: once for each picture of a screen
-const LINES_EVERY_MS = 100; // chosen: faster than anybody reads
-const ASK_EVERY_MS = 2000; // chosen: an operator sees viewers come and go
-const SILENCE_MS = 3000; // as the native client: no message for so long counts as a loss
-const WELCOME_MS = 5000; // as the native client
-const FIRST_RETRY_MS = 200;
-const LAST_RETRY_MS = 1000;
-const LATE_WITHIN_MS = 10_000; // chosen, with MANY_LATE: a page that is often late, not once
-const MANY_LATE = 10;
-const MOST_SAMPLES = 96; // along a side of a relief; chosen: a screen shows no more of an object
+const kMostTicks = 20;       // in one call; a longer gap is a late tick, and its ticks are left out
+const kReportEvery_ms = 16;  // chosen: once for each picture of a screen
+const kLinesEvery_ms = 100;  // chosen: faster than anybody reads
+const kAskEvery_ms = 2000;   // chosen: an operator sees viewers come and go
+const kSilence_ms = 3000;    // as the native client: no message for so long counts as a loss
+const kWelcome_ms = 5000;    // as the native client
+const kPong_ms = 5000;       // as the native client
+const kFirstRetry_ms = 200;
+const kLastRetry_ms = 1000;
+const kLateWithin_ms = 10_000;  // chosen, with kManyLate: a page that is often late, not once
+const kManyLate = 10;
+const kMostSamples = 96;  // along a side of a relief; chosen: a screen shows no more of an object
 // Errors after which a retry is of no use: version, wrong token, missing right (proto/README.md).
-const PERMANENT = new Set([3, 8, 9]);
+const kPermanent = new Set([3, 8]);
 
 const now_ms = () => performance.now();
 let core = null;
-let module = null; // the compiled core
-let open = null; // what the page has opened
-let link = null; // WebSocket, or the port of a player
+let module = null;  // the compiled core
+let open = null;    // what the page has opened
+let link = null;    // WebSocket, or the port of a player
 let stream = null;
 let operator = false;
 let viewers = null;
-let asked_ms = 0; // for the number of viewers
-let pause_ms = FIRST_RETRY_MS;
+let asked_ms = 0;  // for the number of viewers
+let pause_ms = kFirstRetry_ms;
 let lastMessage_ms = 0;
 let firstFrame_ms = null;
+let welcomed_ms = null;
 let rearms = 0;
-let user = { paused: false, staticOn: true, dynamicOn: true, stiffnessFactor: 1, forceFactor: 1, friction: null };
+let user = {
+  paused: false,
+  staticOn: true,
+  dynamicOn: true,
+  stiffnessFactor: 1,
+  forceFactor: 1,
+  friction: null
+};
 let showReliefs = true;
 let verified = false;
 
 function sendStatus(state, text, share = null) {
-  postMessage({ type: 'status', state, text, share });
+  postMessage({type: 'status', state, text, share});
 }
 
 function sendStream() {
   const signature = stream.key === '' ? 'unsigned' : verified ? 'signed' : 'waiting';
-  postMessage({ type: 'stream', ...stream, operator, viewers, signature });
+  postMessage({type: 'stream', ...stream, operator, viewers, signature});
 }
 
-onmessage = async ({ data }) => {
+onmessage = async ({data}) => {
   switch (data.type) {
     case 'open':
       open = data;
@@ -57,7 +66,7 @@ onmessage = async ({ data }) => {
       core?.e.point(data.x_mm, data.y_mm, data.z_mm);
       break;
     case 'user':
-      ({ type: data.type, ...user } = data);
+      ({type: data.type, ...user} = data);
       core?.setControls(user, rearms);
       break;
     case 'rearm':
@@ -77,17 +86,17 @@ async function start() {
   try {
     module = await WebAssembly.compile(await fetchBytes('core.wasm'));
     core = await startCore(module);
+    core.start(open.originKeys ?? []);
+    core.setControls(user, rearms);
   } catch (error) {
     return sendStatus('failed', `the renderer does not start: ${error.message}`);
   }
-  core.start(open.originKeys ?? []);
-  core.setControls(user, rearms);
   last_ms = now_ms();
   setInterval(run, 1);
   connect();
 }
 
-/// Returns the bytes at `url`, and reports the progress.
+/// Returns the bytes at `url`.
 async function fetchBytes(url) {
   const response = await fetch(url);
   if (!response.ok) throw new Error(`${url}: ${response.status}`);
@@ -96,26 +105,42 @@ async function fetchBytes(url) {
 
 // The session.
 
+/// Returns whether a token may go to the server of the link: over https, or to this machine.
+function mayHaveToken() {
+  const {protocol, hostname} = new URL(open.url);
+  return protocol === 'wss:' || hostname === 'localhost' || hostname === '[::1]' ||
+      hostname.startsWith('127.');
+}
+
 function connect() {
   const recorded = open.source === 'recording';
+  if (open.token && !recorded && !mayHaveToken())
+    return sendStatus(
+        'failed',
+        'the token would go unprotected through the network: open the link with https://');
+  problem = '';
+  welcomed_ms = null;
   sendStatus('connecting', recorded ? 'opening the recording' : 'connecting to the server');
   firstFrame_ms = null;
   stream = null;
   link = recorded ? makePlayer() : new WebSocket(open.url, 'hapticast.3');
   link.binaryType = 'arraybuffer';
-  lastMessage_ms = now_ms() + WELCOME_MS - SILENCE_MS;
+  lastMessage_ms = now_ms() + kWelcome_ms - kSilence_ms;
   link.onopen = () => {
-    lastMessage_ms = now_ms() + WELCOME_MS - SILENCE_MS;
+    lastMessage_ms = now_ms() + kWelcome_ms - kSilence_ms;
     link.send(core.hello(open.token ?? ''));
   };
-  link.onmessage = ({ data }) => onMessage(data);
-  link.onclose = ({ target, text }) => onClose(target, text ?? 'the server does not answer', recorded);
+  link.onmessage = ({data}) => onMessage(data);
+  link.onclose = ({target, text}) =>
+      onClose(target, text ?? 'the server does not answer', recorded);
 }
 
 function makePlayer() {
   return new PlayerLink(open.url, module, {
     onshare: (share) => sendStatus('loading', 'loading the recording', share),
-    onproblem: (text) => { problem = text; },
+    onproblem: (text) => {
+      problem = text;
+    },
   });
 }
 
@@ -126,7 +151,7 @@ function onMessage(data) {
   const message = core.receive(new Uint8Array(data), begin_ms);
   switch (message.kind) {
     case 'error':
-      return fail(message.error, PERMANENT.has(message.code) || message.untrusted);
+      return fail(message.error, kPermanent.has(message.code) || message.untrusted);
     case 'welcome':
       verified = false;
       onWelcome();
@@ -139,7 +164,8 @@ function onMessage(data) {
       onFrame();
       break;
     case 'picture':
-      postMessage({ type: 'picture', media_ms: message.value, jpeg: message.bytes }, [message.bytes.buffer]);
+      postMessage(
+          {type: 'picture', media_ms: message.value, jpeg: message.bytes}, [message.bytes.buffer]);
       break;
     case 'preparing':
       sendStatus('preparing', 'the server scans its clip', message.value);
@@ -152,6 +178,7 @@ function onMessage(data) {
 
 function onWelcome() {
   stream = core.stream();
+  welcomed_ms = now_ms();
   operator = false;
   viewers = null;
   sendStatus('connected', '');
@@ -167,8 +194,8 @@ function askForViewers() {
 
 function onFrame() {
   firstFrame_ms ??= now_ms();
-  if (firstFrame_ms === null || verified) return;
-  verified = true; // the core ends the session at a frame without a valid signature
+  if (verified) return;
+  verified = true;  // the core ends the session at a frame without a valid signature
   sendStream();
 }
 
@@ -179,9 +206,11 @@ function onControl(message) {
   sendStream();
 }
 
-/// Returns a sentence of the server or of the core in the words of a page: a flag of the client is a part of the link.
+/// Returns a sentence of the server or of the core in the words of a page: a flag of the client is
+/// a part of the link.
 function toPage(sentence) {
-  return sentence.replace('--token-file', '#token= in the link').replace('--origin-key', '#origin-key= in the link');
+  return sentence.replace('--token-file', '#token= in the link')
+      .replace('--origin-key', '#origin-key= in the link');
 }
 
 /// Ends the session with a sentence. `permanent`: no retry follows.
@@ -196,35 +225,40 @@ function fail(text, permanent = true) {
 }
 
 function onClose(closed, sentence, permanent) {
-  if (closed !== link) return; // it is not this session's any more
+  if (closed !== link) return;  // it is not this session's any more
   fail(sentence, permanent);
 }
 
 function retry(sentence) {
-  if (firstFrame_ms !== null && now_ms() - firstFrame_ms > SILENCE_MS) pause_ms = FIRST_RETRY_MS;
+  if (firstFrame_ms !== null && now_ms() - firstFrame_ms > kSilence_ms) pause_ms = kFirstRetry_ms;
   sendStatus('retrying', sentence);
   setTimeout(connect, pause_ms);
-  pause_ms = Math.min(2 * pause_ms, LAST_RETRY_MS);
+  pause_ms = Math.min(2 * pause_ms, kLastRetry_ms);
 }
 
 // The ticks.
 
-const stats = { ticks: 0, late: 0, tick_us: 0 };
-let last_ms = 0; // time of the last tick
+const stats = {
+  ticks: 0,
+  late: 0,
+  tick_us: 0
+};
+let last_ms = 0;  // time of the last tick
 let reported_ms = 0;
 let lines_ms = 0;
-let lines = { advice: '', hint: '', states: '' };
-let problem = ''; // of a recording
-const lateAt_ms = []; // late ticks of the last moments
+let lines = {advice: '', hint: '', states: ''};
+let problem = '';      // of a recording
+const lateAt_ms = [];  // late ticks of the last moments
 
-/// Renders the ticks that are due; returns the time of the call. The core's clock never goes back: each call passes
-/// this time to the core after its ticks, so that no tick to come is earlier than the clock.
+/// Renders the ticks that are due; returns the time of the call. The core's clock never goes back:
+/// each call passes this time to the core after its ticks, so that no tick to come is earlier than
+/// the clock.
 function renderDueTicks() {
   const begin_ms = now_ms();
-  if (begin_ms - last_ms > MOST_TICKS) {
+  if (begin_ms - last_ms > kMostTicks) {
     stats.late++;
     lateAt_ms.push(begin_ms);
-    last_ms = begin_ms - MOST_TICKS;
+    last_ms = begin_ms - kMostTicks;
   }
   let ticks = 0;
   for (; last_ms + 1 <= begin_ms; ++ticks) core.e.tick(++last_ms);
@@ -241,30 +275,48 @@ function run() {
   const isOpen = link?.readyState === WebSocket.OPEN;
   if (isOpen) {
     for (const message of core.poll(begin_ms)) link.send(message);
-    if (operator && begin_ms - asked_ms > ASK_EVERY_MS) askForViewers();
+    if (operator && begin_ms - asked_ms > kAskEvery_ms) askForViewers();
   }
-  // A recording may take long to open; a server may not.
-  if (link && (isOpen || open.source === 'stream') && begin_ms - lastMessage_ms > SILENCE_MS)
-    fail(stream ? 'the server stopped sending' : 'no welcome arrived', false);
-  if (begin_ms - reported_ms >= REPORT_EVERY_MS) sendTicks(begin_ms);
+  if (open.source === 'stream') checkServer(begin_ms);  // a recording may load for long
+  if (begin_ms - reported_ms >= kReportEvery_ms) sendTicks(begin_ms);
+}
+
+/// Gives up a server that sends nothing, or answers no pings.
+function checkServer(begin_ms) {
+  if (link && begin_ms - lastMessage_ms > kSilence_ms)
+    return fail(stream ? 'the server stopped sending' : 'no welcome arrived', false);
+  const waits = link && welcomed_ms !== null && begin_ms - welcomed_ms > kPong_ms;
+  if (waits && core.report(begin_ms).media_now_ms === 0)
+    return fail('the server answers no pings', false);
+  if (waits) welcomed_ms = null;  // the clocks are synchronised
 }
 
 function sendReliefs() {
-  const reliefs = core.reliefs(MOST_SAMPLES);
-  postMessage({ type: 'reliefs', ...reliefs }, reliefs.objects.map((object) => object.heights.buffer));
+  const reliefs = core.reliefs(kMostSamples);
+  postMessage(
+      {type: 'reliefs', ...reliefs}, reliefs.objects.map((object) => object.heights.buffer));
 }
 
 function sendTicks(begin_ms) {
   reported_ms = begin_ms;
-  if (begin_ms - lines_ms >= LINES_EVERY_MS) {
+  if (begin_ms - lines_ms >= kLinesEvery_ms) {
     lines_ms = begin_ms;
     lines = core.lines();
-    while (lateAt_ms.length > 0 && begin_ms - lateAt_ms[0] > LATE_WITHIN_MS) lateAt_ms.shift();
-    const busy = lateAt_ms.length >= MANY_LATE ? 'this browser is busy: the page misses its milliseconds' : '';
+    while (lateAt_ms.length > 0 && begin_ms - lateAt_ms[0] > kLateWithin_ms) lateAt_ms.shift();
+    const busy = lateAt_ms.length >= kManyLate ?
+        'this browser is busy: the page misses its milliseconds' :
+        '';
     lines.states = [lines.states, problem, busy].filter(Boolean).join('\n');
   }
-  const { frames_received, frames_lost, frames_late, media_now_ms, ...report } = core.report(begin_ms);
+  const {frames_received, frames_lost, frames_late, media_now_ms, ...report} =
+      core.report(begin_ms);
   const history = core.history();
-  postMessage({ type: 'ticks', report: { ...report, ...lines }, history,
-    stats: { ...stats, frames_received, frames_lost, frames_late, media_now_ms } }, [history.buffer]);
+  postMessage(
+      {
+        type: 'ticks',
+        report: {...report, ...lines},
+        history,
+        stats: {...stats, frames_received, frames_lost, frames_late, media_now_ms}
+      },
+      [history.buffer]);
 }

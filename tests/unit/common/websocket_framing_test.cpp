@@ -28,7 +28,7 @@ Bytes prefixOf(WebSocketFraming& framing, std::size_t payload) {
 }
 
 Bytes farewellOf(const WebSocketFraming& framing) {
-  const FramePrefix farewell = framing.farewell();
+  const FramePrefix farewell = framing.makeFarewell();
   return {farewell.view().begin(), farewell.view().end()};
 }
 
