@@ -26,20 +26,23 @@ std::optional<MulticastGroup> openMulticastGroup(asio::io_context& io, const Set
 constexpr std::size_t kLeastAnswers = 32;  // chosen: five browsers
 
 StreamSettings makeStreamSettings(const Settings& settings) {
-  const std::size_t pending = settings.tls.wanted() || settings.page
-                                  ? Broadcaster::kMaxPendingHandshakes
-                                  : Broadcaster::kMaxPending;
+  constexpr std::size_t kHandshakes = Broadcaster::kMaxPendingHandshakes;
+  std::size_t pending = settings.tls.wanted() ? kHandshakes : Broadcaster::kMaxPending;
   const std::size_t http =
       settings.http ? HttpServer::kMostConnections + HttpServer::kMostSilent : 0;
   const std::size_t recordings = settings.on_demand ? settings.max_clients : 0;
-  const std::size_t beside = pending + http + recordings;
-  const std::size_t viewers = raiseFileLimit(settings.max_clients, beside);
-  // The page has the files that viewers leave.
-  const std::size_t answers =
-      settings.page ? raiseSpareFiles(StreamSettings{}.max_answers, viewers + beside) : 0;
+  const std::size_t viewers = raiseFileLimit(settings.max_clients, pending + http + recordings);
+  std::size_t answers = StreamSettings{}.max_answers;
+  if (settings.page) {  // it has the files that viewers leave
+    const std::size_t handshakes = kHandshakes - pending;
+    const std::size_t spare = raiseSpareFiles(handshakes + StreamSettings{}.max_answers,
+                                              viewers + pending + http + recordings);
+    pending += std::min(spare, handshakes);
+    answers = std::max(spare - std::min(spare, handshakes), kLeastAnswers);
+  }
   return {.max_clients = viewers,
           .max_pending = pending,
-          .max_answers = std::max(answers, kLeastAnswers),
+          .max_answers = answers,
           .insecure = settings.insecure};
 }
 

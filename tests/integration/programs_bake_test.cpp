@@ -45,7 +45,7 @@ TEST_F(ProgramsBakeTest, ABakedClipPlays) {
 }
 
 TEST_F(ProgramsBakeTest, AFolderHasThePageBesideTheRecording) {
-  const auto bake = startBake("touch/", {"--frames", "25", "--picture-quality", "20"});
+  const auto bake = startBake("touch/", {"--frames", "25", "--picture-quality", "15"});
   EXPECT_EQ(bake->wait(kStart), 0) << bake->output();
   EXPECT_TRUE(bake->says("touch/ is complete", kSoon)) << bake->output();
   EXPECT_NE(read("touch/index.html").find("content=\"recording.mcap\""), std::string::npos);

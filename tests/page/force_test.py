@@ -19,7 +19,7 @@ LIMIT_N = 1e-6
 SECONDS = "6"
 HANDS = str(pathlib.Path(__file__).parents[1] / "data" / "typing_hands")
 FRICTION = ["--friction", "0.6,0.5", "--stiffness", "0.8", "--texture-depth", "0.3"]
-# Clips and flags; CI renders the first four.
+# Clips and flags. Without HAPTICAST_ALL_CLIPS the test renders the first four.
 CLIPS = [
     ["synthetic:bounce"],
     ["synthetic:tumble", "--fps", "50"],
