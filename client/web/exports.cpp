@@ -34,12 +34,12 @@ std::size_t setOutput(std::string_view text) {
 LocalTime toLocal(double now_ms) { return LocalTime(Duration(std::llround(now_ms * 1e6))); }
 
 /// Returns the place for `size` bytes of the page.
-WEB_EXPORT(web_input) std::uint8_t* web_input(std::size_t size) {
+WEB_EXPORT(webInput) std::uint8_t* webInput(std::size_t size) {
   buffers().in.resize(size);
   return buffers().in.data();
 }
 /// Return place and size of the last output.
-WEB_EXPORT(web_output) const std::uint8_t* web_output() { return buffers().out.data(); }
-WEB_EXPORT(output_size) std::size_t output_size() { return buffers().out.size(); }
+WEB_EXPORT(webOutput) const std::uint8_t* webOutput() { return buffers().out.data(); }
+WEB_EXPORT(outputSize) std::size_t outputSize() { return buffers().out.size(); }
 
 }  // namespace hapticast::client::web

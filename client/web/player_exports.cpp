@@ -21,7 +21,7 @@ MediaTime toMedia(double now_ms) { return MediaTime(web::toLocal(now_ms).time_si
 }  // namespace
 
 /// Opens the file of the page. Returns 1, or 0 with a phrase as output.
-WEB_EXPORT(play_open) int play_open() {
+WEB_EXPORT(playOpen) int playOpen() {
   auto opened = RecordedServer::open("recording.mcap");
   if (!opened.ok()) {
     web::setOutput(opened.error().message);
@@ -31,15 +31,15 @@ WEB_EXPORT(play_open) int play_open() {
   return 1;
 }
 /// Processes a message of the viewer, the input.
-WEB_EXPORT(play_receive) void play_receive(double now_ms) {
+WEB_EXPORT(playReceive) void playReceive(double now_ms) {
   server()->receive(web::input(), toMedia(now_ms));
 }
 /// Writes the next message for the viewer that is due. Returns its size, or 0.
-WEB_EXPORT(play_poll) std::size_t play_poll(double now_ms) {
+WEB_EXPORT(playPoll) std::size_t playPoll(double now_ms) {
   auto message = server()->poll(toMedia(now_ms));
   return message ? web::setOutput(std::move(*message)) : 0;
 }
 /// Writes why the recording ends early. Returns its size, or 0.
-WEB_EXPORT(play_problem) std::size_t play_problem() { return web::setOutput(server()->problem()); }
+WEB_EXPORT(playProblem) std::size_t playProblem() { return web::setOutput(server()->problem()); }
 
 }  // namespace hapticast::client

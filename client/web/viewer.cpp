@@ -14,7 +14,7 @@ namespace {
 constexpr Duration kBurstInterval = std::chrono::milliseconds(20);
 constexpr Duration kPingInterval = std::chrono::seconds(1);
 // A page reads the history with each picture. Chosen: a second, also while a page is hidden.
-constexpr std::size_t kMostHistory = 4 * 1000;
+constexpr std::size_t kMostHistory = std::size_t{4} * 1000;
 // Limit of the pointer's position: beyond any workspace that a server may announce.
 constexpr double kMost_mm = 1000.0;
 

@@ -123,7 +123,7 @@ WEB_EXPORT(receive) int receive(double now_ms) {
   return static_cast<int>(Kind::kError);
 }
 /// Returns the code of the error that receive() returned last (proto/README.md, section 7).
-WEB_EXPORT(error_code) int error_code() { return static_cast<int>(page().error); }
+WEB_EXPORT(errorCode) int errorCode() { return static_cast<int>(page().error); }
 /// Returns 1 if the error of receive() was a server with another key than expected.
 WEB_EXPORT(untrusted) int untrusted() { return page().viewer->untrusted() ? 1 : 0; }
 /// Returns the number that belongs to the last message: the share of a scan (0..1), the media time
@@ -160,10 +160,8 @@ std::size_t control(double paused, double seek_s, double speed, double stiffness
 }
 
 /// Writes the name of the stream, and the key of the server (hex digits, or empty).
-WEB_EXPORT(stream_name) std::size_t stream_name() {
-  return web::setOutput(page().description.name);
-}
-WEB_EXPORT(server_key) std::size_t server_key() { return web::setOutput(page().key); }
+WEB_EXPORT(streamName) std::size_t streamName() { return web::setOutput(page().description.name); }
+WEB_EXPORT(serverKey) std::size_t serverKey() { return web::setOutput(page().key); }
 /// Returns the numbers of the stream's description.
 WEB_EXPORT(stream) const double* stream() {
   const StreamDescription& from = page().description;
@@ -181,9 +179,9 @@ WEB_EXPORT(point) void point(double x_mm, double y_mm, double z_mm) {
   page().viewer->point({x_mm, y_mm, z_mm});
 }
 /// Sets the controls of the user. `friction`: NaN keeps the author's. `rearm` counts.
-WEB_EXPORT(set_controls)
-void set_controls(int paused, int rearm, int static_on, int dynamic_on, double stiffness_factor,
-                  double force_factor, double friction) {
+WEB_EXPORT(setControls)
+void setControls(int paused, int rearm, int static_on, int dynamic_on, double stiffness_factor,
+                 double force_factor, double friction) {
   UserControls controls;
   controls.paused = paused != 0;
   controls.rearm = static_cast<std::uint32_t>(rearm);
@@ -197,7 +195,7 @@ void set_controls(int paused, int rearm, int static_on, int dynamic_on, double s
 /// Renders a tick with the simulated hand.
 WEB_EXPORT(tick) void tick(double now_ms) { page().viewer->tick(web::toLocal(now_ms)); }
 /// Renders a tick with a given position of the device, device mm.
-WEB_EXPORT(tick_at) void tick_at(double now_ms, double x_mm, double y_mm, double z_mm) {
+WEB_EXPORT(tickAt) void tickAt(double now_ms, double x_mm, double y_mm, double z_mm) {
   page().viewer->tickAt(web::toLocal(now_ms), {x_mm, y_mm, z_mm});
 }
 /// Returns the numbers of the last tick.
@@ -220,21 +218,23 @@ WEB_EXPORT(report) const double* report(double now_ms) {
 WEB_EXPORT(advice) std::size_t advice() { return web::setOutput(page().viewer->adviceLine()); }
 WEB_EXPORT(hint) std::size_t hint() { return web::setOutput(page().viewer->beginnersLine()); }
 WEB_EXPORT(states) std::size_t states() { return web::setOutput(page().viewer->stateLine()); }
-/// Returns the history since the last call: history_size() floats.
+/// Returns the history since the last call: historySize() floats.
 WEB_EXPORT(history) const float* history() {
   page().history = page().viewer->popHistory();
   return page().history.data();
 }
-WEB_EXPORT(history_size) std::size_t history_size() { return page().history.size(); }
+WEB_EXPORT(historySize) std::size_t historySize() { return page().history.size(); }
 
 /// Returns the number of objects in the newest prepared frame, and its media time, ms.
-WEB_EXPORT(relief_count) std::size_t relief_count() {
+WEB_EXPORT(reliefCount) std::size_t reliefCount() {
   return page().viewer->reliefs().reliefs.size();
 }
-WEB_EXPORT(relief_ms) double relief_ms() { return toMs(page().viewer->reliefs().media_time); }
+WEB_EXPORT(reliefTime_ms) double reliefTime_ms() {
+  return toMs(page().viewer->reliefs().media_time);
+}
 /// Samples the relief of the object `index`, at most `most_side` heights along each side. Returns
 /// u, v, width, height (px), columns, rows and the step (px); no columns: it has no relief.
-WEB_EXPORT(sample_relief) const double* sample_relief(std::size_t index, int most_side) {
+WEB_EXPORT(sampleRelief) const double* sampleRelief(std::size_t index, int most_side) {
   std::vector<float>& heights = page().heights;
   heights.clear();
   Numbers numbers;

@@ -56,7 +56,7 @@ const [text, done] = arguments;
     } else {
       const time = number(), position = [number(), number(), number()], force = [number(), number(), number()];
       while (core.e.prepare(time));
-      core.e.tick_at(time, ...position);
+      core.e.tickAt(time, ...position);
       const report = core.report(time);
       const difference = Math.max(...force.map((each, i) => Math.abs(each - report.force_N[i])));
       if (Number.isNaN(difference)) throw new Error('a force is no number');

@@ -41,14 +41,14 @@ export class Core {
   constructor(exports) { this.e = exports; }
 
   put(bytes) {
-    new Uint8Array(this.e.memory.buffer, this.e.web_input(bytes.length), bytes.length).set(bytes);
+    new Uint8Array(this.e.memory.buffer, this.e.webInput(bytes.length), bytes.length).set(bytes);
   }
   putText(text) { this.put(new TextEncoder().encode(text)); }
   /// Returns a copy of the core's output.
-  output(size) { return new Uint8Array(this.e.memory.buffer, this.e.web_output(), size).slice(); }
+  output(size) { return new Uint8Array(this.e.memory.buffer, this.e.webOutput(), size).slice(); }
   text(size) {
     return new TextDecoder().decode(
-        new Uint8Array(this.e.memory.buffer, this.e.web_output(), size));
+        new Uint8Array(this.e.memory.buffer, this.e.webOutput(), size));
   }
   numbers(at, count) { return new Float64Array(this.e.memory.buffer, at, count); }
 
@@ -67,11 +67,11 @@ export class Core {
     if (kind === 'error')
       return {
         kind,
-        error: this.text(this.e.output_size()),
-        code: this.e.error_code(),
+        error: this.text(this.e.outputSize()),
+        code: this.e.errorCode(),
         untrusted: this.e.untrusted() !== 0
       };
-    const bytesOfPicture = kind === 'picture' ? this.output(this.e.output_size()) : null;
+    const bytesOfPicture = kind === 'picture' ? this.output(this.e.outputSize()) : null;
     return {kind, value: this.e.value(), bytes: bytesOfPicture};
   }
   /// Returns the messages for the server that are due.
@@ -104,12 +104,12 @@ export class Core {
       depth_mm,
       stretch,
       timeline,
-      name: this.text(this.e.stream_name()),
-      key: this.text(this.e.server_key())
+      name: this.text(this.e.streamName()),
+      key: this.text(this.e.serverKey())
     };
   }
   setControls({paused, staticOn, dynamicOn, stiffnessFactor, forceFactor, friction}, rearm) {
-    this.e.set_controls(
+    this.e.setControls(
         Number(paused), rearm, Number(staticOn), Number(dynamicOn), stiffnessFactor, forceFactor,
         friction ?? NaN);
   }
@@ -147,19 +147,19 @@ export class Core {
   }
   history() {
     const at = this.e.history();
-    return new Float32Array(this.e.memory.buffer, at, this.e.history_size()).slice();
+    return new Float32Array(this.e.memory.buffer, at, this.e.historySize()).slice();
   }
   /// Returns the reliefs of the newest prepared frame, at most `mostSide` heights along each side.
   reliefs(mostSide) {
     const objects = [];
-    for (let i = 0; i < this.e.relief_count(); ++i) {
+    for (let i = 0; i < this.e.reliefCount(); ++i) {
       const [u, v, width, height, columns, rows, step] =
-          this.numbers(this.e.sample_relief(i, mostSide), 7);
+          this.numbers(this.e.sampleRelief(i, mostSide), 7);
       if (columns === 0) continue;
       const heights =
           new Float32Array(this.e.memory.buffer, this.e.heights(), columns * rows).slice();
       objects.push({id: i, u, v, width, height, columns, rows, step, heights});
     }
-    return {media_ms: this.e.relief_ms(), objects};
+    return {media_ms: this.e.reliefTime_ms(), objects};
   }
 }

@@ -15,8 +15,8 @@ onmessage = async ({data}) => {
   try {
     file = await openFile(data.url, (share) => postMessage({type: 'share', share}));
     core = await startCore(data.module, file);
-    if (!core.e.play_open())
-      throw new Error(file.failure || `the recording ${core.text(core.e.output_size())}`);
+    if (!core.e.playOpen())
+      throw new Error(file.failure || `the recording ${core.text(core.e.outputSize())}`);
   } catch (error) {
     return postMessage({type: 'failed', text: error.message});
   }
@@ -26,13 +26,13 @@ onmessage = async ({data}) => {
 
 function receive(bytes) {
   core.put(bytes);
-  core.e.play_receive(performance.now());
+  core.e.playReceive(performance.now());
   play();
 }
 
 function play() {
   for (let i = 0; i < kMostAtOnce; ++i) {
-    const size = core.e.play_poll(performance.now());
+    const size = core.e.playPoll(performance.now());
     if (size === 0) break;
     const bytes = core.output(size);
     postMessage(bytes, [bytes.buffer]);
@@ -42,7 +42,7 @@ function play() {
 
 let reported = '';
 function reportProblem() {
-  const size = core.e.play_problem();
+  const size = core.e.playProblem();
   const problem = file.failure || (size > 0 ? `the recording ${core.text(size)}` : '');
   if (problem === reported) return;
   reported = problem;
