@@ -88,7 +88,7 @@ class PageRequestsTest : public StreamTest {
 };
 
 TEST_F(PageRequestsTest, AHallOfPhonesBehindOneAddressIsServed) {
-  constexpr std::size_t kRequests = 300 * 8;
+  constexpr std::size_t kRequests = std::size_t{300} * 8;
   if (server::raiseFileLimit(2 * kRequests) < 2 * kRequests) GTEST_SKIP() << "too few open files";
   const LogLines log;
   server::StreamSettings settings;

@@ -73,7 +73,7 @@ TEST(WebSignature, AgreesWithOpenSslOnChangedBytes) {
     auto bytes = drawBytes(random, 50);
     Signature signature = key.sign(bytes);
     KeyBytes shown = key.verifyingKey();
-    const std::size_t bit = random() % (8 * (64 + 32 + 50));
+    const std::size_t bit = random() % (std::size_t{8} * (64 + 32 + 50));
     std::uint8_t& place = bit < 512   ? signature[bit / 8]
                           : bit < 768 ? shown[(bit - 512) / 8]
                                       : bytes[(bit - 768) / 8];
