@@ -274,6 +274,7 @@ TEST(PageFiles, AreThoseOfTheFolder) {
 TEST(PageLink, HasAnAddressThatOthersReach) {
   const auto interfaces = [](const std::vector<std::string>& addresses) {
     std::vector<NetworkInterface> all;
+    all.reserve(addresses.size() + 1);
     for (const std::string& each : addresses)
       all.push_back({"eth0", 2, asio::ip::make_address(each), false});
     all.push_back({"lo", 1, asio::ip::make_address("127.0.0.1"), true});
