@@ -31,7 +31,7 @@ void playOnDemand(const Settings& settings, const Clock& clock, ReadSettings rer
   counter.enter(PipelinePhase::kOnDemand);
   const LocalMediaClock media_clock(clock, player.reader().begin());
   std::atomic<bool> stop{false};
-  Origin origin(settings, clock, media_clock, ViewerTimeline::describeBegin(player, settings.name));
+  Origin origin(settings, clock, media_clock, describeBegin(player, settings.name));
   StreamService& service = origin.service();
   ViewerTimelines timelines({service.io(), media_clock, origin.signer(), settings.name},
                             player.reader(), settings.loop);

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "common/playback/recording_player.hpp"
+#include "common/playback/timeline_player.hpp"
 
 namespace hapticast::client {
 
@@ -32,18 +32,13 @@ class RecordedServer {
  private:
   explicit RecordedServer(StreamReader reader);
   void welcome();
-  void carryOut(const Control& control);
   void play(MediaTime now);
   /// Describes the stream to the viewer, if the description changed. Requires a welcomed viewer.
   void describe(MediaTime now);
 
-  RecordingPlayer player_;
-  StreamDescription recorded_;  // newest description in the recording
-  StreamDescription sent_;
+  TimelinePlayer player_;
   std::deque<std::vector<std::uint8_t>> waiting_;
   bool welcomed_ = false;
-  bool paused_ = false;
-  double place_s_ = 0.0;  // of the last frame
 };
 
 }  // namespace hapticast::client

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "server/recording/viewer_timeline.hpp"
 
-#include <algorithm>
 #include <utility>
 #include <variant>
 
@@ -15,19 +14,9 @@ constexpr Duration kForEver = std::chrono::hours(24);
 ViewerTimeline::ViewerTimeline(const Server& server, RecordingPlayer player,
                                const std::shared_ptr<Session>& viewer)
     : server_(server),
-      player_(std::move(player)),
+      player_(std::move(player), server.name),
       viewer_(viewer),
-      timer_(server.io),
-      recorded_(player_.reader().description()),
-      sent_(describeBegin(player_, server.name)) {}
-
-StreamDescription ViewerTimeline::describeBegin(const RecordingPlayer& player,
-                                                const std::string& name) {
-  StreamDescription description = describePlayback(player.reader().description(), 1.0, name);
-  description.timeline = player.timeline();
-  description.timeline->position_s = 0.0;
-  return description;
-}
+      timer_(server.io) {}
 
 void ViewerTimeline::request(const Control& control) {
   if (control.paused) request_.paused = control.paused;
@@ -47,11 +36,11 @@ asio::awaitable<void> ViewerTimeline::play() {
   while (!stopped_) {
     const auto viewer = viewer_.lock();
     if (!viewer) co_return;
-    if (carryOut()) {
+    if (player_.carryOut(std::exchange(request_, Control{}))) {
       co_await waitFor(kSeekPause, false);
       continue;  // the next request may be there
     }
-    if (paused_ || at_end_) {
+    if (player_.rests()) {
       describe(*viewer);
       co_await waitFor(kForEver, true);
       continue;
@@ -59,7 +48,7 @@ asio::awaitable<void> ViewerTimeline::play() {
     const MediaTime now = server_.media_clock.now();
     const auto due = player_.prepare(now);
     if (!due) {
-      at_end_ = true;
+      player_.stopAtEnd();
     } else if (*due > now) {
       co_await waitFor(*due - now, true);
     } else {
@@ -67,20 +56,6 @@ asio::awaitable<void> ViewerTimeline::play() {
       co_await asio::post(server_.io, asio::use_awaitable);  // other viewers have their turn
     }
   }
-}
-
-bool ViewerTimeline::carryOut() {
-  const Control request = std::exchange(request_, Control{});
-  if (request.paused) {
-    if (paused_ && !*request.paused) player_.resume();
-    paused_ = *request.paused;
-  }
-  if (request.speed) player_.setSpeed(*request.speed);
-  if (!request.seek_s) return false;
-  player_.seek(*request.seek_s);
-  place_s_ = *request.seek_s;
-  at_end_ = false;
-  return true;
 }
 
 asio::awaitable<void> ViewerTimeline::waitFor(Duration time, bool for_requests) {
@@ -92,32 +67,20 @@ asio::awaitable<void> ViewerTimeline::waitFor(Duration time, bool for_requests) 
 }
 
 void ViewerTimeline::publish(Session& viewer, RecordedItem item) {
-  if (auto* const description = std::get_if<StreamDescription>(&item)) {
-    recorded_ = std::move(*description);
-  } else if (auto* const frame = std::get_if<CodedFrame>(&item)) {
-    place_s_ = player_.timeline().computePosition_s(frame->media_time);
+  if (auto* const frame = std::get_if<CodedFrame>(&item)) {
     describe(viewer);
     const EncodedFrame encoded = encoder_.encode(std::move(*frame), &server_.signer, false);
     viewer.send(encoded);
-  } else if (viewer.isVideoSubscriber()) {
-    viewer.send(encodeVideo(std::move(std::get<VideoFrame>(item))));
+  } else if (auto* const picture = std::get_if<VideoFrame>(&item)) {
+    if (viewer.isVideoSubscriber()) viewer.send(encodeVideo(std::move(*picture)));
   }
 }
 
 void ViewerTimeline::describe(Session& viewer) {
-  StreamDescription description = describePlayback(recorded_, player_.speed(), server_.name);
-  Timeline timeline = player_.timeline();
-  if (paused_ || at_end_) {
-    timeline.position_s =
-        std::clamp(at_end_ ? timeline.length_s : place_s_, 0.0, timeline.length_s);
-    timeline.at = sent_.timeline->speed == 0.0 ? sent_.timeline->at : server_.media_clock.now();
-    timeline.speed = 0.0;
-  }
-  description.timeline = timeline;
-  if (description == sent_) return;
-  const bool other_picture = !(description.workspace == sent_.workspace);
-  sent_ = std::move(description);
-  viewer.queue(encodeShared(sent_), other_picture);
+  const Workspace before = player_.description().workspace;
+  if (!player_.updateDescription(server_.media_clock.now())) return;
+  const bool other_picture = !(player_.description().workspace == before);
+  viewer.queue(encodeShared(player_.description()), other_picture);
   viewer.flush();
 }
 

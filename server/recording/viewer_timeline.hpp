@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Playback of a recording for one viewer (--on-demand). The viewer may pause, seek, and set the
-// speed. The description of its stream has the place in the recording, and follows each change. A
-// flood of requests costs one seek in kSeekPause. Thread: the network's.
+// Sends the playback of a recording to one viewer (--on-demand), which may pause, seek, and set the
+// speed (TimelinePlayer). A flood of requests costs one seek in kSeekPause. Thread: the network's.
 #pragma once
 
 #include <map>
@@ -9,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "common/playback/recording_player.hpp"
+#include "common/playback/timeline_player.hpp"
 #include "common/transport/asio.hpp"
 #include "server/stream/broadcaster.hpp"
 #include "server/stream/encoded.hpp"
@@ -41,13 +40,8 @@ class ViewerTimeline : public std::enable_shared_from_this<ViewerTimeline> {
   void request(const Control& control);
   /// Ends play().
   void stop();
-  /// Returns the description of the stream before the first frame.
-  [[nodiscard]] static StreamDescription describeBegin(const RecordingPlayer& player,
-                                                       const std::string& name);
 
  private:
-  /// Carries out the requests. Returns whether it has changed the place.
-  bool carryOut();
   /// Waits for `time`, or until stop(). `for_requests`: or until a request.
   asio::awaitable<void> waitFor(Duration time, bool for_requests);
   /// Sends a prepared item to the viewer.
@@ -56,15 +50,12 @@ class ViewerTimeline : public std::enable_shared_from_this<ViewerTimeline> {
   void describe(Session& viewer);
 
   const Server& server_;
-  RecordingPlayer player_;
+  TimelinePlayer player_;
   std::weak_ptr<Session> viewer_;
   asio::steady_timer timer_;
   FrameEncoder encoder_;
   Control request_;
-  StreamDescription recorded_;  // the newest description in the recording
-  StreamDescription sent_;
-  double place_s_ = 0.0;  // of the last frame
-  bool paused_ = false, at_end_ = false, stopped_ = false, waits_for_requests_ = false;
+  bool stopped_ = false, waits_for_requests_ = false;
 };
 
 /// The time lines of all viewers.

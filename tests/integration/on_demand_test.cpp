@@ -35,8 +35,7 @@ class OnDemandTest : public StreamTest {
     timelines_.emplace(server::ViewerTimeline::Server{io, media_, signer_, "on demand"}, *reader_,
                        false);
     const RecordingPlayer player(reader_->reopen().value(), false);
-    broadcaster_.emplace(io, clock, media_,
-                         server::ViewerTimeline::describeBegin(player, "on demand"),
+    broadcaster_.emplace(io, clock, media_, describeBegin(player, "on demand"),
                          server::StreamSettings{});
     broadcaster_->introduce(signer_.identity());
     broadcaster_->serveEach(*timelines_);
