@@ -4,6 +4,7 @@
 // Thread: any.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 
@@ -61,6 +62,17 @@ class SteadyClock final : public Clock {
     return LocalTime(
         std::chrono::duration_cast<Duration>(std::chrono::steady_clock::now().time_since_epoch()));
   }
+};
+
+/// A clock that its owner sets. It never goes back. Thread: one.
+class SetClock final : public Clock {
+ public:
+  [[nodiscard]] LocalTime now() const noexcept override { return now_; }
+  /// Sets the time to `now`, unless it would go back.
+  void set(LocalTime now) { now_ = std::max(now_, now); }
+
+ private:
+  LocalTime now_{LocalTime::min()};
 };
 
 /// Source of media time, for the times of frames. It is this machine's own clock, or a clock that

@@ -27,16 +27,9 @@ RendererSettings makeSettings() {
 
 }  // namespace
 
-bool InlinePreparation::step() {
-  if (preparer_.holdsBack()) return false;
-  const auto accepted = queue_.pop();
-  if (accepted) preparer_.prepare(*accepted);
-  return accepted.has_value();
-}
-
 WebViewer::WebViewer(OriginPin origin)
     : settings_(makeSettings()),
-      preparation_(pool_, clock_,
+      preparation_(pool_, clock_, Method::kHapticast,
                    [this](const PreparedFrame& frame) {
                      receiver_.addPrepared(frame);
                      reliefs_ = frame.playable;

@@ -5,9 +5,7 @@
 // Thread: one, the worker of the page.
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -16,36 +14,11 @@
 
 #include "client/device/pointed_hand.hpp"
 #include "client/haptics/renderer.hpp"
+#include "client/net/inline_preparation.hpp"
 #include "client/net/message_receiver.hpp"
 #include "client/view/status.hpp"
 
 namespace hapticast::client {
-
-/// A clock that its owner sets. The time never decreases.
-class SetClock final : public Clock {
- public:
-  [[nodiscard]] LocalTime now() const noexcept override { return now_; }
-  void set(LocalTime now) { now_ = std::max(now_, now); }
-
- private:
-  LocalTime now_{};
-};
-
-/// Prepares frames in the caller's thread.
-class InlinePreparation final : public FrameSink {
- public:
-  InlinePreparation(FramePool& pool, const Clock& clock,
-                    std::function<void(const PreparedFrame&)> done)
-      : preparer_(pool, clock, Method::kHapticast, std::move(done)) {}
-  void reset(const Workspace& workspace) override { queue_.reset(workspace); }
-  std::size_t push(AssembledFrame assembled) override { return queue_.push(std::move(assembled)); }
-  /// Prepares the oldest queued frame. Returns false if there is none, or if it has to wait.
-  bool step();
-
- private:
-  FrameQueue queue_;
-  FramePreparer preparer_;
-};
 
 /// A viewer of a stream. The object needs about 1 MB, so do not place it on the stack.
 class WebViewer {

@@ -116,7 +116,7 @@ class Script {
   MessagePlayer player_{renderer_};
   std::deque<Arrival> arrivals_;
   double last_ms_ = 0.0;
-  client::SetClock clock_;
+  SetClock clock_;
   client::PointedHand hand_{client::PlantProfile(), clock_};
   Vec3 force_N_ = Vec3::Zero();
   Eigen::Vector3d object_mm_ = Eigen::Vector3d::Zero();
