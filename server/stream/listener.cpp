@@ -19,41 +19,43 @@ namespace hapticast::server {
 namespace {
 // Chosen: files of the source, the log, the event loop; 11 were measured.
 constexpr rlim_t kOwnFiles = 64;
+
+/// Raises this process's limit of open files to `needed`, or as far as the system allows. Returns
+/// the limit. A system that does not state it counts as one without a limit.
+rlim_t raiseLimitTo(rlim_t needed) {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return RLIM_INFINITY;
+  if (limit.rlim_cur >= needed) return limit.rlim_cur;
+  limit.rlim_cur = std::min(needed, limit.rlim_max);
+  if (setrlimit(RLIMIT_NOFILE, &limit) != 0) getrlimit(RLIMIT_NOFILE, &limit);
+  return limit.rlim_cur;
+}
 }  // namespace
 
 std::size_t raiseFileLimit(std::size_t viewers, std::size_t pending) {
   const rlim_t beside = kOwnFiles + pending;
   const rlim_t needed = viewers + beside;
-  rlimit limit{};
-  if (getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur >= needed) return viewers;
-  limit.rlim_cur = std::min(needed, limit.rlim_max);
-  if (setrlimit(RLIMIT_NOFILE, &limit) != 0) getrlimit(RLIMIT_NOFILE, &limit);
-  if (limit.rlim_cur >= needed) return viewers;
-  if (limit.rlim_cur <= beside) {
+  const rlim_t allowed = raiseLimitTo(needed);
+  if (allowed >= needed) return viewers;
+  if (allowed <= beside) {
     spdlog::warn(
         "this system allows {} open files, fewer than the server itself may need ({}): the server "
         "accepts one viewer (ulimit -Hn {} allows {})",
-        limit.rlim_cur, beside, needed, viewers);
+        allowed, beside, needed, viewers);
     return 1;
   }
-  const rlim_t fit = limit.rlim_cur - beside;
+  const rlim_t fit = allowed - beside;
   spdlog::warn(
       "--max-clients {}: this system allows {} open files, enough for {} viewers; the server "
       "rejects more (ulimit -Hn {} allows all)",
-      viewers, limit.rlim_cur, fit, needed);
+      viewers, allowed, fit, needed);
   return fit;
 }
 
 std::size_t raiseSpareFiles(std::size_t wanted, std::size_t used) {
-  rlimit limit{};
-  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return 0;
-  const rlim_t needed = kOwnFiles + used + wanted;
-  if (limit.rlim_cur < needed) {
-    limit.rlim_cur = std::min(needed, limit.rlim_max);
-    if (setrlimit(RLIMIT_NOFILE, &limit) != 0) getrlimit(RLIMIT_NOFILE, &limit);
-  }
   const rlim_t beside = kOwnFiles + used;
-  return limit.rlim_cur > beside ? std::min<rlim_t>(wanted, limit.rlim_cur - beside) : 0;
+  const rlim_t allowed = raiseLimitTo(beside + wanted);
+  return allowed > beside ? std::min<rlim_t>(wanted, allowed - beside) : 0;
 }
 
 namespace {
