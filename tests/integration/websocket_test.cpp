@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Viewers by WebSocket over loopback, with a client that shares no code with the server: they get
-// what viewers by TCP get, and their faults disturb nobody else.
+// what viewers by TCP get, and their faults affect no other viewer.
 #include <gmock/gmock.h>
 
 #include <boost/asio/ssl.hpp>

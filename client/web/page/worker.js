@@ -19,7 +19,7 @@ const kLastRetry_ms = 1000;
 const kLateWithin_ms = 10_000;  // chosen, with kManyLate: a page that is often late, not once
 const kManyLate = 10;
 const kMostSamples = 96;  // along a side of a relief; chosen: a screen shows no more of an object
-// Errors after which a retry is of no use: version, wrong token, missing right (proto/README.md).
+// Errors after which a retry is of no use: version and wrong token (proto/README.md, section 7).
 const kPermanent = new Set([3, 8]);
 
 const now_ms = () => performance.now();
