@@ -18,10 +18,10 @@
 #include "server/pipeline/encoder_thread.hpp"
 #include "server/pipeline/frame_pump.hpp"
 #include "server/pipeline/input_check.hpp"
+#include "server/pipeline/open_clip.hpp"
 #include "server/pipeline/operator_requests.hpp"
 #include "server/pipeline/pipeline_counter.hpp"
 #include "server/pipeline/plan_log.hpp"
-#include "server/source/folder/key_mask_source.hpp"
 #include "server/source/stream_url.hpp"
 #include "server/vision/vision.hpp"
 
@@ -38,12 +38,10 @@ SourceInfo describeSource(const RgbdSource& source, const std::string& name) {
   return info;
 }
 
-std::unique_ptr<RgbdSource> openFor(const Settings& settings) {
+std::unique_ptr<RgbdSource> openFor(const Settings& settings, KeepWaiting keep_waiting) {
   if (settings.loop && isStreamUrl(settings.source))
     throw SourceError("--loop: a live stream has no end; leave the flag out");
-  return addKeyMasks(
-      openSource(settings.source, settings.fps, settings.to_and_fro, settings.layout),
-      settings.key_masks);
+  return openClip(settings, std::move(keep_waiting));
 }
 
 }  // namespace
@@ -66,6 +64,8 @@ class App::Impl {
 
   Settings settings_;
   LocalMediaClock media_clock_;
+  std::atomic<bool> stop_{false};
+  std::function<void()> while_waiting_;  // what goes on while the source waits for a child
   std::unique_ptr<RgbdSource> source_;
   Vision vision_;
   Reloader reloader_;  // used by the network thread only
@@ -76,14 +76,17 @@ class App::Impl {
   StreamService& service_ = origin_.service();
   PlanLog plan_log_;
   DepthRangeLog range_log_;
-  std::atomic<bool> stop_{false};
   bool streaming_ = false;
 };
 
 App::Impl::Impl(Settings settings, const Clock& clock, ReadSettings reread)
     : settings_(std::move(settings)),
       media_clock_(clock),
-      source_(openFor(settings_)),
+      source_(openFor(settings_,
+                      [this] {
+                        if (while_waiting_) while_waiting_();
+                        return !stop_;
+                      })),
       vision_(describeSource(*source_, settings_.name),
               settings_.vision = preparePoints(settings_.vision, source_->info()), &clock),
       reloader_(settings_, std::move(reread), clock),
@@ -120,7 +123,9 @@ void App::Impl::browse() {
   }
   const bool can_touch = warnOfUnlikelyInput(*source_, settings_.vision);
   MediaTime prepared_at{};
+  double prepared_share = 0.0;
   const auto prepareViewers = [&](double share) {
+    prepared_share = share;
     service_.open(vision_.description().name);
     service_.manager().reportAlive();
     const MediaTime now = media_clock_.now();
@@ -128,8 +133,10 @@ void App::Impl::browse() {
     prepared_at = now;
     service_.broadcaster().prepare(share);
   };
+  while_waiting_ = [&] { prepareViewers(prepared_share); };
   if (scanClip(vision_, *source_, media_clock_, stop_, prepareViewers))
     service_.broadcaster().describe(vision_.description());
+  while_waiting_ = [this] { service_.manager().reportAlive(); };
   range_log_.log(vision_.mapped());
   if (stop_ || info.live || vision_.mapped() || !can_touch) return;
   spdlog::warn(

@@ -10,6 +10,7 @@
 #include "common/cli/options.hpp"
 #include "common/cli/parse.hpp"
 #include "server/author/author_options.hpp"
+#include "server/child_options.hpp"
 #include "server/flag_rules.hpp"
 #include "server/scene_option.hpp"
 #include "server/settings.hpp"
@@ -50,7 +51,7 @@ void addLayoutOptions(CLI::App& app, VideoLayout& layout) {
             "for integers and 1000 for floats");
   app.add_option("--color", layout.color_glob,
                  "The colour images of a folder, as a pattern relative to it, e.g. 'frame_*.jpg'; "
-                 "needs --depth. Default: the server recognises the layout")
+                 "needs --depth or --depth-from. Default: the server recognises the layout")
       ->type_name("GLOB");
   app.add_option("--depth", layout.depth_glob,
                  "The depth images of a folder, as a pattern relative to it, e.g. 'depth_*.png'")
@@ -80,6 +81,7 @@ void addSourceOptions(CLI::App& app, Settings& settings) {
   addNumber(app, "--fps", settings.fps, 1.0, 240.0, "1..240",
             "Frames a second; default: the source's own");
   addLayoutOptions(app, settings.layout);
+  addChildOptions(app, settings.child);
   app.add_flag("--loop", settings.loop, "Start again at the end of the clip");
   app.add_flag("--on-demand", settings.on_demand,
                "Each viewer of a recording (--source FILE.mcap) has a time line of its own: it may "

@@ -7,6 +7,7 @@
 
 #include "common/recording/mcap_reader.hpp"
 #include "common/text.hpp"
+#include "server/child_options.hpp"
 
 namespace hapticast::server {
 
@@ -89,6 +90,7 @@ void requireOnDemandFlags(const CLI::App& app, Settings& settings) {
 
 void requireFlags(const CLI::App& app, Settings& settings) {
   requireNetworkFlags(settings);
+  requireChildFlags(app, settings);
   if (!isEdge(settings) && !settings.origin_keys.empty() && !settings.publish)
     throw CLI::ValidationError("--origin-key", "needs --source nats://... or --publish");
   settings.is_recording = isRecording(settings);

@@ -14,6 +14,7 @@
 #include "common/transport/signature.hpp"
 #include "server/author/scene_file.hpp"
 #include "server/nats_address.hpp"
+#include "server/source/child/child_settings.hpp"
 #include "server/source/video_layout.hpp"
 #include "server/stream/multicast_group.hpp"
 #include "server/stream/server_tls.hpp"
@@ -27,7 +28,8 @@ struct Settings {
   double fps = 0.0;  ///< frames/s; 0: the source's own rate
   bool loop = false;
   bool to_and_fro = false;
-  VideoLayout layout;  ///< place and code of the depth in a video
+  VideoLayout layout;   ///< place and code of the depth in a video
+  ChildSettings child;  ///< the user's own programs
   bool wait_for_viewer = false;
   std::uint64_t frames = 0;  ///< number of frames to stream; 0: no limit
   Endpoint listen{"::", kDefaultPort};

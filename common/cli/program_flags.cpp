@@ -12,6 +12,7 @@ namespace {
 // clang-format off
 constexpr auto kServerFlags = std::to_array<std::string_view>(
     {"announce",    "color",         "compensate-pan", "damping", "depth",           "depth-code",
+     "depth-cache", "depth-cache-limit", "depth-from", "mask-from",
      "depth-range", "depth-unit",    "error-budget",   "explain", "fov",             "fps",
      "frames",      "friction",      "host-name",      "http",    "layout",          "listen",
      "loop",        "low-latency",   "map-range",      "mass",    "max-clients",     "motion",

@@ -20,8 +20,8 @@
 #include "server/pipeline/clip_scan.hpp"
 #include "server/pipeline/encoder_thread.hpp"
 #include "server/pipeline/input_check.hpp"
+#include "server/pipeline/open_clip.hpp"
 #include "server/pipeline/plan_log.hpp"
-#include "server/source/folder/key_mask_source.hpp"
 #include "server/vision/describe.hpp"
 #include "server/vision/offline/offline_vision.hpp"
 
@@ -97,10 +97,8 @@ class Bake {
   BakedFile file_;  // after all that refuses wrong input
 };
 
-std::unique_ptr<RgbdSource> openClip(const Settings& settings) {
-  auto source =
-      addKeyMasks(openSource(settings.source, settings.fps, settings.to_and_fro, settings.layout),
-                  settings.key_masks);
+std::unique_ptr<RgbdSource> openRecorded(const Settings& settings) {
+  auto source = openClip(settings);
   if (source->info().live)
     throw SourceError(settings.source + ": a live source has no later frames; record it instead");
   return source;
@@ -109,7 +107,7 @@ std::unique_ptr<RgbdSource> openClip(const Settings& settings) {
 Bake::Bake(const BakeSettings& settings, const Clock& clock)
     : settings_(settings),
       progress_(clock, settings.server.quiet),
-      source_(openClip(settings.server)),
+      source_(openRecorded(settings.server)),
       vision_settings_(preparePoints(settings.server.vision, source_->info())),
       vision_(*source_, describe(), vision_settings_),
       slices_{.error_mm = computeHeightError_mm(vision_settings_)},

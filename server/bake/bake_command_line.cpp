@@ -7,6 +7,7 @@
 #include "common/cli/parse.hpp"
 #include "common/text.hpp"
 #include "server/bake/bake_settings.hpp"
+#include "server/child_options.hpp"
 #include "server/command_line.hpp"
 #include "server/page/page_folder.hpp"
 #include "server/scene_option.hpp"
@@ -17,13 +18,44 @@ namespace hapticast::server {
 namespace {
 
 // The flags of the server that a bake obeys, too. All others are for a stream.
-constexpr auto kBakeFlags = std::to_array<std::string_view>(
-    {"fps",         "layout",     "depth-code",     "depth-near",     "depth-unit", "color",
-     "depth",       "to-and-fro", "frames",         "name",           "segment",    "fov",
-     "stretch",     "motion",     "compensate-pan", "method",         "object",     "not",
-     "depth-range", "map-range",  "stiffness",      "damping",        "friction",   "texture-depth",
-     "mass",        "scene",      "plan",           "error-budget",   "quiet",      "config",
-     "help",        "version",    "print-config",   "picture-quality"});
+constexpr auto kBakeFlags = std::to_array<std::string_view>({"fps",
+                                                             "layout",
+                                                             "depth-code",
+                                                             "depth-near",
+                                                             "depth-unit",
+                                                             "color",
+                                                             "depth",
+                                                             "to-and-fro",
+                                                             "frames",
+                                                             "name",
+                                                             "segment",
+                                                             "fov",
+                                                             "stretch",
+                                                             "motion",
+                                                             "compensate-pan",
+                                                             "method",
+                                                             "object",
+                                                             "not",
+                                                             "depth-range",
+                                                             "map-range",
+                                                             "stiffness",
+                                                             "damping",
+                                                             "friction",
+                                                             "texture-depth",
+                                                             "mass",
+                                                             "scene",
+                                                             "plan",
+                                                             "error-budget",
+                                                             "quiet",
+                                                             "config",
+                                                             "help",
+                                                             "version",
+                                                             "print-config",
+                                                             "picture-quality",
+                                                             "depth-from",
+                                                             "depth-cache",
+                                                             "depth-cache-limit",
+                                                             "mask-from"});
 
 bool isBakeFlag(const CLI::Option& option) {
   return std::find(kBakeFlags.begin(), kBakeFlags.end(), option.get_single_name()) !=
@@ -103,6 +135,7 @@ std::unique_ptr<CLI::App> bakeCommandLine(BakeSettings& settings) {
         throw CLI::ValidationError("--" + name, "a bake streams nothing; leave the flag out");
     }
     requireClip(settings.server);
+    requireChildFlags(*parsed, settings.server);
     mergeScene(*parsed, settings.server);
     settings.flags = listBakeFlags(*parsed);
   });

@@ -20,10 +20,10 @@
 #include "common/write_file.hpp"
 #include "server/pipeline/clip_scan.hpp"
 #include "server/pipeline/input_check.hpp"
+#include "server/pipeline/open_clip.hpp"
 #include "server/preview/contact_sheet.hpp"
 #include "server/preview/correction_hint.hpp"
 #include "server/preview/preview_scene.hpp"
-#include "server/source/folder/key_mask_source.hpp"
 #include "server/source/stream_url.hpp"
 
 namespace hapticast::server {
@@ -212,9 +212,7 @@ std::vector<std::string> formatLines(const Settings& settings, const PreviewRun&
 
 void writePreview(Settings settings, const Clock& clock) {
   const fs::path place = settings.preview;
-  const std::unique_ptr<RgbdSource> source =
-      addKeyMasks(openSource(settings.source, settings.fps, settings.to_and_fro, settings.layout),
-                  settings.key_masks);
+  const std::unique_ptr<RgbdSource> source = openClip(settings);
   checkPlace(place);
   settings.vision = preparePoints(settings.vision, source->info());
   Vision vision(source->info(), settings.vision);

@@ -46,7 +46,7 @@ std::unique_ptr<RgbdSource> openSynthetic(std::string_view name, double fps) {
 }
 
 std::unique_ptr<RgbdSource> openCamera(const std::string& spec, std::string_view numbers,
-                                       double fps, double mm_per_unit) {
+                                       double fps, const VideoLayout& layout) {
   const std::size_t comma = numbers.find(',');
   const auto parse = [&](std::string_view text) {
     int number = 0;
@@ -58,24 +58,29 @@ std::unique_ptr<RgbdSource> openCamera(const std::string& spec, std::string_view
     return number;
   };
   const int color = parse(numbers.substr(0, comma));
+  if (layout.color_only && comma == std::string_view::npos)
+    return openV4l2Camera("/dev/video" + std::to_string(color), "", fps);
   if (comma == std::string_view::npos) {
     throw SourceError(spec + ": depth is needed too; use camera:" + std::to_string(color) +
                       ",M where M is the depth camera's number");
   }
   const int depth = parse(numbers.substr(comma + 1));
   return openV4l2Camera("/dev/video" + std::to_string(color), "/dev/video" + std::to_string(depth),
-                        fps, mm_per_unit);
+                        fps, layout.depth_unit_mm.value_or(1.0));
 }
 
 std::unique_ptr<RgbdSource> openV4l2(const std::string& spec, const std::string& nodes, double fps,
-                                     double mm_per_unit) {
+                                     const VideoLayout& layout) {
   const std::size_t comma = nodes.find(',');
+  if (layout.color_only && comma == std::string::npos && !nodes.empty())
+    return openV4l2Camera(nodes, "", fps);
   if (comma == std::string::npos || comma == 0 || comma + 1 == nodes.size()) {
     throw SourceError(spec +
                       ": colour and depth are needed; use v4l2:COLOR,DEPTH with two nodes, " +
                       "for example v4l2:/dev/video4,/dev/video2");
   }
-  return openV4l2Camera(nodes.substr(0, comma), nodes.substr(comma + 1), fps, mm_per_unit);
+  return openV4l2Camera(nodes.substr(0, comma), nodes.substr(comma + 1), fps,
+                        layout.depth_unit_mm.value_or(1.0));
 }
 
 /// Throws SourceError for a kind of source that the server does not read.
@@ -142,9 +147,21 @@ std::unique_ptr<RgbdSource> openPair(const std::string& spec, double fps,
 /// Returns whether `spec` has the form of two files.
 bool isPair(const std::string& spec) { return spec.find(',') != std::string::npos; }
 
+/// Throws SourceError if the source has no colour that could be read alone.
+void requireColor(const std::string& spec, bool is_video) {
+  const char* problem = "";
+  if (is_video && isFile(spec) && isRecordingFile(spec)) problem = "is a recording with depth";
+  if (spec.starts_with(kOpenni)) problem = "is a camera with depth";
+  if (!isFile(spec) && isPair(spec)) problem = "names the depth, too";
+  if (*problem != '\0')
+    throw SourceError(hideCredentials(spec) + ": " + problem +
+                      "; leave --depth-from out, or name a source of colour alone");
+}
+
 /// Throws SourceError for flags about depth that this source cannot obey.
 void requireFlags(const std::string& spec, bool is_video, bool is_named,
                   const VideoLayout& layout) {
+  if (layout.color_only) return requireColor(spec, is_video);
   std::error_code error;
   const bool folder = fs::is_directory(spec, error);
   const bool recording = is_video && isFile(spec) && isRecordingFile(spec);
@@ -176,7 +193,7 @@ std::unique_ptr<RgbdSource> openSingle(const std::string& file, double fps,
   try {
     video = std::make_unique<VideoFile>(file);
   } catch (const NoVideoError&) {
-    if (layout.layout != Layout::kSeparate) throw;
+    if (layout.layout != Layout::kSeparate || layout.color_only) throw;
     throw SourceError(file +
                       ": is a single file; depth is needed too, so use COLOR,DEPTH or a folder");
   }
@@ -220,11 +237,9 @@ std::unique_ptr<RgbdSource> openSource(const std::string& named, double fps, boo
                         view.starts_with(kOpenni) || view.starts_with(kV4l2);
   refuseOtherKinds(spec);
   requireFlags(spec, !is_named && (isFile(spec) || isPair(spec)), is_named, layout);
-  const double mm_per_unit = layout.depth_unit_mm.value_or(1.0);
   if (view.starts_with(kSynthetic)) return openSynthetic(view.substr(kSynthetic.size()), fps);
-  if (view.starts_with(kCamera))
-    return openCamera(spec, view.substr(kCamera.size()), fps, mm_per_unit);
-  if (view.starts_with(kV4l2)) return openV4l2(spec, spec.substr(kV4l2.size()), fps, mm_per_unit);
+  if (view.starts_with(kCamera)) return openCamera(spec, view.substr(kCamera.size()), fps, layout);
+  if (view.starts_with(kV4l2)) return openV4l2(spec, spec.substr(kV4l2.size()), fps, layout);
   if (view.starts_with(kOpenni)) return openOpenniCamera(spec.substr(kOpenni.size()), fps);
   if (is_folder) return openFolder(spec, fps, to_and_fro, layout);
   if (isFile(spec)) {

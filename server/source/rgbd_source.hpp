@@ -24,6 +24,15 @@ enum class DepthKind : std::uint8_t {
   kHeight,  ///< 8-bit depth: 0..255, 255 is nearest, all values are valid
 };
 
+/// Origin of the depth: a sensor, or a program that estimates it. An estimator's scale and shift
+/// may differ from frame to frame.
+enum class EstimatedDepth : std::uint8_t {
+  kNone,      ///< measured
+  kMetric,    ///< mm
+  kRelative,  ///< depth with an unknown scale and shift
+  kInverse,   ///< 1 / depth with an unknown scale and shift
+};
+
 /// Constant properties of a source.
 struct SourceInfo {
   std::string name;  ///< name for people, which viewers receive too; without a path
@@ -37,6 +46,7 @@ struct SourceInfo {
   double mm_per_unit = 1.0;  ///< mm of one unit of depth in the files; only with kMetric
   bool live = false;         ///< true: a camera or stream, which cannot be scanned or rewound
   bool key_masks = false;    ///< true: the masks are the author's key masks of a few frames
+  EstimatedDepth estimated = EstimatedDepth::kNone;
   std::optional<std::uint64_t> frame_count;
   /// Range of depths that the source states for the whole clip; nullopt: it states none.
   std::optional<DepthRange> depth_range;
@@ -51,7 +61,8 @@ struct RgbdFrame {
   std::uint32_t epoch = 0;
   double clip_time_s = 0.0;  ///< time since the clip's start, s
   cv::Mat color;             ///< CV_8UC3, BGR
-  cv::Mat depth;             ///< CV_32FC1, same size; see DepthKind
+  /// CV_32FC1, same size; see DepthKind. Empty with VideoLayout::color_only.
+  cv::Mat depth;
   /// Masks of the objects: empty, or CV_8UC1 with 0 outside and n for object n. If
   /// SourceInfo::key_masks is true, most frames have no mask, and each mask shows at least one
   /// object.
@@ -88,10 +99,10 @@ std::string fileName(const std::filesystem::path& path);
 
 /// Opens the source that `spec` names, the value of --source: synthetic:NAME, DIR, COLOR,DEPTH,
 /// FILE (a video or a recording), camera:N,M, openni:DEVICE, v4l2:COLOR,DEPTH or the address of a
-/// live stream. `fps` > 0
-/// overrides its rate, frames/s. `to_and_fro`: the images of a folder play forwards, then
-/// backwards. `layout`: place and code of the depth in videos. Throws SourceError, also if this
-/// kind of source does not support an argument.
+/// live stream. With VideoLayout::color_only also a folder of colour images, camera:N and
+/// v4l2:COLOR. `fps` > 0 overrides its rate, frames/s. `to_and_fro`: the images of a folder play
+/// forwards, then backwards. `layout`: place and code of the depth in videos. Throws SourceError,
+/// also if this kind of source does not support an argument.
 std::unique_ptr<RgbdSource> openSource(const std::string& spec, double fps, bool to_and_fro = false,
                                        const VideoLayout& layout = {});
 

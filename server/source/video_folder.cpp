@@ -15,6 +15,7 @@
 #include "server/source/folder/depth_folder.hpp"
 #include "server/source/folder/image_lists.hpp"
 #include "server/source/folder/text_file.hpp"
+#include "server/source/video/video_clip.hpp"
 #include "server/source/video/video_with_depth.hpp"
 
 namespace hapticast::server {
@@ -121,8 +122,14 @@ std::unique_ptr<RgbdSource> join(const fs::path& color, const fs::path& depth,
 
 std::unique_ptr<RgbdSource> openVideoFolder(const fs::path& folder, double fps,
                                             const VideoLayout& layout) try {
-  if (fs::exists(folder / "rgb.txt") && fs::exists(folder / "depth.txt")) return nullptr;
+  if (!layout.color_only && fs::exists(folder / "rgb.txt") && fs::exists(folder / "depth.txt"))
+    return nullptr;
   const Content content = listContent(folder);
+  if (layout.color_only) {
+    if (content.videos.empty() || !content.color_folder.empty()) return nullptr;
+    return std::make_unique<VideoClip>(
+        std::make_unique<VideoFile>(chooseVideo(content.videos, folder).string()), layout, fps);
+  }
   if (content.videos.empty() || content.depth_folder.empty() || !content.color_folder.empty())
     return nullptr;
   return join(chooseVideo(content.videos, folder), content.depth_folder, folder, fps, layout);

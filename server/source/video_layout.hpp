@@ -23,7 +23,8 @@ enum class DepthCode : std::uint8_t {
   kHue,      ///< mm = 3000 * hue (HSV, 0..1), as Record3D writes it; 100..2800 mm are valid
 };
 
-/// Values of the flags --layout, --depth-code, --depth-unit, --color, --depth and --topics.
+/// Values of the flags --layout, --depth-code, --depth-unit, --color, --depth and --topics, and
+/// whether --depth-from adds the depth.
 struct VideoLayout {
   Layout layout = Layout::kSeparate;
   DepthCode code = DepthCode::kGrey;
@@ -34,6 +35,8 @@ struct VideoLayout {
   std::string depth_glob = "";
   /// Topics in a recording: "COLOR,DEPTH". Empty: the only ones.
   std::string topics = "";
+  /// True: the source delivers colour only (RgbdFrame::depth is empty), and needs no depth.
+  bool color_only = false;
   bool operator==(const VideoLayout&) const = default;
 };
 

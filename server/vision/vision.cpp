@@ -58,14 +58,17 @@ double lastTime_s(const std::vector<AuthorPoint>& points) {
 }
 
 // Returns the stated mapped range, if any. --depth-range is the mapped range of metric depth. Of
-// 8-bit depth it states the depth of the levels; the thesis's method uses them as heights.
+// 8-bit depth and of relative depth it states the depth of the levels; the thesis's method uses
+// them as heights.
 std::optional<DepthRange> findGivenRange(const SourceInfo& info, const VisionSettings& settings) {
   if (settings.map_range) return settings.map_range;
   const bool levels = info.depth_kind == DepthKind::kHeight;
+  const bool relative =
+      info.estimated == EstimatedDepth::kRelative || info.estimated == EstimatedDepth::kInverse;
   if (levels && settings.method == Method::kThesis)
     return settings.depth_range.value_or(info.depth_range.value_or(kHeightRange));
   if (!settings.depth_range) return info.depth_range;
-  return levels ? std::nullopt : settings.depth_range;
+  return levels || relative ? std::nullopt : settings.depth_range;
 }
 
 // Returns whether a client accepts the frame with one more object.

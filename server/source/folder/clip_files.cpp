@@ -117,6 +117,8 @@ ClipFiles findInFolders(const fs::path& folder, const VideoLayout& layout) {
   const ImageLists images = findImages(folder, layout);
   ClipFiles clip = images.depth_array.empty() ? pairImages(images)
                                               : pairWithArray(images.colors, images.depth_array);
+  if (layout.color_only)
+    for (FrameFiles& frame : clip.frames) frame.depth.clear();
   if (fs::exists(folder / "scene_camera.json"))
     addBopScene(folder, readText(folder / "scene_camera.json"), clip);
   else if (const fs::path masks = findFolder(folder, {"mask"}); !masks.empty())
@@ -139,8 +141,8 @@ void applyMeta(const fs::path& file, ClipFiles& clip) {
 
 ClipFiles findClipFiles(const fs::path& folder, const VideoLayout& layout) try {
   if (!fs::is_directory(folder)) throw SourceError(folder.string() + ": no such folder");
-  const bool tum = layout.color_glob.empty() && fs::exists(folder / "rgb.txt") &&
-                   fs::exists(folder / "depth.txt");
+  const bool tum = !layout.color_only && layout.color_glob.empty() &&
+                   fs::exists(folder / "rgb.txt") && fs::exists(folder / "depth.txt");
   ClipFiles clip = tum ? findTum(folder) : findInFolders(folder, layout);
   if (fs::exists(folder / "meta.json")) applyMeta(folder / "meta.json", clip);
   return clip;

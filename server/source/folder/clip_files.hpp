@@ -20,7 +20,7 @@ namespace hapticast::server {
 /// Files of one frame.
 struct FrameFiles {
   std::filesystem::path color;
-  std::filesystem::path depth;  ///< empty: the frame is a gap
+  std::filesystem::path depth;  ///< empty: the frame is a gap, or the clip has colour only
   std::filesystem::path mask;   ///< mask file; empty: the frame has none
   /// Mask files of single objects, in the BOP layout only. Element n is the mask of object n + 1.
   /// An empty path means that this frame has no mask of that object. An empty vector means that the
@@ -67,6 +67,8 @@ struct ClipFiles {
 /// * Otherwise the second layout may also have mask/. If mask/ has as many files as there are
 ///   colour images, each frame has a mask. If it has fewer, they are key masks for the colour
 ///   images of the same names.
+///
+/// * With VideoLayout::color_only no layout needs depth images, and the frames have none.
 [[nodiscard]] ClipFiles findClipFiles(const std::filesystem::path& folder,
                                       const VideoLayout& layout = {});
 

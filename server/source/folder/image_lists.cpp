@@ -132,7 +132,34 @@ fs::path findDepthFolder(const fs::path& folder) {
   return findFolder(folder, {"depth", "aligned_depth", "depth_aligned", "depths", "depth_png"});
 }
 
+namespace {
+
+/// Returns the colour images of `folder` as colours and as depths.
+ImageLists findColorImages(const fs::path& folder, const VideoLayout& layout) {
+  std::vector<fs::path> colors;
+  const fs::path color_folder = findColorFolder(folder);
+  if (!layout.color_glob.empty()) {
+    colors = listMatches(folder, layout.color_glob, "--color");
+  } else if (color_folder.empty()) {
+    colors = listColorImages(folder);
+    std::erase_if(colors, [](const fs::path& file) {
+      const std::string name = toLower(file.stem().string());
+      return name.find("depth") != std::string::npos || name.find("mask") != std::string::npos;
+    });
+  } else {
+    colors = listColorImages(color_folder);
+  }
+  if (colors.empty())
+    throw SourceError(folder.string() +
+                      ": has no PNG, JPEG, WebP, BMP or PPM images; put the frames there or into "
+                      "rgb/, or name them with --color 'GLOB'");
+  return {colors, colors, folder.string()};
+}
+
+}  // namespace
+
 ImageLists findImages(const fs::path& folder, const VideoLayout& layout) {
+  if (layout.color_only) return findColorImages(folder, layout);
   if (layout.color_glob.empty() != layout.depth_glob.empty())
     throw SourceError("--color and --depth: each needs the other; give both, or none");
   if (!layout.color_glob.empty())

@@ -27,7 +27,8 @@ struct ImageLists {
 /// depth_png/), in capital or small letters. In place of the depth folder there may be an array
 /// (depth.npy, depths.npy, depth.npz or depths.npz). Otherwise they lie in `folder` itself: the
 /// names of depth images have the word depth, images whose names have the words conf or mask are
-/// left out, and the others are colour. Throws SourceError.
+/// left out, and the others are colour. With VideoLayout::color_only the depths are the colours
+/// themselves. Throws SourceError.
 [[nodiscard]] ImageLists findImages(const std::filesystem::path& folder, const VideoLayout& layout);
 
 /// Return the images in `folder`, in the order of their names. Colour images are PNG or JPEG, else

@@ -47,8 +47,9 @@ ImageSequence::ImageSequence(const std::filesystem::path& folder, double fps, bo
     files_.frames.insert(files_.frames.end(), back.begin(), back.end());
   }
   // A gap has no depth.
-  const auto whole = std::find_if(files_.frames.begin(), files_.frames.end(),
-                                  [](const FrameFiles& frame) { return !frame.depth.empty(); });
+  const auto whole = std::find_if(
+      files_.frames.begin(), files_.frames.end(),
+      [this](const FrameFiles& frame) { return layout_.color_only || !frame.depth.empty(); });
   describe(folder, *whole);
   info_.fps = fps > 0.0 ? fps : files_.fps;
   info_.frame_count = files_.frames.size();
@@ -67,6 +68,14 @@ void ImageSequence::describe(const std::filesystem::path& folder, const FrameFil
   const ImageResult color = readColorFile(first.color);
   if (!color.ok())
     throw SourceError(first.color.string() + ": " + color.problem + "; mend this first frame");
+  info_.name = fileName(folder);
+  own_size_ = color.image.size();
+  setSize(info_, own_size_, folder.string());
+  warnOfOtherSize(folder);
+  if (!layout_.color_only) describeDepth(folder, first);
+}
+
+void ImageSequence::describeDepth(const std::filesystem::path& folder, const FrameFiles& first) {
   const ImageResult depth = readRawDepth(first);
   if (!depth.ok())
     throw SourceError(first.depth.string() + ": " + depth.problem + "; mend this first frame");
@@ -75,11 +84,7 @@ void ImageSequence::describe(const std::filesystem::path& folder, const FrameFil
     throw SourceError(first.depth.string() +
                       ": has depth in mm, so leave --depth-near and --depth-code out");
   setDepthUnit(format_, layout_.depth_unit_mm, first.depth.string());
-  info_.name = fileName(folder);
-  own_size_ = color.image.size();
-  setSize(info_, own_size_, folder.string());
   chooseDepthSize(folder, depth.image);
-  warnOfOtherSize(folder);
   info_.depth_kind = format_.kind;
   info_.mm_per_unit =
       layout_.depth_unit_mm.value_or(first.mm_per_unit.value_or(format_.mm_per_unit));
@@ -224,10 +229,11 @@ std::string ImageSequence::otherSize(const cv::Mat& image) const {
 
 std::string ImageSequence::load(std::uint64_t index, RgbdFrame& frame) const {
   const FrameFiles& files = files_.frames[index];
-  if (files.depth.empty()) return files.color.string() + ": has no depth image";
+  if (files.depth.empty() && !layout_.color_only)
+    return files.color.string() + ": has no depth image";
   const ImageResult color = readColor(files.color);
   if (!color.ok()) return files.color.string() + ": " + color.problem;
-  const ImageResult depth = readDepth(files, color.image);
+  const ImageResult depth = layout_.color_only ? ImageResult() : readDepth(files, color.image);
   if (!depth.ok()) return files.depth.string() + ": " + depth.problem;
   ImageResult mask;
   if (!files.mask.empty()) mask = readMask(files.mask);

@@ -39,9 +39,11 @@ class ImageSequence final : public RgbdSource {
   /// Decodes frame `index` into `frame`. Returns the problem with the file's name, or "" on
   /// success.
   std::string load(std::uint64_t index, RgbdFrame& frame) const;
-  /// Sets the sizes, the kind of depth and its unit from the files of `first`, a frame with depth.
-  /// Throws SourceError.
+  /// Sets the name, the sizes, the kind of depth and its unit from the files of `first`, a frame
+  /// with depth, or with VideoLayout::color_only any frame. Throws SourceError.
   void describe(const std::filesystem::path& folder, const FrameFiles& first);
+  /// Sets the size and the kind of depth and its unit. Throws SourceError.
+  void describeDepth(const std::filesystem::path& folder, const FrameFiles& first);
   /// Logs a warning if meta.json states another size than that of the pictures.
   void warnOfOtherSize(const std::filesystem::path& folder) const;
   /// Checks all key masks. Throws SourceError if one is unreadable, has another size or shows no

@@ -51,6 +51,7 @@ class PairedCamera final : public LiveDevice {
       log_.skipped.endRun();
       return std::nullopt;
     }
+    if (!camera_->hasDepth()) return makeFrame({picture->image, {}, picture->time});
     auto pair = pairer_.push(std::move(*picture));
     return pair ? std::optional(makeFrame(std::move(*pair))) : std::nullopt;
   }
@@ -58,9 +59,9 @@ class PairedCamera final : public LiveDevice {
  private:
   [[noreturn]] void throwNoPair() const {
     if (!problem_.empty()) throw SourceError(problem_);
-    const char* what = "colour and depth of one moment";
+    const char* what = camera_->hasDepth() ? "colour and depth of one moment" : "pictures";
     if (!any_color_) what = any_depth_ ? "colour pictures" : "pictures";
-    if (any_color_ && !any_depth_) what = "depth pictures";
+    if (any_color_ && !any_depth_ && camera_->hasDepth()) what = "depth pictures";
     throw SourceError(info().name + ": delivers no " + what + "; plug it in again");
   }
 
@@ -70,9 +71,11 @@ class PairedCamera final : public LiveDevice {
     any_color_ = any_depth_ = false;
     problem_.clear();
     ++log_.next;
-    if (pair.depth.size() != pair.color.size() && !std::exchange(log_.logged_scaling, true))
+    const bool scales = camera_->hasDepth() && pair.depth.size() != pair.color.size();
+    if (scales && !std::exchange(log_.logged_scaling, true))
       logScaledDepth(info().name, pair.depth.size(), pair.color.size());
-    cv::Mat depth = scaleDepth(pair.depth, info().depth_kind, pair.color);
+    cv::Mat depth =
+        scales ? scaleDepth(pair.depth, info().depth_kind, pair.color) : std::move(pair.depth);
     const bool is_likely = pair.time <= now && now - pair.time <= kOldestStamp;
     return {std::move(pair.color), std::move(depth), is_likely ? pair.time : now};
   }

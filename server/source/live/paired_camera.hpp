@@ -30,6 +30,8 @@ class PictureCamera {
   virtual ~PictureCamera() = default;
   /// As LiveDevice::info(). The size is that of the colour.
   [[nodiscard]] virtual const SourceInfo& info() const = 0;
+  /// Returns whether the camera delivers depth. Without depth each colour picture is a frame.
+  [[nodiscard]] virtual bool hasDepth() const { return true; }
   /// As LiveDevice::warnings().
   [[nodiscard]] virtual std::vector<std::string> warnings() const = 0;
   /// Waits for the next picture, at most `longest`, and returns it. Returns nullopt if no picture

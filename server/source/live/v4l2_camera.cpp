@@ -93,6 +93,9 @@ class V4l2Node {
 
   [[nodiscard]] const V4l2Format& format() const { return format_; }
   [[nodiscard]] double fps() const { return fps_; }
+  [[nodiscard]] cv::Size size() const {
+    return {static_cast<int>(format_.width_px), static_cast<int>(format_.height_px)};
+  }
   [[nodiscard]] int fd() const { return file_.get(); }
   /// Returns the newest picture that waits, or nullopt. Throws SourceError if the node is gone.
   std::optional<LivePicture> takeNewest();
@@ -256,7 +259,9 @@ class V4l2Device final : public PictureCamera {
   V4l2Device(const std::string& color, const std::string& depth, double fps, double mm_per_unit);
 
   [[nodiscard]] const SourceInfo& info() const override { return info_; }
+  [[nodiscard]] bool hasDepth() const override { return depth_ != nullptr; }
   [[nodiscard]] std::vector<std::string> warnings() const override {
+    if (!hasDepth()) return {};
     return {info_.name +
             ": depth is not registered to colour, unless the camera does so itself; shapes and "
             "colours of edges are displaced"};
@@ -264,43 +269,53 @@ class V4l2Device final : public PictureCamera {
   std::optional<LivePicture> read(Duration longest) override;
 
  private:
+  void describeDepth(const std::string& color, const std::string& depth, double mm_per_unit);
+
   V4l2Node color_;
-  V4l2Node depth_;
+  std::unique_ptr<V4l2Node> depth_;  // null: colour only
   SourceInfo info_;
 };
 
 V4l2Device::V4l2Device(const std::string& color, const std::string& depth, double fps,
                        double mm_per_unit)
-    : color_(color, false, fps), depth_(depth, true, fps) {
-  const auto sizeOfNode = [](const V4l2Node& node) {
-    return cv::Size(static_cast<int>(node.format().width_px),
-                    static_cast<int>(node.format().height_px));
-  };
-  const cv::Size size = sizeOfNode(color_);
-  const cv::Size depth_size = sizeOfNode(depth_);
+    : color_(color, false, fps) {
+  const cv::Size size = color_.size();
+  info_.name = "v4l2:" + fileName(color);
+  info_.width_px = size.width;
+  info_.height_px = size.height;
+  info_.fps = color_.fps();
+  if (depth.empty()) return;
+  depth_ = std::make_unique<V4l2Node>(depth, true, fps);
+  describeDepth(color, depth, mm_per_unit);
+}
+
+void V4l2Device::describeDepth(const std::string& color, const std::string& depth,
+                               double mm_per_unit) {
+  const cv::Size size = color_.size();
+  const cv::Size depth_size = depth_->size();
   if (!isSameAspect(size, depth_size))
     throw SourceError(depth + ": delivers " + sizeText(depth_size.width, depth_size.height) +
                       ", another shape than " + color + " with " +
                       sizeText(size.width, size.height));
-  info_.name = "v4l2:" + fileName(color) + "," + fileName(depth);
-  info_.width_px = size.width;
-  info_.height_px = size.height;
-  info_.fps = std::min(color_.fps(), depth_.fps());
-  info_.depth_kind = findDepthKind(depth_.format().code);
+  info_.name += "," + fileName(depth);
+  info_.fps = std::min(color_.fps(), depth_->fps());
+  info_.depth_kind = findDepthKind(depth_->format().code);
   info_.mm_per_unit = mm_per_unit;
   if (mm_per_unit != 1.0 && info_.depth_kind != DepthKind::kMetric)
     throw SourceError(depth + ": has depth of 8 bits, which are heights; leave --depth-unit out");
 }
 
 std::optional<LivePicture> V4l2Device::read(Duration longest) {
-  std::array<pollfd, 2> files{{{color_.fd(), POLLIN, 0}, {depth_.fd(), POLLIN, 0}}};
+  // poll() ignores a negative descriptor.
+  std::array<pollfd, 2> files{
+      {{color_.fd(), POLLIN, 0}, {hasDepth() ? depth_->fd() : -1, POLLIN, 0}}};
   const auto wait_ms = std::chrono::duration_cast<std::chrono::milliseconds>(longest).count();
   if (::poll(files.data(), files.size(), static_cast<int>(wait_ms)) <= 0) return std::nullopt;
   // An error shows itself as the error of the next call.
   if (files[0].revents != 0)
     if (auto picture = color_.takeNewest()) return picture;
   if (files[1].revents == 0) return std::nullopt;
-  auto picture = depth_.takeNewest();
+  auto picture = depth_->takeNewest();
   if (picture && picture->problem.empty() && info_.mm_per_unit != 1.0)
     picture->image = picture->image * info_.mm_per_unit;
   return picture;

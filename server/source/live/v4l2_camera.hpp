@@ -10,7 +10,8 @@
 
 namespace hapticast::server {
 
-/// Opens the nodes `color` and `depth`, paths such as /dev/video2. The formats are those of
+/// Opens the nodes `color` and `depth`, paths such as /dev/video2. An empty `depth`: the source
+/// delivers colour only. The formats are those of
 /// v4l2_picture.hpp. It requests 640x480 from both; depth of the same aspect ratio is scaled to the
 /// size of the colour. `fps` > 0: requested rate, frames/s. `mm_per_unit`: unit of 16-bit depth,
 /// mm. Throws SourceError.

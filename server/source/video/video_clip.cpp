@@ -60,7 +60,7 @@ void VideoClip::rewind() {
 
 void VideoClip::startTracks() {
   color_.file->start(color_.track);
-  if (!hasHalves()) depth_.file->start(depth_.track);
+  if (hasDepthTrack()) depth_.file->start(depth_.track);
   color_time_s_ = -std::numeric_limits<double>::infinity();
   depth_grabbed_ = false;
 }
@@ -116,7 +116,7 @@ bool VideoClip::grabByTime() {
     if (next_ == 0 && info_.width_px > 0) throwNoFrame(color_);
     return false;
   }
-  if (hasHalves()) return true;
+  if (!hasDepthTrack()) return true;
   const double time_s = color_.time_s();
   if (std::isfinite(time_s) && time_s <= color_time_s_) {
     problem_ = "has a time stamp that runs back; write the file anew (ffmpeg -i FILE -map 0 OUT)";
@@ -173,6 +173,7 @@ std::string VideoClip::retrieve(cv::Mat& color, cv::Mat& depth) {
     return "";
   }
   color = color_.file->retrieveColor(color_.track);
+  if (layout_.color_only) return "";
   depth = depth_.file->retrieveDepth(depth_.track);
   if (!registration_ || depth.empty()) return "";
   const VideoTrack& track = depth_.facts();
@@ -182,22 +183,25 @@ std::string VideoClip::retrieve(cv::Mat& color, cv::Mat& depth) {
   return "";
 }
 
+std::string VideoClip::describeProblem(const VideoChannel& channel, std::uint64_t index,
+                                       const std::string& problem) {
+  return channel.file->file() + ": frame " + std::to_string(index) + " " + problem;
+}
+
 std::string VideoClip::load(RgbdFrame& frame) {
-  const auto describeProblem = [&](const VideoChannel& channel, const std::string& problem) {
-    return channel.file->file() + ": frame " + std::to_string(frame.index) + " " + problem;
-  };
   cv::Mat raw;
   const std::string problem = retrieve(frame.color, raw);
-  if (!problem.empty()) return describeProblem(color_, problem);
+  if (!problem.empty()) return describeProblem(color_, frame.index, problem);
   const bool color = frame.color.size() == color_size_;
   if (!color || raw.size() != depth_size_) {
     const cv::Size wanted = color ? depth_size_ : color_size_;
-    return describeProblem(color ? depth_ : color_,
+    return describeProblem(color ? depth_ : color_, frame.index,
                            "cannot be decoded or is not " + sizeText(wanted.width, wanted.height));
   }
-  ImageResult converted = toDepth(decodeDepth(raw, layout_.code), format_);
-  if (!converted.ok()) return describeProblem(depth_, converted.problem);
   frame.color = scaleColor(frame.color, frameSize(info_));
+  if (layout_.color_only) return "";
+  ImageResult converted = toDepth(decodeDepth(raw, layout_.code), format_);
+  if (!converted.ok()) return describeProblem(depth_, frame.index, converted.problem);
   frame.depth = scaleDepth(converted.image, format_.kind, frame.color);
   return "";
 }

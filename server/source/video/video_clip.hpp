@@ -50,9 +50,10 @@ class VideoClip final : public RgbdSource {
   /// Decodes the first frame of `video`, of which no track may have started. `fps`: as above. With
   /// Layout::kSeparate the depth track is an Azure Kinect's depth track, else the track with the
   /// word depth in its title, else the only grey track. Each colour frame has the depth frame that
-  /// is nearest in time. Throws SourceError. If there is one track and no layout, the error message
-  /// has the likely layout. A stream cannot be rewound, so its source begins with the second frame,
-  /// and RgbdFrame::clip_time_s is the stream's own time.
+  /// is nearest in time. With VideoLayout::color_only there is no depth. Throws SourceError. If
+  /// there is one track and no layout, the error message has the likely layout. A stream cannot be
+  /// rewound, so its source begins with the second frame, and RgbdFrame::clip_time_s is the
+  /// stream's own time.
   VideoClip(std::unique_ptr<VideoFile> video, const VideoLayout& layout, double fps);
 
   [[nodiscard]] const SourceInfo& info() const override { return info_; }
@@ -65,11 +66,15 @@ class VideoClip final : public RgbdSource {
  private:
   [[nodiscard]] bool isPair() const { return color_.file != depth_.file; }
   [[nodiscard]] bool hasHalves() const { return layout_.layout != Layout::kSeparate; }
+  /// Returns whether the depth comes from a track of its own.
+  [[nodiscard]] bool hasDepthTrack() const { return !hasHalves() && !layout_.color_only; }
   /// Decodes the first frame and describes the source. Then rewinds to that frame, if possible.
   void begin(double fps);
   /// Sets the sizes and the kind of depth from the first frame, and logs if depth is scaled. Throws
   /// SourceError if the pictures cannot be a source.
   void describe(const cv::Mat& color, const cv::Mat& raw, double fps);
+  /// Sets the name, the size and the rate.
+  void describeColor(const cv::Mat& color, double fps);
   /// Chooses the tracks of a single file. Throws SourceError if they are not clear.
   void chooseTracks();
   /// Throws the SourceError for a file with a single track; its message has the likely layout.
@@ -116,6 +121,9 @@ class VideoClip final : public RgbdSource {
   std::string retrieve(cv::Mat& color, cv::Mat& depth);
   /// Sets pictures of `frame`. Returns the problem with the file's name, or "".
   std::string load(RgbdFrame& frame);
+  /// Returns the problem of one picture of frame `index` with the file's name.
+  static std::string describeProblem(const VideoChannel& channel, std::uint64_t index,
+                                     const std::string& problem);
 
   /// Times of the files of a pair whose frames belong together by time.
   struct PairTimes {

@@ -32,6 +32,8 @@ std::optional<std::size_t> findDepthTrack(const std::vector<VideoTrack>& tracks)
   return first(&VideoTrack::grey);
 }
 
+/// Returns the track with colour. `depth`: the track with depth; a number that no track has if
+/// there is none.
 std::size_t findColorTrack(const std::vector<VideoTrack>& tracks, std::size_t depth) {
   for (std::size_t i = 0; i < tracks.size(); ++i) {
     if (i != depth && !tracks[i].grey) return i;
@@ -87,7 +89,12 @@ VideoClip::VideoClip(const std::string& color_file, const std::string& depth_fil
 
 VideoClip::VideoClip(std::unique_ptr<VideoFile> video, const VideoLayout& layout, double fps)
     : layout_(layout), color_{std::move(video)}, depth_(color_) {
-  if (!hasHalves()) chooseTracks();
+  if (layout_.color_only) {
+    color_.track = findColorTrack(color_.file->tracks(), color_.file->tracks().size());
+    depth_ = color_;
+  } else if (!hasHalves()) {
+    chooseTracks();
+  }
   info_.live = color_.file->isLive();
   skipped_ = SkippedFrames(info_.live);
   begin(fps);
@@ -100,7 +107,7 @@ void VideoClip::begin(double fps) {
   startTracks();
   cv::Mat color;
   cv::Mat depth;
-  while (color.empty() || depth.empty()) {
+  while (color.empty() || (depth.empty() && !layout_.color_only)) {
     if (!grabFrame()) throwNoFrame(color_);
     cv::Mat next_color;
     cv::Mat next_depth;
@@ -108,7 +115,7 @@ void VideoClip::begin(double fps) {
     if (color.empty()) color = next_color;
     if (depth.empty()) depth = next_depth;
   }
-  if (!hasHalves()) requireDepthFormat(depth_.facts(), depth_.file->file());
+  if (hasDepthTrack()) requireDepthFormat(depth_.facts(), depth_.file->file());
   describe(color, depth, fps);
   if (camera_) info_.camera = scaleCamera(*camera_, info_);
   if (info_.live) return;
@@ -119,20 +126,25 @@ void VideoClip::begin(double fps) {
   epoch_ = 0;
 }
 
+void VideoClip::describeColor(const cv::Mat& color, double fps) {
+  color_size_ = color.size();
+  info_.name = fileName(color_.file->file());
+  setSize(info_, color_size_, color_.file->file());
+  info_.fps = fps > 0.0 ? fps : nominalRate();
+}
+
 void VideoClip::describe(const cv::Mat& color, const cv::Mat& raw, double fps) {
+  if (layout_.color_only) return describeColor(color, fps);
   const std::string& file = depth_.file->file();
   const FirstPictures first = describeFirst(color, raw, layout_.code, file);
-  color_size_ = first.color_size;
   depth_size_ = first.depth_size;
   format_.kind = first.depth_kind;
   if (layout_.depth_unit_mm && (registration_ || layout_.code == DepthCode::kHue))
     throw SourceError(file + ": has depth in mm, so leave --depth-unit out");
   setDepthUnit(format_, layout_.depth_unit_mm, file);
   info_.mm_per_unit = format_.mm_per_unit;
-  info_.name = fileName(color_.file->file());
-  setSize(info_, color_size_, color_.file->file());
+  describeColor(color, fps);
   if (depth_size_ != color_size_) logScaledDepth(file, depth_size_, frameSize(info_));
-  info_.fps = fps > 0.0 ? fps : nominalRate();
   info_.depth_kind = format_.kind;
 }
 
@@ -172,13 +184,13 @@ void VideoClip::requireSizes() const {
   if (layout_.layout == Layout::kSideBySide) color.width_px /= 2;
   if (layout_.layout == Layout::kTopBottom) color.height_px /= 2;
   requireVideoSize(color, color_.file->file());
-  if (!hasHalves()) requireVideoSize(depth_.facts(), depth_.file->file());
+  if (hasDepthTrack()) requireVideoSize(depth_.facts(), depth_.file->file());
 }
 
 void VideoClip::prepareRegistration() {
   const VideoTrack& depth = depth_.facts();
   const VideoTrack& color = color_.facts();
-  if (isPair() || hasHalves() || !depth.kinect_depth) return;
+  if (isPair() || !hasDepthTrack() || !depth.kinect_depth) return;
   const std::string& file = color_.file->file();
   const std::string text = color_.file->attachment("calibration.json");
   if (!text.empty()) {

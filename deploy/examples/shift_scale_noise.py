@@ -1,0 +1,61 @@
+#!/usr/bin/env python3
+"""An estimator's errors on true depth, to try --depth-from without a network.
+
+Answers each picture with the depth image of the same number from a folder, after the errors of an estimator of depth:
+another scale and shift in each frame, and soft edges. Needs numpy and Pillow (python3-numpy, python3-pil).
+
+  hapticast-server --source CLIP --depth-from 'shift_scale_noise.py CLIP/depth' --object 167,111
+"""
+import argparse
+import pathlib
+import sys
+
+import numpy as np
+from PIL import Image
+
+
+def read_ppm(stream):
+    """Returns the next picture (RGB), or None at the end."""
+    if stream.readline() != b"P6\n":
+        return None
+    width, height = map(int, stream.readline().split())
+    stream.readline()
+    return np.frombuffer(stream.read(3 * width * height), np.uint8).reshape(height, width, 3)
+
+
+def blur(image, width):
+    """Returns the mean over width x width pixels."""
+    padded = np.pad(image, ((width // 2, (width - 1) // 2),) * 2, mode="edge")
+    sums = np.pad(padded, ((1, 0), (1, 0))).cumsum(0, dtype=np.float64).cumsum(1)
+    box = sums[width:, width:] - sums[:-width, width:] - sums[width:, :-width] + sums[:-width, :-width]
+    return (box / width**2).astype(np.float32)
+
+
+def main():
+    options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    options.add_argument("folder", type=pathlib.Path, help="depth images of 16 bits in mm")
+    options.add_argument("--scale", type=float, default=0.01, help="standard deviation")
+    options.add_argument("--shift", type=float, default=0.01, help="standard deviation, of the median depth")
+    options.add_argument("--soft-px", type=int, default=15, help="width of an edge; 1: sharp")
+    options.add_argument("--kind", choices=["metric_mm", "relative", "inverse"], default="metric_mm")
+    options.add_argument("--seed", type=int, default=1)
+    flags = options.parse_args()
+    random = np.random.default_rng(flags.seed)
+    files = sorted(flags.folder.iterdir())
+    number = 0
+    while read_ppm(sys.stdin.buffer) is not None:
+        depth = np.asarray(Image.open(files[number % len(files)])).astype(np.float32)
+        number += 1
+        median = np.median(depth[depth > 0])
+        depth[depth == 0] = depth.max()  # an estimator has no holes
+        depth = blur(depth, flags.soft_px)
+        if flags.kind == "inverse":
+            depth, median = 1000 / depth, 1000 / median
+        depth = depth * (1 + flags.scale * random.standard_normal()) + flags.shift * median * random.standard_normal()
+        sys.stdout.buffer.write(f"{depth.shape[1]} {depth.shape[0]} {flags.kind}\n".encode())
+        sys.stdout.buffer.write(depth.astype("<f4").tobytes())
+        sys.stdout.buffer.flush()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: MIT
+#include "server/pipeline/open_clip.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <sstream>
+#include <utility>
+#include <vector>
+
+#include "server/source/child/child_source.hpp"
+#include "server/source/child/depth_task.hpp"
+#include "server/source/child/mask_task.hpp"
+#include "server/source/folder/clip_files.hpp"
+#include "server/source/folder/key_mask_source.hpp"
+#include "server/source/stream_url.hpp"
+
+namespace hapticast::server {
+
+namespace {
+
+std::unique_ptr<RgbdSource> addDepth(std::unique_ptr<RgbdSource> source, const Settings& settings,
+                                     const KeepWaiting& keep_waiting) {
+  const ChildSettings& child = settings.child;
+  if (child.depth_command.empty()) return source;
+  const SourceInfo& info = source->info();
+  std::unique_ptr<DepthCache> cache;
+  if (!child.depth_cache.empty()) {
+    if (info.live)
+      throw SourceError("--depth-cache: a live source does not come again; leave the flag out");
+    cache = std::make_unique<DepthCache>(
+        child.depth_cache, child.depth_cache_GB,
+        describeCachedClip(settings.source, info, child.depth_command));
+  }
+  auto task = std::make_unique<DepthTask>(
+      child.depth_command, settings.vision.depth_range.value_or(kRelativeRange), std::move(cache));
+  return std::make_unique<ChildSource>(std::move(source), std::move(task), keep_waiting);
+}
+
+/// Returns the author's points in px of the frames. Points of --object without a number are objects
+/// of their own, in their order.
+std::vector<MaskPoint> listMaskPoints(const VisionSettings& vision, const SourceInfo& info) {
+  std::vector<MaskPoint> points;
+  int next = static_cast<int>(vision.objects.size()) + 1;
+  for (const AuthorPoint& point : vision.object_points) {
+    const int object = point.number > 0 ? point.number : next++;
+    points.push_back({point.at_px.cwiseQuotient(info.own_px), point.time_s, object});
+  }
+  for (const AuthorPoint& point : vision.not_points)
+    points.push_back({point.at_px.cwiseQuotient(info.own_px), point.time_s, 0});
+  return points;
+}
+
+std::string describeMaskOrigin(const std::string& command, const std::vector<MaskPoint>& points) {
+  std::ostringstream text;
+  text << command << '\n';
+  for (const MaskPoint& point : points)
+    text << point.object << ' ' << point.at_px.x() << ' ' << point.at_px.y() << ' ' << point.time_s
+         << '\n';
+  return text.str();
+}
+
+/// Returns the folder that keeps the masks; null if the clip is no folder of images.
+std::unique_ptr<MaskFolder> openMaskFolder(const Settings& settings, const SourceInfo& info,
+                                           const std::vector<MaskPoint>& points) {
+  std::error_code error;
+  if (!std::filesystem::is_directory(settings.source, error) || info.live) return nullptr;
+  VideoLayout layout = settings.layout;
+  layout.color_only = true;
+  std::vector<std::string> names;
+  for (const FrameFiles& frame : findClipFiles(settings.source, layout).frames)
+    names.push_back(frame.color.stem().string());
+  return std::make_unique<MaskFolder>(settings.source, std::move(names),
+                                      describeMaskOrigin(settings.child.mask_command, points));
+}
+
+std::unique_ptr<RgbdSource> addMasks(std::unique_ptr<RgbdSource> source, const Settings& settings,
+                                     const KeepWaiting& keep_waiting) {
+  const ChildSettings& child = settings.child;
+  if (child.mask_command.empty()) return source;
+  std::vector<MaskPoint> points = listMaskPoints(settings.vision, source->info());
+  auto folder = openMaskFolder(settings, source->info(), points);
+  if (folder != nullptr && folder->isComplete()) return source;  // which reads them
+  auto task = std::make_unique<MaskTask>(child.mask_command, std::move(points), std::move(folder));
+  return std::make_unique<ChildSource>(std::move(source), std::move(task), keep_waiting);
+}
+
+}  // namespace
+
+std::unique_ptr<RgbdSource> openClip(const Settings& settings, KeepWaiting keep_waiting) {
+  VideoLayout layout = settings.layout;
+  layout.color_only = !settings.child.depth_command.empty();
+  auto source = openSource(settings.source, settings.fps, settings.to_and_fro, layout);
+  source = addDepth(std::move(source), settings, keep_waiting);
+  source = addMasks(std::move(source), settings, keep_waiting);
+  return addKeyMasks(std::move(source), settings.key_masks);
+}
+
+}  // namespace hapticast::server

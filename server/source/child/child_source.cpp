@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: MIT
+#include "server/source/child/child_source.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <thread>
+#include <utility>
+
+#include "common/text.hpp"
+
+namespace hapticast::server {
+
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+// Chosen: frames in flight. A child that answers after a few more pictures works, too.
+constexpr std::size_t kMostRecorded = 8;
+constexpr std::size_t kMostLive = 2;  // more would be a delay
+constexpr Duration kSlice = milliseconds(50);
+constexpr Duration kShortWait = milliseconds(10);  // while a live source may have a frame
+// Chosen: networks load for a minute, and are slow on a processor.
+constexpr Duration kFirstPatience = seconds(180);
+constexpr Duration kPatience = seconds(20);
+constexpr Duration kLivePatience = seconds(4);     // as kLongestSilence of a live stream
+constexpr Duration kLateMask = milliseconds(200);  // chosen: the delay of a live source by masks
+constexpr Duration kGapLine = seconds(1);          // chosen: as kGap of a live source
+constexpr Duration kSendAgain = seconds(1);
+constexpr Duration kRestartPause = seconds(1);
+constexpr int kMostFailures = 3;
+
+}  // namespace
+
+ChildSource::ChildSource(std::unique_ptr<RgbdSource> source, std::unique_ptr<ChildTask> task,
+                         KeepWaiting keep_waiting)
+    : source_(std::move(source)),
+      task_(std::move(task)),
+      keep_waiting_(std::move(keep_waiting)),
+      info_(source_->info()),
+      skipped_(info_.live) {
+  spdlog::info("{} runs: {}", task_->flag(), task_->command());
+  waitForFirst();
+  task_->describe(info_);
+}
+
+void ChildSource::waitForFirst() {
+  while (pending_.empty() && askNext()) {
+  }
+  while (info_.live && pending_.empty() && keepsWaiting()) (void)askNext();
+  if (pending_.empty()) throw SourceError(info_.name + ": has no frame");
+  while (!pending_.front()->ready && keepsWaiting()) {
+    receive(kSlice);
+    logGap();
+  }
+  Pending& first = *pending_.front();
+  if (!first.problem.empty()) throw SourceError(name() + ": " + first.problem + "; mend it");
+  if (!first.ready) throw SourceError(name() + ": gave no answer");
+}
+
+std::string ChildSource::name() const {
+  return std::string(task_->flag()) + " " + quote(task_->command());
+}
+
+std::optional<RgbdFrame> ChildSource::read() { return info_.live ? readLive() : readRecorded(); }
+
+std::optional<RgbdFrame> ChildSource::readRecorded() {
+  for (;;) {
+    while (pending_.size() < kMostRecorded && askNext()) {
+    }
+    receive(Duration{});
+    if (auto frame = popReady()) {
+      any_read_ = true;
+      return frame;
+    }
+    if (pending_.empty() && ended_) break;
+    if (pending_.empty()) continue;
+    if (!keepsWaiting()) return std::nullopt;
+    if (ended_) sendLastAgain();
+    logGap();
+    receive(kSlice);
+  }
+  if (!any_read_ && !skipped_.problem().empty())
+    throw SourceError(skipped_.cancelRun() + ", and no frame after it can be used either; mend it");
+  skipped_.endRun();
+  return std::nullopt;
+}
+
+std::optional<RgbdFrame> ChildSource::readLive() {
+  receive(asked_.empty() ? Duration{} : kShortWait);
+  if (pending_.empty() || (!pending_.front()->ready && asked_.size() < kMostLive)) {
+    (void)askNext();
+  } else if (!pending_.front()->ready) {
+    receive(kSlice);
+  }
+  passLate();
+  logGap();
+  return popReady();
+}
+
+std::optional<RgbdFrame> ChildSource::popReady() {
+  while (!pending_.empty() && pending_.front()->ready) {
+    Pending oldest = std::move(*pending_.front());
+    pending_.pop_front();
+    const Duration age = oldest.frame.age + (clock_.now() - oldest.since);
+    if (info_.live && task_->isRequired() && age > kGapLine)
+      oldest.problem = "answers after more than 1 s; a live source needs a faster program";
+    if (!oldest.problem.empty()) {
+      skipped_.add(oldest.frame.index, name() + ": " + oldest.problem);
+      continue;
+    }
+    skipped_.endRun();
+    if (info_.live) {
+      oldest.frame.age = age;
+      oldest.frame.epoch += gaps_;
+      oldest.frame.clip_time_s = std::max(0.0, oldest.frame.clip_time_s - epoch_begin_s_);
+    }
+    return std::move(oldest.frame);
+  }
+  return std::nullopt;
+}
+
+bool ChildSource::askNext() {
+  if (ended_) return false;
+  std::optional<RgbdFrame> frame = source_->read();
+  if (!frame) {
+    ended_ = !info_.live;
+    return false;
+  }
+  auto waiting = std::make_shared<Pending>(Pending{std::move(*frame), clock_.now(), false, ""});
+  pending_.push_back(waiting);
+  waiting->ready = task_->recall(waiting->frame);
+  if (!waiting->ready) send(waiting);
+  return true;
+}
+
+void ChildSource::send(const Waiting& waiting) {
+  const LocalTime now = clock_.now();
+  if (pipe_ == nullptr && !given_up_ && now >= restart_at_) {
+    pipe_ = std::make_unique<ChildPipe>(
+        task_->command(), [this](const std::string& header) { return task_->measure(header); });
+    answered_ = false;
+    last_sign_ = now;
+  }
+  if (pipe_ == nullptr) {
+    waiting->ready = !task_->isRequired();
+    return;
+  }
+  if (asked_.empty()) last_sign_ = now;
+  last_request_ = task_->ask(waiting->frame);
+  pipe_->push(last_request_);
+  asked_.push_back(waiting);
+}
+
+void ChildSource::sendLastAgain() {
+  if (pipe_ == nullptr || asked_.size() > kMostRecorded || !answered_) return;
+  const bool due = clock_.now() - last_sign_ >= kSendAgain;
+  if (sent_again_ >= lag_ && !due) return;
+  lag_ = std::max(lag_, ++sent_again_);
+  last_sign_ = clock_.now();
+  pipe_->push(last_request_);
+  asked_.push_back(nullptr);
+}
+
+void ChildSource::receive(Duration longest) {
+  if (pipe_ == nullptr) {
+    // A frame that the last child has not answered goes to the next one.
+    if (!pending_.empty() && clock_.now() >= restart_at_) {
+      for (const Waiting& waiting : pending_) {
+        if (!waiting->ready) send(waiting);
+      }
+    }
+    if (pipe_ == nullptr && longest > Duration{}) std::this_thread::sleep_for(longest);
+    return;
+  }
+  while (auto answer = pipe_->pop(longest)) {
+    addAnswer(*answer);
+    longest = Duration{};
+  }
+  const std::string problem = pipe_->problem();
+  const Duration patience = info_.live ? kLivePatience : kPatience;
+  const bool hangs =
+      !asked_.empty() && clock_.now() - last_sign_ > (answered_ ? patience : kFirstPatience);
+  if (!problem.empty()) return restart(problem);
+  if (hangs) restart("gives no answer");
+}
+
+void ChildSource::addAnswer(const ChildAnswer& answer) {
+  const Waiting waiting = asked_.front();
+  asked_.pop_front();
+  const LocalTime now = clock_.now();
+  answered_ = true;
+  failures_ = 0;
+  if (std::exchange(in_gap_, false)) {
+    spdlog::info("{}: answers are back after {:.1f} s", name(), toSeconds(now - gap_begin_));
+    if (info_.live && task_->isRequired() && waiting != nullptr) {
+      ++gaps_;
+      epoch_begin_s_ = waiting->frame.clip_time_s;
+    }
+  }
+  last_sign_ = now;
+  if (waiting == nullptr || waiting->ready) return;
+  waiting->problem = task_->apply(waiting->frame, answer);
+  waiting->ready = true;
+}
+
+void ChildSource::restart(const std::string& problem) {
+  const bool first = !any_read_ && failures_ == 0 && !answered_;
+  ++failures_;
+  pipe_.reset();
+  asked_.clear();
+  sent_again_ = 0;
+  restart_at_ = clock_.now() + kRestartPause;
+  const bool gives_up = !info_.live && failures_ >= kMostFailures;
+  if (first || (gives_up && task_->isRequired()))
+    throw SourceError(name() + ": " + problem + "; mend the command");
+  given_up_ = gives_up;
+  if (gives_up) {
+    spdlog::warn("{}: {} three times; the server goes on without it", name(), problem);
+  } else {
+    beginGap(problem + "; the server starts it again each second");
+  }
+  if (info_.live && task_->isRequired()) pending_.clear();
+  for (const Waiting& waiting : pending_) waiting->ready = waiting->ready || !task_->isRequired();
+}
+
+void ChildSource::passLate() {
+  const LocalTime now = clock_.now();
+  for (const Waiting& waiting : pending_) {
+    if (!task_->isRequired() && now - waiting->since > kLateMask) waiting->ready = true;
+  }
+}
+
+void ChildSource::logGap() {
+  if (asked_.empty() || in_gap_ || clock_.now() - last_sign_ <= kGapLine) return;
+  if (!answered_) {
+    if (!std::exchange(wait_logged_, true))
+      spdlog::info("waiting for the first answer of {}", name());
+    return;
+  }
+  beginGap("no answer for 1 s; the server waits");
+}
+
+void ChildSource::beginGap(const std::string& line) {
+  if (std::exchange(in_gap_, true)) return;
+  gap_begin_ = last_sign_;
+  spdlog::warn("{}: {}", name(), line);
+}
+
+bool ChildSource::skip() {
+  if (pending_.empty()) return !ended_ && source_->skip();
+  pending_.pop_front();
+  return true;
+}
+
+void ChildSource::rewind() {
+  source_->rewind();
+  pending_.clear();
+  ended_ = false;
+  any_read_ = false;
+  sent_again_ = 0;
+}
+
+}  // namespace hapticast::server
