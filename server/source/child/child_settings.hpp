@@ -25,7 +25,8 @@ struct ChildSettings {
 using KeepWaiting = std::function<bool()>;
 
 /// Depths of the nearest and the farthest 2 % of the first picture, where a program states relative
-/// depth and the author states no --depth-range. Chosen: a room.
-inline constexpr DepthRange kRelativeRange{600.0, 2400.0};
+/// depth and the author states no --depth-range. Chosen: at a desk and in a room, things then have
+/// about their true proportions.
+inline constexpr DepthRange kRelativeRange{600.0, 1200.0};
 
 }  // namespace hapticast::server

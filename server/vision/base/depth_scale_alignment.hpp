@@ -13,8 +13,9 @@
 
 namespace hapticast::server {
 
-/// Scale and shift that map a frame's depth onto the depth of the frame before. For metric depth
-/// they apply to 1/z. For 8-bit depth they apply to the working depth (frame_pair.hpp).
+/// Scale and shift that map a frame's depth onto the depth of the frame before. For metric depth of
+/// files and for inverse depth of a program they apply to 1/z. For all other depth they apply to
+/// the working depth (frame_pair.hpp).
 struct ScaleShift {
   double scale = 1.0;
   double shift = 0.0;
@@ -24,7 +25,11 @@ struct ScaleShift {
 /// Removes the hops between the depths of successive frames of one scene.
 class DepthScaleAlignment {
  public:
-  explicit DepthScaleAlignment(DepthKind kind) : inverse_(kind == DepthKind::kMetric) {}
+  /// Depth that a program estimates hops from the first frame on.
+  explicit DepthScaleAlignment(DepthKind kind, EstimatedDepth estimated = EstimatedDepth::kNone)
+      : inverse_(kind == DepthKind::kMetric &&
+                 (estimated == EstimatedDepth::kNone || estimated == EstimatedDepth::kInverse)),
+        shown_(estimated != EstimatedDepth::kNone) {}
 
   /// Returns `depth`, corrected to the scale and shift of the frames before. Returns `depth`
   /// unchanged while the camera moves, and until hops were detected. `depth`: working depth,
@@ -46,8 +51,8 @@ class DepthScaleAlignment {
     return inverse_ ? 1e3 / double(depth_mm) : double(depth_mm);
   }
 
-  bool inverse_;
-  bool shown_ = false;
+  bool inverse_;  // scale and shift apply to 1/z
+  bool shown_;
   bool camera_rests_ = false;
   int hops_ = 0;         // hops so far that alternated in direction
   double last_hop_ = 0;  // last hop of all resting samples, as a share of the depth

@@ -8,6 +8,8 @@
 #include <string>
 #include <utility>
 
+#include "server/vision/base/edge_sharpening.hpp"
+
 namespace hapticast::server {
 
 namespace {
@@ -99,16 +101,20 @@ FramePair FramePairs::push(const RgbdFrame& frame, double time_s, const cv::Mat&
   pair_.cut = cuts_.next(raw);
   if (pair_.cut) {
     pair_.last = {};
-    flicker_ = DepthScaleAlignment(info_.depth_kind);
+    flicker_ = DepthScaleAlignment(info_.depth_kind, info_.estimated);
   }
   if (first || pair_.cut) {
     pair_.noise = measureNoise(raw.depth);
     pair_.noise.eight_bit = info_.depth_kind == DepthKind::kHeight;
   }
   pair_.identical = compare_ && !pair_.last.color.empty() && equalImages(raw, raw_);
-  pair_.now.depth = pair_.identical
-                        ? pair_.last.depth
-                        : flicker_.steady(raw.depth, raw.gray, pair_.cut ? cv::Mat() : objects);
+  if (pair_.identical) {
+    pair_.now.depth = pair_.last.depth;
+  } else {
+    const bool soft = info_.estimated != EstimatedDepth::kNone;
+    pair_.now.depth = flicker_.steady(soft ? sharpenEdges(raw.depth, raw.color) : raw.depth,
+                                      raw.gray, pair_.cut ? cv::Mat() : objects);
+  }
   pair_.noise.flickers = flicker_.shown();
   raw_ = raw;
   pair_.interval_s = time_s - std::exchange(time_s_, time_s);

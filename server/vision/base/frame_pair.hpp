@@ -79,7 +79,7 @@ class FramePairs {
  public:
   /// Copies `info`. `compare`: whether to detect frames that repeat the frame before them.
   FramePairs(const SourceInfo& info, bool compare)
-      : info_(info), compare_(compare), flicker_(info.depth_kind) {}
+      : info_(info), compare_(compare), flicker_(info.depth_kind, info.estimated) {}
 
   /// Adds the next frame, in order of time, and returns it with the frame before it. `objects`:
   /// last masks of all objects (CV_8UC1, 0/255, size of the image), or empty. DepthScaleAlignment
@@ -93,7 +93,7 @@ class FramePairs {
   bool compare_;
   SceneCuts cuts_;
   DepthScaleAlignment flicker_;
-  FrameImages raw_;  // last frame from the source, before alignment
+  FrameImages raw_;  // last frame from the source, before sharpening and alignment
   FramePair pair_;
   double time_s_ = 0.0;
 };

@@ -7,6 +7,23 @@
 
 namespace hapticast::evaluate {
 
+inline constexpr double kStiffness_N_mm = 0.5;
+inline constexpr std::size_t kSettled = 24;  ///< frames: what is held is held by then
+
+/// Every frame's relief over the whole picture; NaN outside the mask.
+struct Reliefs {
+  std::vector<cv::Mat> height_mm;
+  server::DepthRange range;
+  double time_us = 0.0;  ///< per frame, of enhance
+};
+/// Runs the clip through Tracker, so that whatever it does over time is in the result. The object
+/// is given by its true centroid in the first frame.
+Reliefs reliefsOf(const Clip& clip, server::SegmentMode mode, Method method);
+
+/// Depth with the errors of an estimator (scale and shift 1 %, edges of 15 px, a delay of 2
+/// frames): error of the static force, noise at rest, false impacts.
+void measureEstimated(Report& report);
+
 /// Stages `relief` (rms against the true surface, by the exact mask) and, of a scene at rest,
 /// `rest` (force noise on a finger that does not move, by the segmenter's mask).
 void measureReliefs(const Clip& clip, Report& report);

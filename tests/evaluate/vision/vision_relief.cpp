@@ -17,18 +17,10 @@ namespace {
 
 using server::Surface;
 
-constexpr double kStiffness_N_mm = 0.5;
 constexpr double kFingerBelow_mm = 2.0;
-constexpr std::size_t kSettled = 24;  // frames: what is held is held by then
 
-// Every frame's relief over the whole picture; NaN outside the mask.
-struct Reliefs {
-  std::vector<cv::Mat> height_mm;
-  server::DepthRange range;
-  double time_us = 0.0;  // per frame, of enhance
-};
+}  // namespace
 
-// Through Tracker, so that whatever it does over time is in it.
 Reliefs reliefsOf(const Clip& clip, server::SegmentMode mode, Method method) {
   server::VisionSettings settings;
   settings.segment = mode;
@@ -66,6 +58,8 @@ Reliefs reliefsOf(const Clip& clip, server::SegmentMode mode, Method method) {
   }
   return out;
 }
+
+namespace {
 
 struct ReliefErrors {
   double inside_mm = 0, rim_mm = 0;
