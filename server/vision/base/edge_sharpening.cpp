@@ -20,11 +20,11 @@ constexpr int kAround_px = 16;     // chosen: wider than a ramp of 30 px on eith
 constexpr int kCoarse = 4;         // the slope around is measured at this reduction
 constexpr float kSteepest = 2.0F;  // chosen: mean slope of a surface that is continued
 constexpr int kReach_px = 20;      // chosen: longest way from a pixel to either end of its ramp
-constexpr int kSample_px = 4;      // chosen: pixels behind an end whose colours are its mean
+constexpr int kSample_px = 6;      // chosen: pixels behind an end whose colours are its mean
 constexpr int kInside_px = 5;      // chosen: distance over which the slope of a surface is measured
 constexpr float kMiddle = 0.1F;    // chosen: weight of the ramp's middle, where colours are alike
 constexpr float kColorNoise = 150.0F;  // chosen, squared levels: noise of a camera
-constexpr int kVote_px = 5;            // chosen: size of the neighbourhood that decides together
+constexpr int kVote_px = 9;            // chosen: size of the neighbourhood that decides together
 
 /// One end of a ramp, seen from one of its pixels.
 struct RampEnd {

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Depth with the errors of an estimator: what vision makes of it, against exact depth.
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <string_view>
 #include <utility>
 
 #include "server/vision/vision.hpp"
@@ -16,6 +18,8 @@ using server::EstimatedDepth;
 
 constexpr double kTip_mm = 15.0;  // the tip stays at half of the relief
 constexpr double kMass_kg = 0.1;
+// ball_air is before a wall, whose single depth does not show the scale: it is no part of the goal.
+constexpr std::array<std::string_view, 4> kScenes{"still", "box_table", "creature", "ball_air"};
 
 // The author states the depths between which a relative estimator works.
 Clip estimate(const Clip& exact, server::test::Estimator estimator) {
@@ -101,7 +105,7 @@ void measureEstimator(const Clip& exact, const Reliefs& truth, const char* name,
   row("estimated: static force", force, "rms of the force");
   const MotionErrors motion = sendClip(clip);
   row("estimated: impacts", double(motion.impacts), "count");
-  worst.force = std::max(worst.force, force);
+  if (exact.scene != "ball_air") worst.force = std::max(worst.force, force);
   worst.impacts += motion.impacts;
   if (exact.scene != "still") return;
   const double mm_per_px = 160.0 / clip.info.width_px;
@@ -118,7 +122,7 @@ void measureEstimator(const Clip& exact, const Reliefs& truth, const char* name,
 void measureEstimated(Report& report) {
   Worst worst;
   for (const TestScene& scene : segmentationScenes()) {
-    if (scene.name != "still" && scene.name != "ball_air") continue;
+    if (std::find(kScenes.begin(), kScenes.end(), scene.name) == kScenes.end()) continue;
     const Clip exact = renderClips(scene, {{"exact", Sensor{}}}, {640, 480, 60}).front();
     const Reliefs truth = reliefsOf(exact, server::SegmentMode::kSource, Method::kHapticast);
     const Reliefs own = reliefsOf(exact, server::SegmentMode::kBand, Method::kHapticast);
