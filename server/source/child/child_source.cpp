@@ -18,7 +18,8 @@ using std::chrono::seconds;
 
 // Chosen: frames in flight. A child that answers after a few more pictures works, too.
 constexpr std::size_t kMostRecorded = 8;
-constexpr std::size_t kMostLive = 2;  // more would be a delay
+constexpr std::size_t kMostLive = 4;
+constexpr Duration kLivePause = milliseconds(500);  // chosen: above the time of a frame
 constexpr Duration kSlice = milliseconds(50);
 constexpr Duration kShortWait = milliseconds(10);  // while a live source may have a frame
 // Chosen: networks load for a minute, and are slow on a processor.
@@ -46,17 +47,26 @@ ChildSource::ChildSource(std::unique_ptr<RgbdSource> source, std::unique_ptr<Chi
 }
 
 void ChildSource::waitForFirst() {
-  while (pending_.empty() && askNext()) {
-  }
-  while (info_.live && pending_.empty() && keepsWaiting()) (void)askNext();
-  if (pending_.empty()) throw SourceError(info_.name + ": has no frame");
-  while (!pending_.front()->ready && keepsWaiting()) {
+  while ((pending_.empty() || !pending_.front()->ready) && keepsWaiting()) {
+    if (ended_ && pending_.empty()) throw SourceError(info_.name + ": has no frame");
+    while (hasRoom() && askNext()) {
+    }
+    if (ended_) sendLastAgain();
     receive(kSlice);
     logGap();
   }
-  Pending& first = *pending_.front();
+  if (pending_.empty() || !pending_.front()->ready)
+    throw SourceError(name() + ": was ended before its first answer");
+  const Pending& first = *pending_.front();
   if (!first.problem.empty()) throw SourceError(name() + ": " + first.problem + "; mend it");
-  if (!first.ready) throw SourceError(name() + ": gave no answer");
+}
+
+bool ChildSource::hasRoom() {
+  if (!info_.live) return pending_.size() < kMostRecorded;
+  // A child that needs more pictures for its first answer receives them.
+  const bool waits = asked_.size() == most_live_ && clock_.now() - last_sign_ > kLivePause;
+  if (waits && most_live_ < kMostLive) ++most_live_;
+  return asked_.size() < most_live_ && pending_.size() < kMostLive;
 }
 
 std::string ChildSource::name() const {
@@ -67,7 +77,7 @@ std::optional<RgbdFrame> ChildSource::read() { return info_.live ? readLive() : 
 
 std::optional<RgbdFrame> ChildSource::readRecorded() {
   for (;;) {
-    while (pending_.size() < kMostRecorded && askNext()) {
+    while (hasRoom() && askNext()) {
     }
     receive(Duration{});
     if (auto frame = popReady()) {
@@ -89,7 +99,7 @@ std::optional<RgbdFrame> ChildSource::readRecorded() {
 
 std::optional<RgbdFrame> ChildSource::readLive() {
   receive(asked_.empty() ? Duration{} : kShortWait);
-  if (pending_.empty() || (!pending_.front()->ready && asked_.size() < kMostLive)) {
+  if (pending_.empty() || (!pending_.front()->ready && hasRoom())) {
     (void)askNext();
   } else if (!pending_.front()->ready) {
     receive(kSlice);
@@ -154,7 +164,7 @@ void ChildSource::send(const Waiting& waiting) {
 }
 
 void ChildSource::sendLastAgain() {
-  if (pipe_ == nullptr || asked_.size() > kMostRecorded || !answered_) return;
+  if (pipe_ == nullptr || asked_.size() > kMostRecorded) return;
   const bool due = clock_.now() - last_sign_ >= kSendAgain;
   if (sent_again_ >= lag_ && !due) return;
   lag_ = std::max(lag_, ++sent_again_);

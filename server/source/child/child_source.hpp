@@ -71,6 +71,8 @@ class ChildSource final : public RgbdSource {
 
   /// Waits for the answer of the first frame. Throws SourceError.
   void waitForFirst();
+  /// Returns whether another frame may be in flight.
+  bool hasRoom();
   /// Returns the oldest frame if it is ready. Drops unusable frames before it.
   std::optional<RgbdFrame> popReady();
   std::optional<RgbdFrame> readRecorded();
@@ -106,15 +108,16 @@ class ChildSource final : public RgbdSource {
   std::deque<Waiting> pending_;      // frames that read() has not returned, oldest first
   std::deque<Waiting> asked_;        // frames without an answer, oldest first; null: sent again
   std::vector<std::uint8_t> last_request_;
-  LocalTime last_sign_{};     // when the child answered last, or received a picture while idle
-  LocalTime restart_at_{};    // when the next child may start
-  int failures_ = 0;          // since the last answer
-  bool answered_ = false;     // whether this child has answered
-  bool given_up_ = false;     // no child starts any more
-  bool ended_ = false;        // whether the source has ended
-  bool any_read_ = false;     // whether a frame was read since the clip's start
-  bool wait_logged_ = false;  // whether the log says that the first answer is awaited
-  bool in_gap_ = false;       // whether a gap was logged
+  LocalTime last_sign_{};      // when the child answered last, or received a picture while idle
+  LocalTime restart_at_{};     // when the next child may start
+  int failures_ = 0;           // since the last answer
+  bool answered_ = false;      // whether this child has answered
+  bool given_up_ = false;      // no child starts any more
+  bool ended_ = false;         // whether the source has ended
+  bool any_read_ = false;      // whether a frame was read since the clip's start
+  bool wait_logged_ = false;   // whether the log says that the first answer is awaited
+  std::size_t most_live_ = 2;  // frames of a live source in flight; more would be a delay
+  bool in_gap_ = false;        // whether a gap was logged
   LocalTime gap_begin_{};
   std::size_t lag_ = 0;         // pictures behind a frame that the child needs for its answer
   std::size_t sent_again_ = 0;  // at this end of the clip
