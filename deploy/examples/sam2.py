@@ -40,6 +40,24 @@ def click(processor, session, frame, points, size):
     return bool(own)
 
 
+def track(processor, model, session, frame, picture, points):
+    """Returns the mask of a frame; None as long as no object is known."""
+    inputs = processor(images=picture, device=model.device, return_tensors="pt")
+    given = {"inference_session": session, "frame": inputs.pixel_values[0], "frame_idx": frame}
+    output = model(**given) if session.obj_ids else None
+    if points and click(processor, session, frame, points, inputs.original_sizes[0]):
+        output = model(**given)  # tracked first, so that clicks correct the mask of an object that is known
+    if output is None:
+        return None
+    session.processed_frames.pop(frame - 1, None)  # all of them would fill the memory
+    for outputs in session.output_dict_per_obj.values():
+        outputs["non_cond_frame_outputs"].pop(frame - 32, None)  # the model looks back at 16 frames
+    scores = processor.post_process_masks([output.pred_masks], inputs.original_sizes, binarize=False)[0][:, 0]
+    best = scores.float().max(dim=0)
+    ids = torch.tensor(session.obj_ids, device=best.indices.device)
+    return torch.where(best.values > 0, ids[best.indices], 0).cpu().numpy()
+
+
 def main():
     options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     options.add_argument("--model", default="facebook/sam2.1-hiera-small", help="-tiny, -base-plus, -large")
@@ -48,30 +66,19 @@ def main():
     processor = Sam2VideoProcessor.from_pretrained(flags.model)
     model = Sam2VideoModel.from_pretrained(flags.model).to(device, dtype=kind).eval()
     session = processor.init_video_session(inference_device=device, dtype=kind)
+    masks = {}  # the last ones: the server may ask for a frame again
     before_s = None
     while (received := hapticast_child.read_mask_request(sys.stdin.buffer)) is not None:
         request, picture, _ = received
         frame, time_s = request["frame"], request["time_s"]
         if before_s is None:
             before_s = time_s if frame > 0 else -1.0
-        points = [point for point in request["points"] if before_s < point["time_s"] <= time_s]
-        before_s = time_s
-        inputs = processor(images=picture, device=device, return_tensors="pt")
-        track = {"inference_session": session, "frame": inputs.pixel_values[0], "frame_idx": frame}
-        output = model(**track) if session.obj_ids else None
-        if points and click(processor, session, frame, points, inputs.original_sizes[0]):
-            output = model(**track)  # tracked first, so that clicks correct the mask of an object that is known
-        if output is None:
-            hapticast_child.write_mask(answers, None)
-            continue
-        scores = processor.post_process_masks([output.pred_masks], inputs.original_sizes, binarize=False)[0][:, 0]
-        best = scores.float().max(dim=0)
-        ids = torch.tensor(session.obj_ids, device=best.indices.device)
-        mask = torch.where(best.values > 0, ids[best.indices], 0)
-        hapticast_child.write_mask(answers, mask.cpu().numpy())
-        session.processed_frames.pop(frame - 1, None)  # they would fill the memory
-        for outputs in session.output_dict_per_obj.values():
-            outputs["non_cond_frame_outputs"].pop(frame - 32, None)  # the model looks back at 16 frames
+        if frame not in masks:
+            points = [point for point in request["points"] if before_s < point["time_s"] <= time_s]
+            masks[frame] = track(processor, model, session, frame, picture, points)
+            masks.pop(frame - 16, None)
+            before_s = time_s
+        hapticast_child.write_mask(answers, masks[frame])
 
 
 if __name__ == "__main__":
