@@ -13,14 +13,7 @@ import sys
 import numpy as np
 from PIL import Image
 
-
-def read_ppm(stream):
-    """Returns the next picture (RGB), or None at the end."""
-    if stream.readline() != b"P6\n":
-        return None
-    width, height = map(int, stream.readline().split())
-    stream.readline()
-    return np.frombuffer(stream.read(3 * width * height), np.uint8).reshape(height, width, 3)
+import hapticast_child
 
 
 def blur(image, width):
@@ -40,10 +33,11 @@ def main():
     options.add_argument("--kind", choices=["metric_mm", "relative", "inverse"], default="metric_mm")
     options.add_argument("--seed", type=int, default=1)
     flags = options.parse_args()
+    answers = hapticast_child.claim_stdout()
     random = np.random.default_rng(flags.seed)
     files = sorted(flags.folder.iterdir())
     number = 0
-    while read_ppm(sys.stdin.buffer) is not None:
+    while hapticast_child.read_ppm(sys.stdin.buffer) is not None:
         depth = np.asarray(Image.open(files[number % len(files)])).astype(np.float32)
         number += 1
         median = np.median(depth[depth > 0])
@@ -52,9 +46,7 @@ def main():
         if flags.kind == "inverse":
             depth, median = 1000 / depth, 1000 / median
         depth = depth * (1 + flags.scale * random.standard_normal()) + flags.shift * median * random.standard_normal()
-        sys.stdout.buffer.write(f"{depth.shape[1]} {depth.shape[0]} {flags.kind}\n".encode())
-        sys.stdout.buffer.write(depth.astype("<f4").tobytes())
-        sys.stdout.buffer.flush()
+        hapticast_child.write_depth(answers, depth, flags.kind)
 
 
 if __name__ == "__main__":
