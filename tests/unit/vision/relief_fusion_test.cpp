@@ -70,7 +70,7 @@ std::vector<VisionResult> fuse(const std::vector<VisionResult>& clip) {
 }
 
 /// Returns the rms error of all heights, mm.
-double errorOf(const std::vector<VisionResult>& clip, const Height& truth) {
+double reliefErrorOf(const std::vector<VisionResult>& clip, const Height& truth) {
   double square = 0;
   double count = 0;
   for (int i = 0; i < kFrames; ++i) {
@@ -92,7 +92,7 @@ TEST(ReliefFusionTest, NoiseOfARigidBodyFalls) {
     const auto clip = makeClip(hill, step_px, 0.2);
     const auto fused = fuse(clip);
     ASSERT_EQ(fused.size(), clip.size());
-    EXPECT_LT(errorOf(fused, hill), 0.55 * errorOf(clip, hill)) << step_px;
+    EXPECT_LT(reliefErrorOf(fused, hill), 0.55 * reliefErrorOf(clip, hill)) << step_px;
   }
 }
 
@@ -101,7 +101,7 @@ TEST(ReliefFusionTest, ASurfaceThatDeformsKeepsItsHeights) {
     return 10 + std::sin(0.25 * frame) * std::sin(u / 9) * std::cos(v / 7);
   };
   const auto clip = makeClip(swing, 0, 0.0);
-  EXPECT_LT(errorOf(fuse(clip), swing), 0.01);
+  EXPECT_LT(reliefErrorOf(fuse(clip), swing), 0.01);
 }
 
 TEST(ReliefFusionTest, FramesThatAreNotWantedKeepTheirReliefs) {
