@@ -240,6 +240,20 @@ TEST(ChooseAt, ASmallThingInAHandIsChosen) {
   }
 }
 
+TEST(ChooseAt, DistinctCandidatesAreRankedAfterTheChosenOne) {
+  std::mt19937 random(29);
+  HeldBox held(cv::Scalar(170, 60, 40), {60, 70}, random);
+  const FrameImages images = held.drawn.finish(random);
+  const ChosenStart start = held.choose(images, held.box.tl() + cv::Point(20, 20));
+  ASSERT_TRUE(start.object);
+  ASSERT_GE(start.ranked.size(), 2U);
+  EXPECT_EQ(test::overlap(start.ranked[0].mask(), start.object->mask()), 1.0);
+  for (std::size_t i = 0; i < start.ranked.size(); ++i) {
+    for (std::size_t k = 0; k < i; ++k)
+      EXPECT_LT(test::overlap(start.ranked[i].mask(), start.ranked[k].mask()), 0.9) << i << k;
+  }
+}
+
 TEST(ChooseAt, TheChoiceIsTheSameHoweverThePictureIsTurned) {
   std::mt19937 random(17);
   for (const cv::Scalar& paint : {cv::Scalar(170, 60, 40), cv::Scalar(60, 75, 140)}) {

@@ -36,6 +36,7 @@ constexpr double kAlike = 0.2;      // chosen, ObjectnessTerms::apart: the colou
 
 constexpr double kHand_mm = 60.0;  // chosen: a hand, or its fingers alone, is wider
 constexpr double kMostlySkin = 0.5;
+constexpr double kDistinctBelow = 0.9;  // chosen, IoU: authors see no difference above it
 
 struct Candidate {
   TrackedMask object;
@@ -121,6 +122,25 @@ class Selection {
   std::vector<Candidate> candidates_;
 };
 
+// Returns the chosen candidate, then the others by falling score, without those that look alike.
+std::vector<TrackedMask> rankDistinct(const std::vector<Candidate>& candidates,
+                                      const Candidate& chosen) {
+  std::vector<const Candidate*> order{&chosen};
+  for (const Candidate& each : candidates) {
+    if (&each != &chosen) order.push_back(&each);
+  }
+  std::stable_sort(order.begin() + 1, order.end(),
+                   [](const auto* a, const auto* b) { return a->score > b->score; });
+  std::vector<TrackedMask> out;
+  for (const Candidate* each : order) {
+    const bool is_new = std::none_of(out.begin(), out.end(), [&](const TrackedMask& other) {
+      return computeOverlap(other.mask(), each->object.mask()) >= kDistinctBelow;
+    });
+    if (is_new) out.push_back(each->object);
+  }
+  return out;
+}
+
 }  // namespace
 
 ChosenStart selectInitialMask(const FrameImages& images, const SceneContext& scene,
@@ -145,7 +165,8 @@ ChosenStart selectInitialMask(const FrameImages& images, const SceneContext& sce
   const Candidate& whole = selection.candidates().front();
   if (has_component && (isHand(view, start.mask, point, *best) || isBody(*best, whole)))
     best = &whole;
-  ChosenStart out{best->object, nullptr, objectness(best->terms), std::move(own.planes)};
+  ChosenStart out{best->object, nullptr, objectness(best->terms), std::move(own.planes),
+                  rankDistinct(selection.candidates(), *best)};
   for (const Candidate& each : selection.candidates())
     out.explanation.push_back(fmt::format("at {},{}: {}{} {:.2f}, {}", point.x, point.y,
                                           &each == best ? "chosen: " : "", each.origin, each.score,
