@@ -37,7 +37,8 @@ cv::Mat computeEvidence(const FrameContext& scene, const GraphRoi& view, const K
   };
   add(kCutOfRedetection.other_depth, beyond);
   add(kCutOfRedetection.plane, view.plane & ~beyond);
-  add(kCutOfRedetection.skin, view.skin & findHand(view.color, known.limits));
+  const bool is_learnt = known.limits.hand != nullptr && !known.limits.hand->empty();
+  add(kCutOfRedetection.skin, is_learnt ? known.limits.hand->find(view.lab) : view.skin);
   if (known.mask.empty()) return out;
   const cv::Mat mask = view.shrinkImage(known.mask);
   cv::Mat inner;

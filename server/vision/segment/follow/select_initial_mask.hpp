@@ -20,6 +20,9 @@ struct ChosenStart {
   double score = 0.0;                 ///< objectness of the chosen candidate
   /// Planes of the scene, without those through the object.
   std::vector<Plane> planes{};
+  /// Distinct candidates (IoU below 0.9 with each other), still without ids: the chosen one first,
+  /// then by falling score.
+  std::vector<TrackedMask> ranked{};
   /// One line for each candidate, with its score and the score's terms, for --explain.
   std::vector<std::string> explanation{};
 };
