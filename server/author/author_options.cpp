@@ -105,12 +105,18 @@ void addPlan(CLI::App& app, PlanSettings& plan) {
       ->default_str("auto");
 }
 
+/// As parsePoint(). A point of --not has no candidates.
+std::optional<AuthorPoint> parseNotPoint(const std::string& text) {
+  return text.find('#') == std::string::npos ? parsePoint(text) : std::nullopt;
+}
+
 void addPoints(CLI::App& app, VisionSettings& vision) {
   addList(app, "--object", vision.object_points, parsePoint,
           "A pixel on the object to touch, in the first frame or SECONDS after it; repeat for "
-          "several. Default: the nearest compact object",
-          "U,V[@SECONDS] in px, for example 505,330 or 505,330@1.5");
-  addList(app, "--not", vision.not_points, parsePoint,
+          "several. #2 or #3 picks another candidate for the first mask (--preview FOLDER shows "
+          "them). Default: the nearest compact object",
+          "U,V[#N][@SECONDS] in px, for example 505,330 or 505,330@1.5");
+  addList(app, "--not", vision.not_points, parseNotPoint,
           "A pixel that does not belong to the object, in the first frame or SECONDS after it; "
           "repeat for several",
           "U,V[@SECONDS] in px, for example 300,400 or 300,400@1.5");
@@ -120,8 +126,15 @@ void addPoints(CLI::App& app, VisionSettings& vision) {
 
 std::optional<AuthorPoint> parsePoint(const std::string& text) {
   const std::size_t at = text.find('@');
-  const auto place_px = parsePair(text.substr(0, at));
+  const std::size_t pick = std::min(text.find('#'), at);
+  const auto place_px = parsePair(text.substr(0, pick));
   if (!place_px) return std::nullopt;
+  if (pick < at) {  // of the first frame
+    constexpr std::uint64_t kMost = kMostCandidates;
+    const auto candidate = parseNumberInRange<std::uint64_t>(text.substr(pick + 1), 1, kMost);
+    if (!candidate) return std::nullopt;
+    return AuthorPoint{*place_px, 0.0, 0, static_cast<int>(*candidate)};
+  }
   if (at == std::string::npos) return AuthorPoint{*place_px, 0.0};
   const auto time_s = parseNumberInRange<double>(text.substr(at + 1), 0.0, kLongestClip_s);
   if (!time_s) return std::nullopt;

@@ -174,6 +174,7 @@ Json formatPoints(const std::vector<AuthorPoint>& points) {
   Json list = Json::array();
   for (const AuthorPoint& point : points) {
     std::string text = fmt::format("{},{}", point.at_px.x(), point.at_px.y());
+    if (point.candidate > 1) text += fmt::format("#{}", point.candidate);
     if (point.time_s > 0.0) text += fmt::format("@{}", point.time_s);
     list.push_back(std::move(text));
   }

@@ -217,6 +217,26 @@ cv::Mat drawFirst(const PreviewFrame& frame, const Workspace& workspace,
   return addText(all, lines);
 }
 
+cv::Mat drawCandidates(const std::vector<PreviewFrame>& candidates,
+                       const VisionSettings& settings) {
+  const cv::Size of = candidates.front().color.size();
+  cv::Rect box;
+  for (const PreviewFrame& candidate : candidates) box |= findBoxOfObjects(candidate);
+  const cv::Rect shown = selectCloseUp(box, of);
+  const cv::Size each(kLeastPanel_px, std::max(1, kLeastPanel_px * of.height / of.width));
+  std::vector<cv::Mat> panels;
+  panels.reserve(candidates.size());
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    cv::Mat panel = drawOutlined(candidates[i], shown, each);
+    drawPoints(panel, shown, settings.object_points, true);
+    write(panel, fmt::format("#{}", i + 1), {8, 28}, {255, 255, 255}, 2 * kLetters);
+    panels.push_back(panel);
+  }
+  cv::Mat all;
+  cv::hconcat(panels, all);
+  return all;
+}
+
 cv::Mat drawContactSheet(const std::vector<PreviewFrame>& frames, const VisionSettings& settings) {
   const cv::Size of = frames.front().color.size();
   cv::Rect box;

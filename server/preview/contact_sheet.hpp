@@ -32,4 +32,9 @@ namespace hapticast::server {
 [[nodiscard]] cv::Mat drawContactSheet(const std::vector<PreviewFrame>& frames,
                                        const VisionSettings& settings);
 
+/// Returns the candidates for the first mask side by side, each with its number. All show the same
+/// part of the picture. Requires at least one.
+[[nodiscard]] cv::Mat drawCandidates(const std::vector<PreviewFrame>& candidates,
+                                     const VisionSettings& settings);
+
 }  // namespace hapticast::server

@@ -21,6 +21,7 @@
 #include "server/pipeline/clip_scan.hpp"
 #include "server/pipeline/input_check.hpp"
 #include "server/pipeline/open_clip.hpp"
+#include "server/preview/candidates.hpp"
 #include "server/preview/contact_sheet.hpp"
 #include "server/preview/correction_hint.hpp"
 #include "server/preview/preview_scene.hpp"
@@ -210,6 +211,19 @@ std::vector<std::string> formatLines(const Settings& settings, const PreviewRun&
 
 }  // namespace
 
+/// Writes a picture of the candidates for the object of the first point, if there are several.
+static void writeCandidates(RgbdSource& source, const VisionSettings& settings,
+                            const fs::path& folder) {
+  const std::vector<PreviewFrame> candidates = listCandidates(source, settings);
+  if (candidates.size() < 2) return;
+  write(folder / "candidates.png", drawCandidates(candidates, settings));
+  const AuthorPoint& point = settings.object_points.front();
+  const Vec2 at_px = point.at_px.cwiseProduct(source.info().own_px);
+  fmt::print(
+      "the first mask has {} candidates: candidates.png; pick one with --object {:g},{:g}#2\n",
+      candidates.size(), at_px.x(), at_px.y());
+}
+
 void writePreview(Settings settings, const Clock& clock) {
   const fs::path place = settings.preview;
   const std::unique_ptr<RgbdSource> source = openClip(settings);
@@ -231,6 +245,7 @@ void writePreview(Settings settings, const Clock& clock) {
     write(place, first);
   } else {
     write(place / "first.png", first);
+    writeCandidates(*source, settings.vision, place);
     write(place / "clip.png", drawContactSheet(preview_run.kept, settings.vision));
     writeText(place / "scene.json",
               formatScene(completeScene(settings, preview_run.kept.front(), source->info())));

@@ -46,11 +46,17 @@ struct PlanSettings {
   double error_budget_N = 0.007;
 };
 
+/// Number of candidates for the first mask from which the author may pick.
+inline constexpr int kMostCandidates = 3;
+
 /// A point that the author marked in the picture at one time of the clip.
 struct AuthorPoint {
   Vec2 at_px = Vec2::Zero();
   double time_s = 0.0;  ///< time in the clip, s, 0 or more; 0: its first frame
   int number = 0;       ///< number of its object, from 1; 0: vision decides which object it is
+  /// Which of vision's candidates for the first mask the author picked: 1 (the best) to
+  /// kMostCandidates. Of the first frame only.
+  int candidate = 1;
   bool operator==(const AuthorPoint&) const = default;
 };
 

@@ -51,7 +51,7 @@ cv::Mat findConnected(const GraphRoi& view, const cv::Point& at, int radius_px) 
 
 AnnotationTrack::AnnotationTrack(const VisionSettings& settings) {
   for (const AuthorPoint& point : settings.pointsAtStart())
-    start_.on.push_back({toPixel(point), point.number});
+    start_.on.push_back({toPixel(point), point.number, point.candidate});
   const auto is_later = [](const AuthorPoint& point) { return point.time_s != 0.0; };
   std::copy_if(settings.object_points.begin(), settings.object_points.end(),
                std::back_inserter(on_), is_later);

@@ -19,7 +19,8 @@ inline constexpr int kPoint_px = 5;
 /// Point on an object (--object).
 struct ObjectPoint {
   cv::Point at_px;
-  int number = 0;  ///< see AuthorPoint
+  int number = 0;     ///< see AuthorPoint
+  int candidate = 1;  ///< see AuthorPoint
   bool operator==(const ObjectPoint&) const = default;
 };
 

@@ -158,9 +158,18 @@ void NarrowBandTracker::startAtPoints(const FrameImages& images) {
     ChosenStart start = selectInitialMask(images, scene_, point.at_px, annotation.off);
     logChoice(start);
     if (!start.object) throwNoObject({double(point.at_px.x), double(point.at_px.y)}, start.why_not);
+    if (point.candidate > 1) pickCandidate(start, point);
     start.object->addAnchor(point.at_px);
     addStart(std::move(start), point.number, images);
   }
+}
+
+void NarrowBandTracker::pickCandidate(ChosenStart& start, const ObjectPoint& point) {
+  const auto count = static_cast<int>(start.ranked.size());
+  if (point.candidate > count)
+    spdlog::warn("--object {},{}#{}: there are only {} candidates; the server uses the last one",
+                 point.at_px.x, point.at_px.y, point.candidate, count);
+  start.object = start.ranked[static_cast<std::size_t>(std::min(point.candidate, count)) - 1];
 }
 
 void NarrowBandTracker::logChoice(const ChosenStart& start) const {

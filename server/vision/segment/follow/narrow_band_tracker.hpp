@@ -61,6 +61,8 @@ class NarrowBandTracker final : public Segmenter {
   void place(int number, const cv::Mat& mask, const FrameImages& images);
   /// Corrects the mask of `object` in this frame and those before it.
   void correct(TrackedMask& object, const Annotation& annotation, const FramePair& frames);
+  /// Replaces the chosen object by the candidate that the author picked.
+  static void pickCandidate(ChosenStart& start, const ObjectPoint& point);
   void logChoice(const ChosenStart& start) const;
   TrackedMask* findObjectAt(const cv::Point& point);
   void keepHistory(const FramePair& frames);

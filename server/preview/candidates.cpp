@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+#include "server/preview/candidates.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <optional>
+#include <utility>
+
+#include "server/vision/vision.hpp"
+
+namespace hapticast::server {
+
+namespace {
+
+/// Returns what vision makes of `frame` alone.
+std::optional<PreviewFrame> startAt(const RgbdFrame& frame, const SourceInfo& info,
+                                    const VisionSettings& settings) {
+  Vision vision(info, settings);
+  auto result = vision.push(frame, MediaTime{});
+  if (!result) {
+    auto rest = vision.flush();
+    if (rest.empty()) return std::nullopt;
+    result = std::move(rest.front());
+  }
+  return PreviewFrame{frame.clip_time_s, result->color, frame.depth, std::move(result->frame),
+                      info.own_px};
+}
+
+bool isEqualMask(const PreviewFrame& a, const PreviewFrame& b) {
+  const auto mask = [](const PreviewFrame& frame) {
+    cv::Mat all = cv::Mat::zeros(frame.color.size(), CV_8UC1);
+    for (const std::uint32_t id : listIds(frame.haptic))
+      all |= renderMask(frame.haptic, id, frame.color.size());
+    return all;
+  };
+  return cv::norm(mask(a), mask(b), cv::NORM_L1) == 0.0;
+}
+
+}  // namespace
+
+std::vector<PreviewFrame> listCandidates(RgbdSource& source, const VisionSettings& settings) {
+  std::vector<PreviewFrame> candidates;
+  const SourceInfo& info = source.info();
+  VisionSettings one = settings;
+  std::erase_if(one.object_points, [](const AuthorPoint& point) { return point.time_s > 0.0; });
+  if (info.live || info.key_masks || one.object_points.empty()) return candidates;
+  one.object_points.resize(1);
+  one.explain = false;
+  source.rewind();
+  const auto frame = source.read();
+  source.rewind();
+  if (!frame || !frame->mask.empty()) return candidates;
+  const auto level = spdlog::get_level();
+  spdlog::set_level(spdlog::level::off);  // a missing candidate is no warning here
+  for (int i = 1; i <= kMostCandidates; ++i) {
+    one.object_points.front().candidate = i;
+    auto candidate = startAt(*frame, info, one);
+    if (!candidate || (!candidates.empty() && isEqualMask(*candidate, candidates.back()))) break;
+    candidates.push_back(std::move(*candidate));
+  }
+  spdlog::set_level(level);
+  return candidates;
+}
+
+}  // namespace hapticast::server
