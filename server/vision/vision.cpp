@@ -31,20 +31,20 @@ std::string findName(const VisionSettings& settings, int number) {
 void checkPoints(const SourceInfo& info, const VisionSettings& settings,
                  const std::vector<AuthorPoint>& points, const char* flag) {
   const cv::Size own = ownSize(info);
-  for (const auto& [frame_point, time_s, number] : points) {
-    const Vec2 point = frame_point.cwiseProduct(info.own_px);  // as the author wrote it
+  for (const AuthorPoint& each : points) {
+    const Vec2 point = each.at_px.cwiseProduct(info.own_px);  // as the author wrote it
     const bool inside =
         point.x() >= 0 && point.y() >= 0 && point.x() < own.width && point.y() < own.height;
     if (inside) continue;
     std::ostringstream what;
-    const std::string name = findName(settings, number);
+    const std::string name = findName(settings, each.number);
     if (!name.empty()) {
       what << "--scene " << settings.scene_file << ": object " << quote(name) << ", point ";
     } else {
       what << flag << ' ';
     }
     what << point.x() << ',' << point.y();
-    if (time_s > 0.0) what << '@' << time_s;
+    if (each.time_s > 0.0) what << '@' << each.time_s;
     what << ": outside the picture, which is " << own.width << 'x' << own.height
          << "; use u,v in pixels from its top-left corner";
     throw SourceError(what.str());

@@ -109,7 +109,7 @@ TEST_F(ProgramsChildTest, NoChildPutsAStepIntoAPressingHand) {
   };
   for (int round = 1; round <= rounds; ++round) {
     const auto times = static_cast<std::size_t>(round);
-    misbehave(*server, "die", "Killed; the server starts it again", times);
+    misbehave(*server, "die", "ended with signal 9 (Killed); the server starts it again", times);
     isBack();
     misbehave(*server, "stop", "no answer for 1 s", times);
     isBack();

@@ -195,7 +195,8 @@ std::string ChildPipe::describeEnd() {
   readErrors();
   const std::string end = process_.end();
   const std::string& line = error_line_.empty() ? last_error_line_ : error_line_;
-  return "ended with " + end + (line.empty() ? "" : ": " + line);
+  return (end.empty() ? "closes its stdout" : "ended with " + end) +
+         (line.empty() ? "" : ": " + line);
 }
 
 }  // namespace hapticast::server

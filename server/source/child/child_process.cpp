@@ -2,15 +2,17 @@
 #include "server/source/child/child_process.hpp"
 
 #include <fcntl.h>
-#include <spawn.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <chrono>
 #include <csignal>
 #include <cstring>
+#include <string_view>
 #include <system_error>
 #include <thread>
 
@@ -49,44 +51,32 @@ OwnedDescriptor moveUp(const OwnedDescriptor& descriptor) {
   return OwnedDescriptor(::fcntl(descriptor.get(), F_DUPFD_CLOEXEC, 3));
 }
 
-/// Settings of posix_spawn: a session of its own, the default handling of all signals, and no
-/// descriptors but the three pipes.
-class ShellSpawn {
- public:
-  ShellSpawn(int input, int output, int errors) {
-    posix_spawnattr_init(&attributes_);
-    posix_spawn_file_actions_init(&actions_);
-    posix_spawnattr_setflags(&attributes_,
-                             POSIX_SPAWN_SETSID | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETSIGMASK);
-    sigset_t signals;
-    sigfillset(&signals);
-    posix_spawnattr_setsigdefault(&attributes_, &signals);
-    sigemptyset(&signals);
-    posix_spawnattr_setsigmask(&attributes_, &signals);
-    posix_spawn_file_actions_adddup2(&actions_, input, STDIN_FILENO);
-    posix_spawn_file_actions_adddup2(&actions_, output, STDOUT_FILENO);
-    posix_spawn_file_actions_adddup2(&actions_, errors, STDERR_FILENO);
-    posix_spawn_file_actions_addclosefrom_np(&actions_, STDERR_FILENO + 1);
-  }
-  ~ShellSpawn() {
-    posix_spawnattr_destroy(&attributes_);
-    posix_spawn_file_actions_destroy(&actions_);
-  }
-  ShellSpawn(const ShellSpawn&) = delete;
-  ShellSpawn& operator=(const ShellSpawn&) = delete;
+/// Returns the command for the shell. The shell is replaced by the program where the command is one
+/// program with arguments, so that signals and the end of the pipes are the program's own.
+std::string replaceShell(const std::string& command) {
+  constexpr std::array<std::string_view, 4> kWords{"exec", "exit", "eval", "!"};
+  const std::size_t begin = std::min(command.find_first_not_of(' '), command.size());
+  const std::string first = command.substr(begin, command.find(' ', begin) - begin);
+  const bool is_program = command.find_first_of(";|&<>(){}\n") == std::string::npos &&
+                          first.find('=') == std::string::npos &&
+                          std::find(kWords.begin(), kWords.end(), first) == kWords.end();
+  return is_program ? "exec " + command : command;
+}
 
-  /// Starts the shell with `command`. Returns 0 or the error.
-  int run(pid_t& pid, std::string command) const {
-    std::string shell = "/bin/sh";
-    std::string flag = "-c";
-    const std::array<char*, 4> arguments{shell.data(), flag.data(), command.data(), nullptr};
-    return ::posix_spawn(&pid, shell.c_str(), &actions_, &attributes_, arguments.data(), environ);
-  }
-
- private:
-  posix_spawnattr_t attributes_{};
-  posix_spawn_file_actions_t actions_{};
-};
+/// The new process: becomes the shell. Only functions that are safe between fork() and exec().
+[[noreturn]] void becomeShell(pid_t parent, const std::array<int, 3>& ends, const char* command) {
+  (void)::prctl(PR_SET_PDEATHSIG, SIGTERM);  // it does not outlive the server
+  if (::getppid() != parent) ::_exit(1);
+  (void)::setsid();
+  sigset_t none;
+  sigemptyset(&none);
+  (void)::sigprocmask(SIG_SETMASK, &none, nullptr);
+  (void)::signal(SIGPIPE, SIG_DFL);
+  for (int i = 0; i < 3; ++i) (void)::dup2(ends[static_cast<std::size_t>(i)], i);
+  (void)::close_range(3, ~0U, 0);
+  ::execl("/bin/sh", "sh", "-c", command, nullptr);
+  ::_exit(127);
+}
 
 /// Waits for the end of a child, at most kEndPatience. Returns as waitpid() does.
 pid_t waitForEnd(pid_t pid, int& status) {
@@ -117,8 +107,12 @@ ChildProcess::ChildProcess(const std::string& command) {
   const OwnedDescriptor their_in = moveUp(in.read);
   const OwnedDescriptor their_out = moveUp(out.write);
   const OwnedDescriptor their_err = moveUp(err.write);
-  const int error = ShellSpawn(their_in.get(), their_out.get(), their_err.get()).run(pid_, command);
-  if (error != 0) throwStartError(command, error);
+  const std::string text = replaceShell(command);
+  const pid_t parent = ::getpid();
+  pid_ = ::fork();
+  if (pid_ < 0) throwStartError(command, errno);
+  if (pid_ == 0)
+    becomeShell(parent, {their_in.get(), their_out.get(), their_err.get()}, text.c_str());
   input = std::move(in.write);
   output = std::move(out.read);
   errors = std::move(err.read);
@@ -134,13 +128,14 @@ std::string ChildProcess::end() {
   const pid_t pid = std::exchange(pid_, -1);
   int status = 0;
   pid_t result = waitForEnd(pid, status);
-  if (result == 0) {
+  const bool was_ended = result == 0;
+  if (was_ended) {
     (void)::kill(-pid, SIGTERM);
     result = waitForEnd(pid, status);
   }
   (void)::kill(-pid, SIGKILL);  // also what the child itself has started
   if (result == 0) (void)::waitpid(pid, &status, 0);
-  return result < 0 ? "an unknown reason" : describeStatus(status);
+  return was_ended || result < 0 ? "" : describeStatus(status);
 }
 
 }  // namespace hapticast::server

@@ -32,7 +32,8 @@ class OwnedDescriptor {
 /// One run of a command.
 class ChildProcess {
  public:
-  /// Starts `/bin/sh -c command`. Throws SourceError (one line) if that is impossible.
+  /// Starts `command` in /bin/sh. It ends with the thread that starts it. Throws SourceError (one
+  /// line) if that is impossible.
   explicit ChildProcess(const std::string& command);
   /// Ends the child as end() does.
   ~ChildProcess();
@@ -45,8 +46,8 @@ class ChildProcess {
   OwnedDescriptor errors;  ///< its stderr
 
   /// Closes the pipes, which ends most programs. A child that has not ended after 0.3 s receives
-  /// SIGTERM, and after 0.6 s SIGKILL, with its process group. Returns the kind of its end, for a
-  /// message: "exit code 1", "signal 9 (Killed)". Returns "" if the child has been ended before.
+  /// SIGTERM, and after 0.6 s SIGKILL, with its process group. Returns how it ended by itself, for
+  /// a message: "exit code 1", "signal 9 (Killed)". Returns "" if it did not.
   std::string end();
 
  private:

@@ -138,6 +138,15 @@ bool ChildSource::askNext() {
     ended_ = !info_.live;
     return false;
   }
+  // The clip may have begun again since the child received this picture.
+  const auto asked = std::find_if(asked_.begin(), asked_.end(), [&](const Waiting& each) {
+    return each != nullptr && each->frame.index == frame->index && !info_.live;
+  });
+  if (asked != asked_.end()) {
+    (*asked)->frame = std::move(*frame);
+    pending_.push_back(*asked);
+    return true;
+  }
   auto waiting = std::make_shared<Pending>(Pending{std::move(*frame), clock_.now(), false, ""});
   pending_.push_back(waiting);
   waiting->ready = task_->recall(waiting->frame);
@@ -150,7 +159,7 @@ void ChildSource::send(const Waiting& waiting) {
   if (pipe_ == nullptr && !given_up_ && now >= restart_at_) {
     pipe_ = std::make_unique<ChildPipe>(
         task_->command(), [this](const std::string& header) { return task_->measure(header); });
-    answered_ = false;
+    answers_ = 0;
     last_sign_ = now;
   }
   if (pipe_ == nullptr) {
@@ -191,7 +200,7 @@ void ChildSource::receive(Duration longest) {
   const std::string problem = pipe_->problem();
   const Duration patience = info_.live ? kLivePatience : kPatience;
   const bool hangs =
-      !asked_.empty() && clock_.now() - last_sign_ > (answered_ ? patience : kFirstPatience);
+      !asked_.empty() && clock_.now() - last_sign_ > (answers_ > 0 ? patience : kFirstPatience);
   if (!problem.empty()) return restart(problem);
   if (hangs) restart("gives no answer");
 }
@@ -200,23 +209,27 @@ void ChildSource::addAnswer(const ChildAnswer& answer) {
   const Waiting waiting = asked_.front();
   asked_.pop_front();
   const LocalTime now = clock_.now();
-  answered_ = true;
-  failures_ = 0;
-  if (std::exchange(in_gap_, false)) {
-    spdlog::info("{}: answers are back after {:.1f} s", name(), toSeconds(now - gap_begin_));
-    if (info_.live && task_->isRequired() && waiting != nullptr) {
-      ++gaps_;
-      epoch_begin_s_ = waiting->frame.clip_time_s;
-    }
+  ++answers_;
+  usual_ = (usual_ + (now - last_sign_)) / 2;
+  if (in_gap_ && info_.live && task_->isRequired() && waiting != nullptr &&
+      std::exchange(begins_epoch_, false)) {
+    ++gaps_;
+    epoch_begin_s_ = waiting->frame.clip_time_s;
   }
   last_sign_ = now;
+  // A child that dies after each few answers stays in the gap.
+  if (failures_ == 0 || answers_ > kMostRecorded) {
+    failures_ = 0;
+    if (std::exchange(in_gap_, false))
+      spdlog::info("{}: answers are back after {:.1f} s", name(), toSeconds(now - gap_begin_));
+  }
   if (waiting == nullptr || waiting->ready) return;
   waiting->problem = task_->apply(waiting->frame, answer);
   waiting->ready = true;
 }
 
 void ChildSource::restart(const std::string& problem) {
-  const bool first = !any_read_ && failures_ == 0 && !answered_;
+  const bool first = !any_read_;  // the command never worked
   ++failures_;
   pipe_.reset();
   asked_.clear();
@@ -243,18 +256,20 @@ void ChildSource::passLate() {
 }
 
 void ChildSource::logGap() {
-  if (asked_.empty() || in_gap_ || clock_.now() - last_sign_ <= kGapLine) return;
-  if (!answered_) {
+  const Duration longest = std::max<Duration>(kGapLine, 3 * usual_);
+  if (asked_.empty() || in_gap_ || clock_.now() - last_sign_ <= longest) return;
+  if (answers_ == 0) {
     if (!std::exchange(wait_logged_, true))
       spdlog::info("waiting for the first answer of {}", name());
     return;
   }
-  beginGap("no answer for 1 s; the server waits");
+  beginGap(fmt::format("no answer for {:.0f} s; the server waits", toSeconds(longest)));
 }
 
 void ChildSource::beginGap(const std::string& line) {
   if (std::exchange(in_gap_, true)) return;
   gap_begin_ = last_sign_;
+  begins_epoch_ = true;
   spdlog::warn("{}: {}", name(), line);
 }
 
@@ -265,6 +280,8 @@ bool ChildSource::skip() {
 }
 
 void ChildSource::rewind() {
+  if (ended_ && !std::exchange(advised_, true) && *task_->advise() != '\0')
+    spdlog::info("{}: {}", name(), task_->advise());
   source_->rewind();
   pending_.clear();
   ended_ = false;

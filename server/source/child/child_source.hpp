@@ -40,6 +40,8 @@ class ChildTask {
   [[nodiscard]] virtual std::optional<std::size_t> measure(const std::string& header) const = 0;
   /// Adds the answer to `frame`. Returns its problem as a phrase, or "".
   virtual std::string apply(RgbdFrame& frame, const ChildAnswer& answer) = 0;
+  /// Returns the advice for a clip that plays again; "" if there is none.
+  [[nodiscard]] virtual const char* advise() const { return ""; }
   /// Sets what the frames have now. Called once, after the first answer.
   virtual void describe(SourceInfo& info) const = 0;
 };
@@ -111,7 +113,10 @@ class ChildSource final : public RgbdSource {
   LocalTime last_sign_{};      // when the child answered last, or received a picture while idle
   LocalTime restart_at_{};     // when the next child may start
   int failures_ = 0;           // since the last answer
-  bool answered_ = false;      // whether this child has answered
+  std::size_t answers_ = 0;    // of this child
+  Duration usual_{};           // usual time between answers
+  bool begins_epoch_ = false;  // whether the next answer of a live source begins an epoch
+  bool advised_ = false;       // whether the log has the advice for the next pass
   bool given_up_ = false;      // no child starts any more
   bool ended_ = false;         // whether the source has ended
   bool any_read_ = false;      // whether a frame was read since the clip's start

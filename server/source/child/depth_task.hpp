@@ -62,6 +62,11 @@ class DepthTask final : public ChildTask {
   }
   [[nodiscard]] std::optional<std::size_t> measure(const std::string& header) const override;
   std::string apply(RgbdFrame& frame, const ChildAnswer& answer) override;
+  [[nodiscard]] const char* advise() const override {
+    return cache_ != nullptr ? ""
+                             : "the clip plays again, so the program estimates its depth again; "
+                               "--depth-cache FOLDER keeps it";
+  }
   void describe(SourceInfo& info) const override;
 
  private:

@@ -73,12 +73,13 @@ class EdgeSegmenter final : public Segmenter {
 
   void start(const FrameImages& images) {
     std::set<int> started;
-    for (const auto& [point, time_s, number] : points_) {
+    for (const AuthorPoint& author_point : points_) {
+      const Vec2& point = author_point.at_px;
       const int label =
           findNearestLabel({static_cast<int>(point.x()), static_cast<int>(point.y())});
       if (label == 0) throwNoObject(point, "only edges there");
       if (!started.insert(label).second) continue;  // two points on one body mark one object
-      objects_.push_back({next_id_++, selectRegion(label), 1.0, number});
+      objects_.push_back({next_id_++, selectRegion(label), 1.0, author_point.number});
     }
     if (points_.empty()) {
       const cv::Mat compact = findNearestCompact(images, labels_);

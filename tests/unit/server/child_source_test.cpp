@@ -135,12 +135,12 @@ TEST(ChildSource, AWrongSizeLeavesItsFrameOut) {
 }
 
 TEST(ChildSource, AWrongCommandIsOneLine) {
-  EXPECT_THAT(problemOf("exit 4"), HasSubstr("--depth-from 'exit 4': ended with exit code 4"));
+  EXPECT_THAT(problemOf("exit 4;"), HasSubstr("--depth-from 'exit 4;': ended with exit code 4"));
   EXPECT_THAT(problemOf("echo oh no >&2; exit 1"), HasSubstr("exit code 1: oh no; mend"));
   EXPECT_THAT(problemOf("echo hello"), HasSubstr("writes 'hello', which is no header"));
   EXPECT_THAT(problemOf("yes | tr -d '\\n'"), HasSubstr("writes no line with a header"));
   EXPECT_THAT(problemOf("echo 4097 4 metric_mm"), HasSubstr("no header"));
-  EXPECT_THAT(problemOf("exec >&-; sleep 5"), HasSubstr("ended with"));
+  EXPECT_THAT(problemOf("exec >&-; sleep 5"), HasSubstr("closes its stdout"));
   EXPECT_THAT(problemOf("printf '1 4 inverse\\n%16s'"), HasSubstr("another shape"));
 }
 
@@ -158,7 +158,7 @@ TEST(ChildSource, ACacheSparesTheChild) {
     return std::make_unique<DepthCache>(folder / "cache", limit_GB, clip);
   };
   expectAllFrames(*openDepth(depthChild(folder, ""), 9, cache()), 9);
-  expectAllFrames(*openDepth("exit 1", 9, cache()), 9);
+  expectAllFrames(*openDepth("false", 9, cache()), 9);
   for (const auto& file : std::filesystem::recursive_directory_iterator(folder / "cache")) {
     if (file.path().filename() == "000004.depth") folder.write(file.path().string(), "damaged");
   }
