@@ -20,6 +20,10 @@ struct Reliefs {
 /// is given by its true centroid in the first frame.
 Reliefs reliefsOf(const Clip& clip, server::SegmentMode mode, Method method);
 
+/// Real clips against masks drawn by hand: one click in the first frame, and the first mask at each
+/// drawn frame.
+void measureKeyMasks(Report& report);
+
 /// Depth with the errors of an estimator (scale and shift 1 %, edges of 15 px, a delay of 2
 /// frames): error of the static force, noise at rest, false impacts.
 void measureEstimated(Report& report);
