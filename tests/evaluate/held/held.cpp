@@ -81,24 +81,6 @@ void reportStarts(const std::vector<Result>& results, const std::string& apart, 
   }
 }
 
-void reportCandidates(const std::vector<Result>& results, const std::string& apart,
-                      Report& report) {
-  Table lines{{"scene", "clicks", "IoU chosen", "IoU best of its own candidates"}};
-  held::CandidateScores sum;
-  const auto line = [&](const std::string& name, const held::CandidateScores& s) {
-    lines.push_back(
-        {name, std::to_string(s.clicks), shown(s.mean(s.chosen)), shown(s.mean(s.best))});
-  };
-  for (const Result& r : results) {
-    line(r.name, r.candidates);
-    sum.add(r.candidates);
-  }
-  line("all" + apart, sum);
-  report.addTable("candidates", lines);
-  report.add(Goal{"held: best of its own candidates less the chosen one" + apart, "IoU", 0.03, 0.0,
-                  sum.mean(sum.best - sum.chosen)});
-}
-
 void reportCorrections(const std::vector<Result>& results, const std::string& apart,
                        Report& report) {
   Table lines{{"scene", "one click", "one click worst", "one point", "one point worst",
@@ -190,7 +172,6 @@ void reportGroup(const std::vector<Result>& all, bool apart, Report& report) {
   if (group.empty()) return;
   const std::string ending = apart ? " (apart)" : "";
   reportStarts(group, ending, report);
-  reportCandidates(group, ending, report);
   reportCorrections(group, ending, report);
   reportTrials(group, ending, report);
   reportGains(group, ending, report);

@@ -106,7 +106,6 @@ Result measure(const Scene& scene, const std::filesystem::path& sheets, const Ef
   out.refused = run.refused;
   if (!sheets.empty()) drawContactSheet(recording, run, sheets);
   out.starts = clickAround(recording, 0, effort.clicks);
-  out.candidates = compareCandidates(recording);
   if (effort.trials) out.trials = tryOut(recording, run, click, 0.4 * effort.clicks);
   Words points = click;
   Words masks = click;

@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <string>
 
-#include "tests/evaluate/held/held_candidates.hpp"
 #include "tests/evaluate/held/held_trials.hpp"
 
 namespace hapticast::evaluate::held {
@@ -19,7 +18,6 @@ struct Result {
   Scores one_click;
   std::string refused;
   Starts starts;  ///< at the first frame
-  CandidateScores candidates;
   std::optional<Trials> trials;
   /// After one and two corrections: points at what is most wrong in the clip, or true masks of the
   /// frames that are most wrong.

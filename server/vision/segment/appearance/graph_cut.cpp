@@ -10,6 +10,85 @@ namespace hapticast::server {
 
 namespace {
 
+constexpr int kParts = 5;                  // as in GrabCut
+constexpr std::size_t kMostSamples = 800;  // chosen for time
+constexpr float kLeastSpread = 16;         // squared, Lab: effect of a camera's noise and shading
+
+// Returns colours in an order that does not depend on how the picture is turned.
+cv::Mat collectSamples(const cv::Mat& lab, const cv::Mat& where) {
+  std::vector<std::array<float, 3>> colors;
+  colors.reserve(lab.total());
+  for (int v = 0; v < lab.rows; ++v) {
+    for (int u = 0; u < lab.cols; ++u) {
+      const auto& at = lab.at<cv::Vec3f>(v, u);
+      if (where.at<unsigned char>(v, u) != 0) colors.push_back({at[0], at[1], at[2]});
+    }
+  }
+  std::sort(colors.begin(), colors.end());
+  const std::size_t stride = std::max<std::size_t>(1, colors.size() / kMostSamples);
+  cv::Mat out(static_cast<int>((colors.size() + stride - 1) / stride), 3, CV_32F);
+  for (int i = 0; i < out.rows; ++i)
+    std::copy_n(colors[static_cast<std::size_t>(i) * stride].begin(), 3, out.ptr<float>(i));
+  return out;
+}
+
+}  // namespace
+
+ColorMixture::ColorMixture(const cv::Mat& lab, const cv::Mat& where) {
+  const cv::Mat samples = collectSamples(lab, where);
+  if (samples.rows < 8) return;
+  const int parts = std::min(kParts, samples.rows / 4);
+  cv::Mat labels;
+  cv::setRNGSeed(7);
+  cv::kmeans(samples, parts, labels,
+             cv::TermCriteria(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 8, 0.5), 1,
+             cv::KMEANS_PP_CENTERS);
+  for (int part = 0; part < parts; ++part) {
+    cv::Vec3f sum(0, 0, 0);
+    cv::Matx33f squares = cv::Matx33f::zeros();
+    int count = 0;
+    for (int i = 0; i < samples.rows; ++i) {
+      if (labels.at<int>(i) != part) continue;
+      const cv::Vec3f at(samples.ptr<float>(i));
+      sum += at;
+      squares += at * at.t();
+      ++count;
+    }
+    if (count == 0) continue;
+    const cv::Vec3f mean = sum / static_cast<float>(count);
+    const cv::Matx33f covariance = squares * (1.0F / static_cast<float>(count)) - mean * mean.t() +
+                                   cv::Matx33f::eye() * kLeastSpread;
+    const auto determinant = static_cast<float>(cv::determinant(covariance));
+    const float weight = static_cast<float>(count) / static_cast<float>(samples.rows);
+    parts_.push_back({mean, covariance.inv(), std::log(weight) - 0.5F * std::log(determinant)});
+  }
+}
+
+float ColorMixture::logDensity(const cv::Vec3f& lab) const {
+  float most = kLeast;
+  float sum = 0.0F;
+  std::array<float, kParts> logs{};
+  std::size_t count = 0;
+  for (const Part& part : parts_) {
+    const cv::Vec3f off = lab - part.mean;
+    logs[count] = part.log_weight - 0.5F * off.dot(part.inverse * off);
+    most = std::max(most, logs[count++]);
+  }
+  for (std::size_t i = 0; i < count; ++i) sum += std::exp(logs[i] - most);
+  return std::max(kLeast, most + std::log(std::max(sum, 1e-6F)));
+}
+
+cv::Mat logDensities(const ColorMixture& mixture, const cv::Mat& lab) {
+  cv::Mat out(lab.size(), CV_32FC1);
+  for (int v = 0; v < lab.rows; ++v) {
+    for (int u = 0; u < lab.cols; ++u)
+      out.at<float>(v, u) = mixture.logDensity(lab.at<cv::Vec3f>(v, u));
+  }
+  return out;
+}
+
+namespace {
+
 struct Offset {
   int u, v;
 };

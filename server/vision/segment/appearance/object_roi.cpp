@@ -109,7 +109,8 @@ GraphRoi GraphRoi::makeAround(const FrameContext& scene, const cv::Rect& box, do
   cv::resize(scene.images.depth(box), out.depth, size, 0, 0, cv::INTER_NEAREST);
   out.plane = samplePlanes(scene.images.depth, box, size, scene.planes);
   out.skin = scene.findHands(box, size);
-  out.lab = toLab(out.color);
+  out.color.convertTo(out.lab, CV_32F, 1.0 / 255.0);
+  cv::cvtColor(out.lab, out.lab, cv::COLOR_BGR2Lab);
   return out;
 }
 
@@ -145,6 +146,8 @@ namespace {
 
 constexpr double kLargestPatch_px = 90e3;  // chosen for time: 300 x 300
 constexpr double kMostPast = 0.5;          // chosen, of the object
+// Chosen, nats: colours of skin with less evidence for the object are a hand's.
+constexpr float kRatherHand = -1.0F;
 
 // Returns the bounding box of `from` after the similarity.
 cv::Rect moveBox(const cv::Rect& from, const cv::Matx23d& similarity, const cv::Size& picture) {
@@ -194,11 +197,10 @@ void computeDistance(ObjectRoi& patch) {
 
 void markHidden(ObjectRoi& patch, const ObjectLimits& limits) {
   const cv::Mat square = cv::Mat::ones(3, 3, CV_8UC1);
-  const bool has_hand = limits.hand != nullptr && !limits.hand->empty();
-  if (limits.nearest_mm > 0 || has_hand) {
+  if (limits.nearest_mm > 0 || limits.hand != nullptr) {
     patch.nearer = (patch.depth > 0) & (patch.depth < limits.nearest_mm);
     cv::morphologyEx(patch.nearer, patch.nearer, cv::MORPH_OPEN, square);
-    if (has_hand) patch.nearer |= limits.hand->findInPicture(patch.color);
+    if (limits.hand != nullptr) patch.nearer |= findHand(patch.color, limits);
     patch.hidden = patch.nearer & patch.inside;
     if (cv::countNonZero(patch.hidden) > 0) patch.inside.setTo(0, patch.hidden);
   }
@@ -213,6 +215,20 @@ void markHidden(ObjectRoi& patch, const ObjectLimits& limits) {
 }
 
 }  // namespace
+
+cv::Mat findHand(const cv::Mat& color, const ObjectLimits& limits) {
+  if (limits.hand == nullptr) return cv::Mat::zeros(color.size(), CV_8UC1);
+  cv::Mat out = limits.hand->findSkin(color);
+  if (limits.colors.empty()) return out;
+  for (int v = 0; v < out.rows; ++v) {
+    const auto* from = color.ptr<cv::Vec3b>(v);
+    auto* to = out.ptr<unsigned char>(v);
+    for (int u = 0; u < out.cols; ++u) {
+      if (limits.colors[ColorHistogram::binIndex(from[u])] > kRatherHand) to[u] = 0;
+    }
+  }
+  return out;
+}
 
 cv::Matx33d ObjectRoi::toPicture() const {
   const double f = factor;

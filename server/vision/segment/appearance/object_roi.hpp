@@ -12,7 +12,6 @@
 #include "server/vision/base/depth_noise.hpp"
 #include "server/vision/base/frame_pair.hpp"
 #include "server/vision/segment/appearance/color_histogram.hpp"
-#include "server/vision/segment/appearance/hand_colors.hpp"
 #include "server/vision/segment/appearance/planes.hpp"
 #include "server/vision/segment/appearance/skin.hpp"
 
@@ -106,8 +105,14 @@ struct ObjectRoi {
 struct ObjectLimits {
   double nearest_mm = 0.0;           ///< 0: unknown
   double farthest_mm = 0.0;          ///< 0: unknown
-  const HandColors* hand = nullptr;  ///< the hand that holds the object; null or empty: unknown
+  const SkinColors* hand = nullptr;  ///< skin colours; null: unknown
+  /// Evidence of each colour bin for the object (colorEvidence()). A skin colour with evidence
+  /// above 0 does not count as a hand. Empty: unknown.
+  std::vector<float> colors{};
 };
+/// Returns a mask of `color` (CV_8UC3): 255 where the colour is that of a hand according to
+/// `limits`, 0 elsewhere.
+cv::Mat findHand(const cv::Mat& color, const ObjectLimits& limits);
 /// Returns the patch around the object, whose mask in the last picture was `mask` (0/255).
 /// `similarity` maps px of the last picture to px of this picture.
 ObjectRoi makePatch(const FrameImages& images, const cv::Mat& mask, const cv::Matx23d& similarity,

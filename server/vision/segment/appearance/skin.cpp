@@ -6,7 +6,6 @@
 #include <opencv2/imgproc.hpp>
 
 #include "server/vision/base/statistics.hpp"
-#include "server/vision/segment/appearance/color_mixture.hpp"
 
 namespace hapticast::server {
 
@@ -22,6 +21,13 @@ constexpr float kDarkest = 9.0F;
 std::size_t skinBin(const cv::Vec3b& bgr) {
   return (std::size_t{bgr[0]} >> 3U) << 10U | (std::size_t{bgr[1]} >> 3U) << 5U |
          std::size_t{bgr[2]} >> 3U;
+}
+
+cv::Mat toLab(const cv::Mat& color) {
+  cv::Mat out;
+  color.convertTo(out, CV_32F, 1.0 / 255.0);
+  cv::cvtColor(out, out, cv::COLOR_BGR2Lab);
+  return out;
 }
 
 // Returns the colour cast (a, b per L): the median of nearly grey pixels that are brighter than

@@ -37,8 +37,7 @@ cv::Mat computeEvidence(const FrameContext& scene, const GraphRoi& view, const K
   };
   add(kCutOfRedetection.other_depth, beyond);
   add(kCutOfRedetection.plane, view.plane & ~beyond);
-  const bool is_learnt = known.limits.hand != nullptr && !known.limits.hand->empty();
-  add(kCutOfRedetection.skin, is_learnt ? known.limits.hand->find(view.lab) : view.skin);
+  add(kCutOfRedetection.skin, view.skin & findHand(view.color, known.limits));
   if (known.mask.empty()) return out;
   const cv::Mat mask = view.shrinkImage(known.mask);
   cv::Mat inner;

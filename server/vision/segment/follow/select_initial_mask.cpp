@@ -16,8 +16,11 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr int kSettledCuts = 6;  // chosen for time: number of best cuts to refine ...
-constexpr int kFewRounds = 3;    // ... and their number of band steps
+constexpr int kSettledCuts = 3;         // chosen for time: number of best cuts to refine ...
+constexpr int kFewRounds = 3;           // ... and their number of band steps
+constexpr double kForComponent = -0.1;  // chosen: the depth component often includes a hand
+// Chosen: a cut is coarser than a settled one, unless settling loses more of the score than this.
+constexpr double kForSettled = 0.1;
 // Chosen: most chosen masks of drawn scenes with an IoU above 0.8 score higher.
 constexpr double kSurelyObject = 1.0;
 // Measured: where depth shows a table or nothing, clicks on objects score higher, and few clicks on
@@ -28,6 +31,8 @@ constexpr double kDespiteDepth = 1.2;
 // wider than the second width belongs to a body: then the whole is meant.
 constexpr double kHeld_mm = 200.0;
 constexpr double kBody_mm = 260.0;
+constexpr double kPart_mm = 150.0;  // chosen: so does a part of this width with the body's colours
+constexpr double kAlike = 0.2;      // chosen, ObjectnessTerms::apart: the colours of such a part
 
 constexpr double kHand_mm = 60.0;  // chosen: a hand, or its fingers alone, is wider
 constexpr double kMostlySkin = 0.5;
@@ -41,7 +46,8 @@ struct Candidate {
 };
 
 bool isBody(const Candidate& part, const Candidate& whole) {
-  return part.terms.width_mm > kHeld_mm && whole.terms.width_mm > kBody_mm;
+  const double least_mm = part.terms.apart < kAlike ? kPart_mm : kHeld_mm;
+  return part.terms.width_mm > least_mm && whole.terms.width_mm > kBody_mm;
 }
 
 // Returns the patch of skin at the click, within the click's component of depth.
@@ -75,12 +81,12 @@ class Selection {
     view_.hand = hand;
   }
 
-  void add(TrackedMask object, const char* origin) {
+  void add(TrackedMask object, double more, const char* origin) {
     if (cv::countNonZero(object.mask()) < kSmallestObject_px) return;
     const ObjectnessTerms terms = computeObjectnessTerms(view_, object.mask());
-    candidates_.push_back({std::move(object), terms, objectness(terms), origin});
+    candidates_.push_back({std::move(object), terms, objectness(terms) + more, origin});
   }
-  // Adds the best of the cuts, each settled by steps of the narrow band.
+  // Adds the best of the cuts. Steps of the narrow band settle a cut, unless it gets worse.
   void addCuts(const std::vector<cv::Mat>& cuts) {
     std::vector<std::pair<double, cv::Mat>> scored;
     scored.reserve(cuts.size());
@@ -90,8 +96,15 @@ class Selection {
     if (scored.size() > kSettledCuts) scored.resize(kSettledCuts);
     // Cuts are coarser in a large picture.
     const int larger = std::max(images_.color.cols, images_.color.rows) / kUsualWidth_px;
-    for (const auto& [score, cut] : scored)
-      add(TrackedMask(0, cut, images_, scene_, kFewRounds * std::max(1, larger)), "settled cut");
+    for (const auto& [score, cut] : scored) {
+      const TrackedMask settled(0, cut, images_, scene_, kFewRounds * std::max(1, larger));
+      const double after = objectness(view_, settled.mask());
+      if (after + kForSettled >= score) {
+        add(settled, std::max(0.0, score - after), "settled cut");
+      } else {
+        add(TrackedMask(0, cut, images_, scene_, 0), 0.0, "cut");
+      }
+    }
   }
   [[nodiscard]] const std::vector<Candidate>& candidates() const { return candidates_; }
   /// Returns the candidate with the highest score; null if there is none.
@@ -141,7 +154,7 @@ ChosenStart selectInitialMask(const FrameImages& images, const SceneContext& sce
   Selection selection(images, own, cuts.hand);
   if (has_component) {
     const cv::Mat cut = cutByColor(images, start.mask, own.planes, point, not_points);
-    selection.add(TrackedMask(0, cut, images, own), "component of depth");
+    selection.add(TrackedMask(0, cut, images, own), kForComponent, "component of depth");
   }
   selection.addCuts(cuts.masks);
   const Candidate* best = selection.best();

@@ -28,6 +28,7 @@ constexpr double kOwnColors = 0.5;      // mean colour evidence of certain pixel
 constexpr double kPartlyHidden = 0.15;  // chosen, of the whole: less is noise of the depth
 constexpr double kSizeJump = 0.05;      // chosen, of the size in a frame: faster growth is an error
 constexpr double kPlaceJump = 0.2;      // chosen, of the width: likewise a change of motion
+constexpr double kDistinct = 0.65;      // chosen: overlap of the colours of object and background
 constexpr double kClearlyOwn = 0.4;     // more of that evidence: another position is better
 constexpr double kSurelyColor = 0.8;  // mean colour evidence of pixels that may be uncovered again
 constexpr double kUsualFollows = 0.01;  // chosen: the usual size adapts in four seconds
@@ -42,10 +43,9 @@ constexpr double kSearchReach = 1.5;  // chosen, widths of the object around its
 constexpr double kMostUnlike = 1.2;   // of its initial score: limit for the tracked object
 // Limits for a found object, chosen: how much its score may lie below the initial one, and the
 // least overlap of its colours with the first ones.
-constexpr LikeLimits kLikeNear{0.5, 0.65};
+constexpr LikeLimits kLikeNear{1.2, 0.6};
 constexpr LikeLimits kLikeEverywhere{0.5, 0.75};
-constexpr int kHoldingPixels = 150;  // chosen, of the patch: skin that shows a hand
-constexpr double kMostAgain = 1.6;   // of its usual area
+constexpr double kMostAgain = 1.6;  // of its usual area
 // Measured: after a correction the rest had 0.55 to 0.59 of the object's colours if it was another
 // object, else 0.71 or more.
 constexpr double kOfOtherColors = 0.65;
@@ -99,19 +99,6 @@ void TrackedMask::forgetColors(const SceneContext& scene) {
   memory_.avoided = scene.avoided.histogram;
 }
 
-// Learns the colours of the hand in the first frame with skin around the mask, against those of the
-// object. Dark skin counts where there is no other.
-void TrackedMask::learnHand(const ObjectRoi& patch, const cv::Mat& mask,
-                            const SceneContext& scene) {
-  if (!holding_.empty()) return;
-  const cv::Mat inside = scaleToPatchSize(mask, patch);
-  const cv::Mat around = dilateBy(inside, kBand_px) == 0;
-  cv::Mat hand = scene.skin.findSkin(patch.color) & around;
-  if (cv::countNonZero(hand) < kHoldingPixels) hand = scene.skin.findWithDark(patch.color) & around;
-  if (cv::countNonZero(hand) < kHoldingPixels) return;
-  holding_ = HandColors(toLab(patch.color), hand, erodeBy(inside, 2));
-}
-
 void TrackedMask::relax(const FrameImages& images, const SceneContext& scene, int most_rounds) {
   for (int round = 0; round < most_rounds; ++round) {
     const ObjectRoi patch = makePatch(images, mask_);
@@ -136,7 +123,6 @@ void TrackedMask::learnAppearance(const ObjectRoi& patch, const FrameImages& ima
   memory_.elsewhere = collectElsewhere(images, mask_);
   whole_ = mask_;
   resetToVisible(patch);
-  learnHand(patch, mask_(patch.box), scene);
 }
 
 void TrackedMask::resetToVisible(const ObjectRoi& patch) {
@@ -151,7 +137,10 @@ void TrackedMask::resetToVisible(const ObjectRoi& patch) {
 }
 
 ObjectLimits TrackedMask::limits(const SceneContext& scene) const {
-  return {depth_.nearest_mm(scene.noise), depth_.farthest_mm(scene.noise), &holding_};
+  // Where the background has the object's colours, colours show no hand either.
+  const bool distinct = computeOverlap(memory_.first, memory_.background) < kDistinct;
+  return {depth_.nearest_mm(scene.noise), depth_.farthest_mm(scene.noise),
+          distinct ? &scene.skin : nullptr, computeColorEvidence(memory_)};
 }
 
 // Returns whether the decision is plausible.
@@ -233,7 +222,6 @@ void TrackedMask::update(const FrameImages& images, const ObjectFlow& flow,
     if (!flow.reliable) quality_ = kWeaker;
     updateShape(patch, now.mask, cv::countNonZero(now.mask) > kMostlyWhole * usual_px_, memory_);
     if (expected_px > kMostlySeen * area_px_) updateMemory(patch, now.mask, memory_);
-    learnHand(patch, now.mask, scene);
   } else {
     quality_ *= kWeaker;
     ++weak_;
@@ -370,7 +358,8 @@ std::optional<TrackedMask> TrackedMask::search(const FrameImages& images,
 std::optional<TrackedMask> TrackedMask::searchIn(const cv::Rect& window, const LikeLimits& least,
                                                  const FrameImages& images,
                                                  const SceneContext& scene) const {
-  const ObjectLimits anywhere{kNearest * depth_.middle_mm, kFarthest * depth_.middle_mm, &holding_};
+  const ObjectLimits anywhere{kNearest * depth_.middle_mm, kFarthest * depth_.middle_mm,
+                              &scene.skin, computeColorEvidence(memory_)};
   const KnownObject known{memory_, anywhere, usual_px_, {}, window};
   const FrameContext view = scene.view(images);
   const cv::Mat found = redetect(view, known);

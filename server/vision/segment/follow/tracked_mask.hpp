@@ -105,7 +105,6 @@ class TrackedMask {
 
  private:
   TrackedMask() = default;
-  void learnHand(const ObjectRoi& patch, const cv::Mat& mask, const SceneContext& scene);
   void forgetColors(const SceneContext& scene);
   void relax(const FrameImages& images, const SceneContext& scene, int most_rounds);
   // `is_whole`: nothing hides a part of the object.
@@ -131,8 +130,7 @@ class TrackedMask {
   cv::Mat mask_;
   cv::Mat whole_;  // the mask with the part that nearer surfaces hide
   ContourMemory memory_;
-  HandColors holding_;  // the hand that holds the object; empty: no hand was seen
-  cv::Mat last_sure_;   // whole_ of the last frame whose pixels decided the mask
+  cv::Mat last_sure_;  // whole_ of the last frame whose pixels decided the mask
   cv::Matx23d last_similarity_ = cv::Matx23d::eye();  // motion in the last frame
   double quality_ = 1.0;
   int weak_ = 0;        // successive frames without a plausible decision

@@ -10,7 +10,6 @@
 #include "server/vision/base/masks.hpp"
 #include "server/vision/base/statistics.hpp"
 #include "server/vision/segment/appearance/graph_cut.hpp"
-#include "server/vision/segment/appearance/hand_colors.hpp"
 #include "server/vision/segment/initialise/initial_mask.hpp"
 
 namespace hapticast::server {
@@ -96,6 +95,8 @@ constexpr int kHandPixels = 40;    // ... if there is this much of it
 constexpr double kNearHand = 0.5;  // share of that skin that may still be the object's
 constexpr int kClicked_px = 2;
 constexpr float kClicked_mm = 15.0F;
+constexpr double kRatherHand = 2.0;  // nats, of the hand's density against the object's
+constexpr double kLikeHand = -9.0;   // log density: within three standard deviations
 
 struct Reach {
   float near_mm, far_mm;
@@ -189,7 +190,8 @@ cv::Mat placeEvidence(const Surroundings& s) {
 }
 
 // The hand's colours are learnt from this hand: from those pixels of skin that are farthest from
-// the click. Dark skin counts where there is no other.
+// the click (Bayes' rule with two Gaussian mixtures, as in Jones and Rehg 2002). So an object with
+// colours of skin differs from the hand that holds it. Dark skin counts where there is no other.
 cv::Mat findHand(const FrameContext& scene, const Surroundings& s) {
   const cv::Mat far_off = s.component & (s.distance > kHandFrom_mm);
   cv::Mat skin = s.view.skin & far_off;
@@ -206,8 +208,12 @@ cv::Mat findHand(const FrameContext& scene, const Surroundings& s) {
   skin &= s.distance > computeQuantile(far, kNearHand);
   cv::Mat clicked = none.clone();
   cv::circle(clicked, s.at, kClicked_px, cv::Scalar(255), cv::FILLED);
-  const cv::Mat near = clicked | (s.component & (s.distance < kClicked_mm));
-  cv::Mat out = HandColors(s.view.lab, skin, near).find(s.view.lab) & s.component;
+  const ColorMixture of_hand(s.view.lab, skin);
+  const ColorMixture of_object(s.view.lab, clicked | (s.component & (s.distance < kClicked_mm)));
+  if (of_hand.empty() || of_object.empty()) return none;
+  const cv::Mat hand = logDensities(of_hand, s.view.lab);
+  cv::Mat out =
+      (hand - logDensities(of_object, s.view.lab) > kRatherHand) & (hand > kLikeHand) & s.component;
   cv::medianBlur(out, out, 3);
   return out;
 }

@@ -39,14 +39,17 @@ Candidates computeCandidates(const FrameContext& scene, const Click& click);
 
 /// Terms of the objectness score of a mask. Shares are 0..1.
 struct ObjectnessTerms {
-  double color_edge = 0.0;  ///< mean strength of the edge of colour along the contour
-  double depth_edge = 0.0;  ///< mean strength of the step or valley of depth along the contour
-  double contact =
-      0.0;              ///< share of the contour where depth goes on outside and colour hardly ends
-  double border = 0.0;  ///< share of the contour at the picture's border
-  double skin = 0.0;    ///< share of pixels with colours of skin
-  double beside_skin = 0.0;  ///< share of the contour with colours of skin outside: held by a hand
-  double width_mm = 0.0;     ///< diameter of a disc with its area
+  double apart = 0.0;  ///< distance of its colours from those of the ring around it (Bhattacharyya)
+  double missing = 0.0;  ///< ring pixels whose colours occur only in the mask, over the mask's area
+  double edge = 0.0;     ///< mean strength of the edges of colour or depth along the contour
+  double weak = 0.0;     ///< share of the contour without an edge
+  double contact = 0.0;  ///< share of the contour where the depth continues outside
+  double border = 0.0;   ///< share of the contour at the picture's border
+  double solid = 0.0;    ///< area over that of the visible convex hull
+  double known = 0.0;    ///< share of pixels with depth
+  double stray = 0.0;    ///< share of pixels farther from the median depth than the mask's width
+  double skin = 0.0;     ///< share of pixels with colours of skin
+  double width_mm = 0.0;  ///< diameter of a disc with its area
 };
 
 /// Returns the terms of `mask` (CV_8UC1, 0/255, size of the image). All are 0 if it has fewer than
@@ -54,7 +57,7 @@ struct ObjectnessTerms {
 ObjectnessTerms computeObjectnessTerms(const FrameContext& scene, const cv::Mat& mask);
 
 /// Returns how well a mask with these terms covers one object and nothing else (objectness): about
-/// 1.5 for a good mask, higher is better.
+/// 3 for a good mask, higher is better.
 double objectness(const ObjectnessTerms& terms);
 /// Returns the score and its terms for the log.
 std::string toText(const ObjectnessTerms& terms);

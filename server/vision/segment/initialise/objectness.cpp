@@ -9,6 +9,7 @@
 
 #include "server/vision/base/masks.hpp"
 #include "server/vision/base/statistics.hpp"
+#include "server/vision/segment/appearance/color_histogram.hpp"
 #include "server/vision/segment/initialise/candidates.hpp"
 #include "server/vision/segment/initialise/initial_mask.hpp"
 
@@ -16,11 +17,16 @@ namespace hapticast::server {
 
 namespace {
 
-// Limits tuned on drawn scenes of objects in hands, and checked on scenes without hands.
+// Weights and limits tuned on drawn scenes of objects in hands, and checked on scenes without
+// hands.
 constexpr double kObject_px = 2500.0;  // of the view: enough for a contour, few enough for time
 constexpr int kRingMargin_px = 16;
+constexpr float kFirstOfRing_px = 1.5F;
+constexpr float kLastOfRing_px = 12.0F;
 constexpr float kIn_px = 2.5F;
 constexpr float kOut_px = 3.0F;
+constexpr double kSmall_mm = 60.0;
+constexpr double kLarge_mm = 250.0;
 
 struct MaskView {
   GraphRoi view;
@@ -50,7 +56,7 @@ MaskView makeView(const FrameContext& scene, const cv::Mat& mask) {
 
 // Properties of the contour, as means along it.
 struct Contour {
-  double color = 0.0, depth = 0.0, contact = 0.0, border = 0.0, beside_skin = 0.0;
+  double edge = 0.0, weak = 0.0, contact = 0.0, border = 0.0;
 };
 
 // Returns the strength of the depth edge between a place inside and one outside, 0..1; constants
@@ -80,14 +86,13 @@ void addPlace(const MaskView& m, const cv::Point& in, const cv::Point& out, cons
   const double color =
       std::min(1.0, cv::norm(m.view.lab.at<cv::Vec3f>(in) - m.view.lab.at<cv::Vec3f>(out)) / 25.0);
   const double depth = std::max(depthEdge(m, in, out, noise), findValley(m, in, out));
-  sum.color += color;
-  sum.depth += depth;
-  const bool skin_outside = m.view.skin.at<unsigned char>(out) != 0;
-  if (skin_outside) sum.beside_skin += 1.0;
-  const bool leaves_skin = skin_outside && m.view.skin.at<unsigned char>(in) == 0;
+  const bool hand =
+      m.view.skin.at<unsigned char>(out) != 0 && m.view.skin.at<unsigned char>(in) == 0;
+  const double edge = hand ? 1.0 : std::max(color, depth);
+  sum.edge += edge;
+  if (edge < 0.35) sum.weak += 1.0;
   const bool known = m.view.depth.at<float>(out) > 0 && m.view.plane.at<unsigned char>(out) == 0;
-  // Things that touch are apart where colour ends.
-  if (known && depth < 0.6 && !leaves_skin) sum.contact += 1.0 - color;
+  if (known && depth < 0.6 && !hand) sum.contact += color > 0.6 ? 0.5 : 1.0;
 }
 
 Contour measureAlongContour(const MaskView& m, const DepthNoise& noise) {
@@ -120,13 +125,80 @@ Contour measureAlongContour(const MaskView& m, const DepthNoise& noise) {
   const double at_border = m.view.shrink * m.at_border_px;
   sum.border += at_border;
   count = std::max(count + at_border, 1.0);
-  return {sum.color / count, sum.depth / count, sum.contact / count, sum.border / count,
-          sum.beside_skin / count};
+  return {sum.edge / count, sum.weak / count, sum.contact / count, sum.border / count};
 }
 
-double diameter_mm(const MaskView& m, const cv::Size& picture) {
-  const double middle_mm = std::max(1.0, medianDepth(m.view.depth, m.mask, 1));
-  return std::sqrt(4.0 * m.area / CV_PI) / m.view.shrink / pixelsPerMm(middle_mm, picture);
+struct Colors {
+  double apart = 0.0;  // of inside and ring, 0 .. 1
+  // In the ring, share of the area: similar to the object and unlike the rest.
+  double missing = 0.0;
+};
+
+Colors collectColors(const MaskView& m) {
+  ColorHistogram inside;
+  ColorHistogram ring;
+  ColorHistogram beyond;
+  for (int v = 0; v < m.mask.rows; ++v) {
+    for (int u = 0; u < m.mask.cols; ++u) {
+      const float d = m.distance.at<float>(v, u);
+      const auto& color = m.view.color.at<cv::Vec3b>(v, u);
+      if (d > 0) inside.count(color);
+      if (d < -kFirstOfRing_px && d > -kLastOfRing_px) ring.count(color);
+      if (d < -kLastOfRing_px) beyond.count(color);
+    }
+  }
+  for (ColorHistogram* histogram : {&inside, &ring, &beyond}) histogram->finish();
+  const std::vector<float> evidence = colorEvidence(inside, inside, beyond);
+  double missing = 0.0;
+  for (int v = 0; v < m.mask.rows; ++v) {
+    for (int u = 0; u < m.mask.cols; ++u) {
+      const float d = m.distance.at<float>(v, u);
+      if (d < -2.0F && d > -kLastOfRing_px &&
+          evidence[ColorHistogram::binIndex(m.view.color.at<cv::Vec3b>(v, u))] > 1.0F)
+        missing += 1.0;
+    }
+  }
+  return {1.0 - computeOverlap(inside, ring), missing / std::max(m.area, 1.0)};
+}
+
+struct Body {
+  double known = 0.0;  // share with depth
+  double stray = 0.0;  // share whose distance from the median depth exceeds the width
+  double diameter_mm = 0.0;
+  double solid = 0.0;  // area over the visible convex hull
+  double skin = 0.0;
+};
+
+Body fitBody(const MaskView& m, const cv::Size& picture) {
+  Body out;
+  std::vector<double> depths;
+  depths.reserve(static_cast<std::size_t>(m.area));
+  std::vector<cv::Point> points;
+  points.reserve(static_cast<std::size_t>(m.area));
+  for (int v = 0; v < m.mask.rows; ++v) {
+    for (int u = 0; u < m.mask.cols; ++u) {
+      if (m.mask.at<unsigned char>(v, u) == 0) continue;
+      points.emplace_back(u, v);
+      if (m.view.depth.at<float>(v, u) > 0) depths.push_back(double(m.view.depth.at<float>(v, u)));
+      if (m.view.skin.at<unsigned char>(v, u) != 0) out.skin += 1.0 / m.area;
+    }
+  }
+  out.known = double(depths.size()) / m.area;
+  const double middle_mm = depths.empty() ? 1.0 : computeMedian(depths);
+  const double across_px = std::sqrt(4.0 * m.area / CV_PI) / m.view.shrink;
+  out.diameter_mm = across_px / pixelsPerMm(middle_mm, picture);
+  for (const double z : depths) {
+    if (std::abs(z - middle_mm) > 0.7 * out.diameter_mm + 40.0) out.stray += 1.0 / m.area;
+  }
+  std::vector<cv::Point> hull;
+  cv::convexHull(points, hull);
+  cv::Mat within = cv::Mat::zeros(m.mask.size(), CV_8UC1);
+  cv::fillConvexPoly(within, hull, cv::Scalar(255));
+  // Occluders in front do not count against the shape behind them.
+  const double front_mm = middle_mm - 0.5 * out.diameter_mm - 20.0;
+  within.setTo(0, (m.mask == 0) & (m.view.skin | ((m.view.depth > 0) & (m.view.depth < front_mm))));
+  out.solid = m.area / std::max(double(cv::countNonZero(within)), m.area);
+  return out;
 }
 
 }  // namespace
@@ -136,35 +208,28 @@ ObjectnessTerms computeObjectnessTerms(const FrameContext& scene, const cv::Mat&
   const MaskView m = makeView(scene, mask);
   if (m.area < 10.0) return {};
   const Contour contour = measureAlongContour(m, scene.noise);
-  const double skin = cv::countNonZero(m.mask & m.view.skin) / m.area;
-  return {contour.color,
-          contour.depth,
-          contour.contact,
-          contour.border,
-          skin,
-          contour.beside_skin,
-          diameter_mm(m, mask.size())};
+  const Colors colors = collectColors(m);
+  const Body body = fitBody(m, mask.size());
+  return {colors.apart, colors.missing, contour.edge, contour.weak, contour.contact, contour.border,
+          body.solid,   body.known,     body.stray,   body.skin,    body.diameter_mm};
 }
 
-// The logarithm of the width prefers the whole to its parts, whatever the size. Chosen: a whole
-// wider than this is rather a person.
-constexpr double kWidest_mm = 200.0;
-
-// Weights fitted to clicks on drawn scenes of objects in hands (five draws, 1,010 clicks): the best
-// expected IoU of the choice among the candidates. Only `border` is chosen.
 double objectness(const ObjectnessTerms& t) {
   if (t.width_mm <= 0.0) return -10.0;
-  return 1.05 * t.color_edge + 0.8 * t.depth_edge - 0.55 * t.contact - 1.1 * t.border -
-         1.6 * t.skin + 0.6 * t.beside_skin +
-         0.13 * std::log(std::min(t.width_mm, kWidest_mm) / 100.0);
+  const double small = std::max(0.0, std::log(kSmall_mm / t.width_mm));
+  const double large = std::max(0.0, std::log(t.width_mm / kLarge_mm));
+  return 0.3 * t.apart + 1.6 * t.edge - 0.7 * t.weak - 1.8 * t.contact - 1.5 * t.border +
+         0.2 * t.solid - 2.0 * std::max(0.0, 0.6 - t.known) - 0.2 * std::min(0.4, t.missing) -
+         0.8 * t.skin - 2.0 * std::min(0.5, t.stray) - 0.8 * small - 0.8 * large;
 }
 
 std::string toText(const ObjectnessTerms& t) {
   return fmt::format(
-      "score {:.2f}: colour edge {:.2f}, depth edge {:.2f}, contact {:.2f}, border {:.2f}, "
-      "skin {:.2f}, beside skin {:.2f}, width {:.0f} mm",
-      objectness(t), t.color_edge, t.depth_edge, t.contact, t.border, t.skin, t.beside_skin,
-      t.width_mm);
+      "score {:.2f}: edge {:.2f}, weak {:.2f}, contact {:.2f}, border {:.2f}, "
+      "colours apart {:.2f}, missing {:.2f}, solid {:.2f}, measured {:.2f}, stray {:.2f}, "
+      "skin {:.2f}, width {:.0f} mm",
+      objectness(t), t.edge, t.weak, t.contact, t.border, t.apart, t.missing, t.solid, t.known,
+      t.stray, t.skin, t.width_mm);
 }
 
 double objectness(const FrameContext& scene, const cv::Mat& mask) {
@@ -173,7 +238,7 @@ double objectness(const FrameContext& scene, const cv::Mat& mask) {
 
 double widthInSpace_mm(const FrameContext& scene, const cv::Mat& mask) {
   if (cv::countNonZero(mask) == 0) return 0.0;
-  return diameter_mm(makeView(scene, mask), mask.size());
+  return fitBody(makeView(scene, mask), mask.size()).diameter_mm;
 }
 
 }  // namespace hapticast::server
