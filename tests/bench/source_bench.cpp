@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Cost of the server's reader of videos, one thread: a pair of 1920 x 1080 px, beside ffmpeg's
-// own decoding of the same two files; and depth that is enlarged to 1920 x 1080 px. Run:
-// build/release/tests/bench --benchmark_filter='Pair|Depth' (CPU time for each frame).
+// own decoding of the same two files; depth that is enlarged to 1920 x 1080 px; and the pipes of
+// --depth-from. Run:
+// build/release/tests/bench --benchmark_filter='Pair|Depth|depth' (CPU time for each frame).
 #include <benchmark/benchmark.h>
 #include <spdlog/spdlog.h>
 #include <sys/resource.h>
@@ -14,8 +15,11 @@
 #include <opencv2/imgproc.hpp>
 #include <string>
 
+#include "server/source/child/child_source.hpp"
+#include "server/source/child/depth_task.hpp"
 #include "server/source/picture/depth_scale.hpp"
 #include "server/source/video/video_clip.hpp"
+#include "tests/scenes/drawn_source.hpp"
 #include "tests/unit/server/depth_edges.hpp"
 
 namespace hapticast::server {
@@ -150,6 +154,46 @@ void enlargeDepthNearest(benchmark::State& state) {
   }
 }
 BENCHMARK(enlargeDepthNearest)->Unit(benchmark::kMillisecond);
+
+/// A still picture that never ends.
+class StillSource final : public test::DrawnSource {
+ public:
+  StillSource() {
+    info_.name = "still";
+    info_.width_px = 640;
+    info_.height_px = 480;
+    info_.frame_count = 1'000'000;
+  }
+
+ private:
+  RgbdFrame draw(std::uint64_t /*index*/) override {
+    RgbdFrame frame;
+    frame.color = color_;
+    return frame;
+  }
+  cv::Mat color_{480, 640, CV_8UC3, cv::Scalar(40, 80, 120)};
+};
+
+/// CPU of the server for each picture of 640 x 480 px and its depth, through both pipes. The child
+/// answers with zeros and computes nothing.
+void depthFromChild(benchmark::State& state) {
+  spdlog::set_level(spdlog::level::off);
+  const std::string command =
+      "/usr/bin/env python3 -c '\nimport sys\nanswer = b\"640 480 metric_mm\\n\" + bytes(1228800)\n"
+      "while len(sys.stdin.buffer.read(921615)) == 921615:\n"
+      "    sys.stdout.buffer.write(answer)\n    sys.stdout.buffer.flush()\n'";
+  ChildSource source(std::make_unique<StillSource>(),
+                     std::make_unique<DepthTask>(command, kRelativeRange, nullptr), nullptr);
+  const double begin_s = cpuTime_s(RUSAGE_SELF);
+  std::int64_t frames = 0;
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(source.read());
+    ++frames;
+  }
+  state.counters["cpu_ms"] = 1e3 * (cpuTime_s(RUSAGE_SELF) - begin_s) /
+                             static_cast<double>(std::max<std::int64_t>(1, frames));
+}
+BENCHMARK(depthFromChild)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace hapticast::server

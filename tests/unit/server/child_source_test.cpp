@@ -75,7 +75,7 @@ void expectAllFrames(RgbdSource& source, std::uint64_t frames) {
   EXPECT_FALSE(source.read());
 }
 
-std::string problemOf(const std::string& command) {
+std::string describeProblem(const std::string& command) {
   try {
     (void)openDepth(command, 3);
   } catch (const SourceError& error) {
@@ -135,13 +135,13 @@ TEST(ChildSource, AWrongSizeLeavesItsFrameOut) {
 }
 
 TEST(ChildSource, AWrongCommandIsOneLine) {
-  EXPECT_THAT(problemOf("exit 4;"), HasSubstr("--depth-from 'exit 4;': ended with exit code 4"));
-  EXPECT_THAT(problemOf("echo oh no >&2; exit 1"), HasSubstr("exit code 1: oh no; mend"));
-  EXPECT_THAT(problemOf("echo hello"), HasSubstr("writes 'hello', which is no header"));
-  EXPECT_THAT(problemOf("yes | tr -d '\\n'"), HasSubstr("writes no line with a header"));
-  EXPECT_THAT(problemOf("echo 4097 4 metric_mm"), HasSubstr("no header"));
-  EXPECT_THAT(problemOf("exec >&-; sleep 5"), HasSubstr("closes its stdout"));
-  EXPECT_THAT(problemOf("printf '1 4 inverse\\n%16s'"), HasSubstr("another shape"));
+  EXPECT_THAT(describeProblem("exit 4;"), HasSubstr("--depth-from 'exit 4;': ended with exit code 4"));
+  EXPECT_THAT(describeProblem("echo oh no >&2; exit 1"), HasSubstr("exit code 1: oh no; mend"));
+  EXPECT_THAT(describeProblem("echo hello"), HasSubstr("writes 'hello', which is no header"));
+  EXPECT_THAT(describeProblem("yes | tr -d '\\n'"), HasSubstr("writes no line with a header"));
+  EXPECT_THAT(describeProblem("echo 4097 4 metric_mm"), HasSubstr("no header"));
+  EXPECT_THAT(describeProblem("exec >&-; sleep 5"), HasSubstr("closes its stdout"));
+  EXPECT_THAT(describeProblem("printf '1 4 inverse\\n%16s'"), HasSubstr("another shape"));
 }
 
 TEST(ChildSource, AnswersBeyondThePicturesEndTheChild) {
