@@ -43,6 +43,7 @@ ChildSource::ChildSource(std::unique_ptr<RgbdSource> source, std::unique_ptr<Chi
       skipped_(info_.live) {
   spdlog::info("{} runs: {}", task_->flag(), task_->command());
   waitForFirst();
+  opened_ = true;
   task_->describe(info_);
 }
 
@@ -229,7 +230,7 @@ void ChildSource::addAnswer(const ChildAnswer& answer) {
 }
 
 void ChildSource::restart(const std::string& problem) {
-  const bool first = !any_read_;  // the command never worked
+  const bool first = !opened_;  // the command never worked
   ++failures_;
   pipe_.reset();
   asked_.clear();

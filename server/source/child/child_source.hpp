@@ -119,6 +119,7 @@ class ChildSource final : public RgbdSource {
   bool advised_ = false;       // whether the log has the advice for the next pass
   bool given_up_ = false;      // no child starts any more
   bool ended_ = false;         // whether the source has ended
+  bool opened_ = false;        // whether the first frame has its answer
   bool any_read_ = false;      // whether a frame was read since the clip's start
   bool wait_logged_ = false;   // whether the log says that the first answer is awaited
   std::size_t most_live_ = 2;  // frames of a live source in flight; more would be a delay

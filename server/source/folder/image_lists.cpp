@@ -177,9 +177,11 @@ ImageLists findImages(const fs::path& folder, const VideoLayout& layout) {
   }
   const fs::path array = depth_folder.empty() ? findDepthArray(folder) : fs::path();
   if (depth_folder.empty() && array.empty()) {
-    throw SourceError(folder.string() +
-                      ": has no folder depth/; put a depth image for each colour image into it, or "
-                      "the depth of all frames into one array depth.npy or depth.npz");
+    throw SourceError(
+        folder.string() +
+        ": has no folder depth/; put a depth image for each colour image into it, use "
+        "--depth-from with a program that estimates it, or put "
+        "the depth of all frames into one array depth.npy or depth.npz");
   }
   ImageLists lists{listColorImages(color_folder), {}, depth_folder.string(), array};
   if (lists.colors.empty())

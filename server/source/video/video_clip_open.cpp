@@ -176,7 +176,8 @@ void VideoClip::throwOneTrack() {
   }
   throw SourceError(video.file() +
                     ": is a single file with one video track; depth is needed too, so use "
-                    "COLOR,DEPTH or a folder, or --layout if the picture shows both");
+                    "COLOR,DEPTH or a folder, --layout if the picture shows both, or --depth-from "
+                    "with a program that estimates it");
 }
 
 void VideoClip::requireSizes() const {

@@ -125,6 +125,49 @@ TEST(ChildSource, AChildThatAlwaysDiesEndsTheClip) {
   }
 }
 
+/// A live source of 200 frames/s whose frames are new.
+class LiveColors final : public RgbdSource {
+ public:
+  LiveColors() : info_(makeColors(1)->info()) { info_.live = true; }
+  [[nodiscard]] const SourceInfo& info() const override { return info_; }
+  std::optional<RgbdFrame> read() override {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    RgbdFrame frame;
+    frame.index = next_++;
+    frame.clip_time_s = double(frame.index) / 200.0;
+    frame.color =
+        cv::Mat(kHeight_px, kWidth_px, CV_8UC3, cv::Scalar(double(frame.index % 200), 20, 30));
+    return frame;
+  }
+  bool skip() override { return read().has_value(); }
+  void rewind() override {}
+
+ private:
+  SourceInfo info_;
+  std::uint64_t next_ = 0;
+};
+
+TEST(ChildSource, ALiveSourceGoesOnInANewEpochAfterItsChildDied) {
+  const TempFolder folder;
+  const std::string dies = "    if number == 9: os._exit(3)\n";
+  for (const int late : {0, 2}) {
+    ChildSource source(
+        std::make_unique<LiveColors>(),
+        std::make_unique<DepthTask>(depthChild(folder, dies, late), kRelativeRange, nullptr),
+        nullptr);
+    std::uint32_t epoch = 0;
+    for (int i = 0; i < 2000 && epoch == 0; ++i) {  // about 2 s: the pause before a new child
+      const auto frame = source.read();
+      if (!frame) continue;
+      EXPECT_EQ(frame->depth.at<float>(1, 1), 1000.0F + float(frame->index % 200));
+      EXPECT_LT(frame->age, std::chrono::seconds(1));
+      epoch = frame->epoch;
+      EXPECT_TRUE(epoch == 0 || frame->clip_time_s < 0.5);
+    }
+    EXPECT_EQ(epoch, 1U) << late;
+  }
+}
+
 TEST(ChildSource, AWrongSizeLeavesItsFrameOut) {
   const TempFolder folder;
   const std::string wrong = "    if rgb[2] == 4: height = 1\n";
@@ -135,7 +178,8 @@ TEST(ChildSource, AWrongSizeLeavesItsFrameOut) {
 }
 
 TEST(ChildSource, AWrongCommandIsOneLine) {
-  EXPECT_THAT(describeProblem("exit 4;"), HasSubstr("--depth-from 'exit 4;': ended with exit code 4"));
+  EXPECT_THAT(describeProblem("exit 4;"),
+              HasSubstr("--depth-from 'exit 4;': ended with exit code 4"));
   EXPECT_THAT(describeProblem("echo oh no >&2; exit 1"), HasSubstr("exit code 1: oh no; mend"));
   EXPECT_THAT(describeProblem("echo hello"), HasSubstr("writes 'hello', which is no header"));
   EXPECT_THAT(describeProblem("yes | tr -d '\\n'"), HasSubstr("writes no line with a header"));

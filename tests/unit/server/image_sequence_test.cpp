@@ -69,6 +69,34 @@ TEST_F(ImageSequenceFolder, ReadsFramesInOrder) {
   EXPECT_FALSE(source.skip());
 }
 
+TEST_F(ImageSequenceFolder, OfColourAloneNeedsNoDepth) {
+  VideoLayout layout;
+  layout.color_only = true;
+  for (int i = 0; i < 3; ++i) folder.write("rgb/" + number(i) + ".png", color(10 * i));
+  folder.write("mask/" + number(1) + ".png", depth8(1));
+  ImageSequence source(folder.string(), 0.0, false, layout);
+  EXPECT_TRUE(source.info().key_masks);
+  for (int i = 0; i < 3; ++i) {
+    const auto frame = source.read();
+    ASSERT_TRUE(frame);
+    EXPECT_EQ(frame->color.at<cv::Vec3b>(0, 0)[1], 10 * i);
+    EXPECT_TRUE(frame->depth.empty());
+    EXPECT_EQ(frame->mask.empty(), i != 1);
+  }
+  EXPECT_FALSE(source.read());
+}
+
+TEST_F(ImageSequenceFolder, ImagesInTheFolderItselfAreColourAlone) {
+  VideoLayout layout;
+  layout.color_only = true;
+  folder.write("b.png", color(2));
+  folder.write("a.png", color(1));
+  folder.write("a_depth.png", depth16(900));
+  ImageSequence source(folder.string(), 0.0, false, layout);
+  EXPECT_EQ(source.info().frame_count, 2U);
+  EXPECT_EQ(source.read()->color.at<cv::Vec3b>(0, 0)[1], 1);
+}
+
 TEST_F(ImageSequenceFolder, SkipsAndRewindsIntoANewEpoch) {
   fill();
   ImageSequence source(folder.string(), 0.0);
@@ -355,7 +383,7 @@ TEST_F(ImageSequenceFolder, TumListsAreAssociatedByTime) {
   std::vector<int> colors;
   std::vector<float> depths;
   while (const auto frame = source.read()) {
-    colors.push_back(frame->color.at<cv::Vec3b>(0, 0)[0] / 10);
+    colors.push_back(frame->color.at<cv::Vec3b>(0, 0)[1] / 10);
     depths.push_back(frame->depth.at<float>(0, 0));
   }
   EXPECT_EQ(colors, (std::vector<int>{0, 1, 2, 4, 5}));

@@ -164,15 +164,15 @@ TEST(ServerSettings, ReportsAWrongValueWithFlagValueAndAllowedRange) {
       {"--multicast", "239.1.2.3:0", "GROUP:PORT[@INTERFACE]"},
       {"--multicast", "239.1.2.3:7448@", "GROUP:PORT[@INTERFACE]"},
       {"--multicast-ttl", "0", "1 to 255"},
-      {"--object", "12", "U,V[@SECONDS] in px"},
-      {"--object", "nan,1", "U,V[@SECONDS] in px"},
-      {"--object", "1,2@", "U,V[@SECONDS] in px"},
-      {"--object", "@1", "U,V[@SECONDS] in px"},
-      {"--object", "1@2,3", "U,V[@SECONDS] in px"},
-      {"--object", "1,2@3@4", "U,V[@SECONDS] in px"},
-      {"--object", "1,2@-0.5", "U,V[@SECONDS] in px"},
-      {"--object", "1,2@nan", "U,V[@SECONDS] in px"},
-      {"--object", "1,2@soon", "U,V[@SECONDS] in px"},
+      {"--object", "12", "U,V[#N][@SECONDS] in px"},
+      {"--object", "nan,1", "U,V[#N][@SECONDS] in px"},
+      {"--object", "1,2@", "U,V[#N][@SECONDS] in px"},
+      {"--object", "@1", "U,V[#N][@SECONDS] in px"},
+      {"--object", "1@2,3", "U,V[#N][@SECONDS] in px"},
+      {"--object", "1,2@3@4", "U,V[#N][@SECONDS] in px"},
+      {"--object", "1,2@-0.5", "U,V[#N][@SECONDS] in px"},
+      {"--object", "1,2@nan", "U,V[#N][@SECONDS] in px"},
+      {"--object", "1,2@soon", "U,V[#N][@SECONDS] in px"},
       {"--not", "1,2@1e7", "U,V[@SECONDS] in px"},
       {"--not", "1,2,3", "U,V[@SECONDS] in px"},
       {"--preview", "clip.jpg", "FILE.png or a folder"},
@@ -197,6 +197,18 @@ TEST(ServerSettings, ReportsAWrongValueWithFlagValueAndAllowedRange) {
     EXPECT_EQ(run.exit_code, 2) << flag << " " << value;
     run.expectErrorWith({flag, value, allowed});
   }
+}
+
+TEST(ServerSettings, ProgramsOfTheUserAndCandidates) {
+  const Probe run({"--source", "a.mp4", "--depth-from", "estimate --fast", "--depth-cache", "kept",
+                   "--depth-cache-limit", "2.5", "--mask-from", "segment", "--object", "5,6#2",
+                   "--object", "7,8@1.5"});
+  ASSERT_EQ(run.exit_code, std::nullopt) << run.error;
+  EXPECT_EQ(run.settings.child, (ChildSettings{"estimate --fast", "kept", 2.5, "segment"}));
+  EXPECT_EQ(run.settings.vision.object_points,
+            (std::vector<AuthorPoint>{{{5, 6}, 0.0, 0, 2}, {{7, 8}, 1.5, 0, 1}}));
+  const Probe config = Probe::withConfig({{"source", "a.mp4"}, {"depth-from", "estimate"}});
+  EXPECT_EQ(config.settings.child.depth_command, "estimate");
 }
 
 TEST(ServerSettings, ReportsMissingAndUnknownFlags) {

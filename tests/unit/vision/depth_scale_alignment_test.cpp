@@ -64,6 +64,26 @@ TEST(DepthScaleAlignment, ScaleAndShiftOfAnEstimatorAreTakenOut) {
   }
 }
 
+TEST(DepthScaleAlignment, DepthOfAProgramIsAlignedFromTheSecondFrameOn) {
+  const DrawnRoom room;
+  cv::RNG random(11);
+  for (const EstimatedDepth kind :
+       {EstimatedDepth::kMetric, EstimatedDepth::kRelative, EstimatedDepth::kInverse}) {
+    DepthScaleAlignment flicker(DepthKind::kMetric, kind);
+    cv::Mat first;
+    for (int i = 0; i < 12; ++i) {
+      const double scale = 1.0 + random.gaussian(0.01);
+      const double shift = random.gaussian(0.01);
+      const cv::Mat seen = kind == EstimatedDepth::kInverse
+                               ? hopped(room.depth, scale, shift / 1000)
+                               : cv::Mat(room.depth * scale + 1000 * shift);
+      const cv::Mat out = flicker.steady(seen, room.gray, room.object);
+      if (i == 0) first = out.clone();
+      EXPECT_LT(largestOff(out, first), 0.1) << i;  // raw: some 20 mm
+    }
+  }
+}
+
 TEST(DepthScaleAlignment, OfLevelsTooAndTheObjectKeepsItsOwnMotion) {
   cv::RNG random(8);
   DepthScaleAlignment flicker(DepthKind::kHeight);
