@@ -153,6 +153,18 @@ std::string join(const std::vector<std::string>& words, std::string_view separat
   return text;
 }
 
+namespace {
+
+/// Returns where the comment of a line begins: a `#` at its begin or behind a space.
+std::size_t findComment(std::string_view line) {
+  std::size_t at = line.find('#');
+  while (at != std::string_view::npos && at > 0 && line[at - 1] != ' ' && line[at - 1] != '\t')
+    at = line.find('#', at + 1);
+  return at;
+}
+
+}  // namespace
+
 Result<std::vector<KeyValue>> readKeyValues(std::istream& in, const std::string& name) {
   std::string text(kMaxKeyValueText_bytes + 1, '\0');
   in.read(text.data(), static_cast<std::streamsize>(text.size()));
@@ -173,7 +185,7 @@ Result<std::vector<KeyValue>> readKeyValues(std::istream& in, const std::string&
   for (int line = 1; !rest.empty(); ++line) {
     const std::string_view whole = rest.substr(0, rest.find('\n'));
     rest.remove_prefix(std::min(whole.size() + 1, rest.size()));
-    const std::string_view content = trim(whole.substr(0, whole.find('#')));
+    const std::string_view content = trim(whole.substr(0, findComment(whole)));
     if (content.empty()) continue;
     const std::size_t equals = std::min(content.find('='), content.size());
     const std::string_view key = trim(content.substr(0, equals));

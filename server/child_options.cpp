@@ -39,9 +39,8 @@ void addChildOptions(CLI::App& app, ChildSettings& settings) {
 void requireChildFlags(const CLI::App& app, const Settings& settings) {
   const ChildSettings& child = settings.child;
   if (child.depth_command.empty()) {
-    for (const char* const flag : {"--depth-cache", "--depth-cache-limit"}) {
-      if (app.count(flag) > 0) throw CLI::ValidationError(flag, "needs --depth-from");
-    }
+    if (!child.depth_cache.empty())
+      throw CLI::ValidationError("--depth-cache", "needs --depth-from");
   } else {
     for (const char* const flag :
          {"--layout", "--depth-code", "--depth-near", "--depth-unit", "--depth", "--topics"}) {
@@ -50,8 +49,6 @@ void requireChildFlags(const CLI::App& app, const Settings& settings) {
                                    "the depth comes from --depth-from; leave one of both out");
     }
   }
-  if (app.count("--depth-cache-limit") > 0 && child.depth_cache.empty())
-    throw CLI::ValidationError("--depth-cache-limit", "needs --depth-cache");
   const bool other = settings.vision.segment != SegmentMode::kAuto &&
                      settings.vision.segment != SegmentMode::kBand;
   if (!child.mask_command.empty() && other)

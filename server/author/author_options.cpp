@@ -115,7 +115,7 @@ void addPoints(CLI::App& app, VisionSettings& vision) {
           "A pixel on the object to touch, in the first frame or SECONDS after it; repeat for "
           "several. #2 or #3 picks another candidate for the first mask (--preview FOLDER shows "
           "them). Default: the nearest compact object",
-          "U,V[#N][@SECONDS] in px, for example 505,330 or 505,330@1.5");
+          "U,V[#N|@SECONDS] in px, for example 505,330 or 505,330@1.5");
   addList(app, "--not", vision.not_points, parseNotPoint,
           "A pixel that does not belong to the object, in the first frame or SECONDS after it; "
           "repeat for several",

@@ -16,7 +16,30 @@
 
 namespace hapticast::server {
 
+namespace fs = std::filesystem;
+
 namespace {
+
+/// Returns the files with the colours of a clip: its images, or the files in its folder, or the
+/// file itself. Returns an empty vector for a source without files.
+std::vector<fs::path> listColorFiles(const Settings& settings) {
+  std::error_code error;
+  std::vector<fs::path> files;
+  if (fs::is_regular_file(settings.source, error)) return {settings.source};
+  if (!fs::is_directory(settings.source, error)) return files;
+  VideoLayout layout = settings.layout;
+  layout.color_only = true;
+  try {
+    for (const FrameFiles& frame : findClipFiles(settings.source, layout).frames)
+      files.push_back(frame.color);
+  } catch (const SourceError&) {  // a video in a folder
+    for (const auto& entry : fs::directory_iterator(settings.source, error)) {
+      if (entry.is_regular_file(error)) files.push_back(entry.path());
+    }
+    std::sort(files.begin(), files.end());
+  }
+  return files;
+}
 
 std::unique_ptr<RgbdSource> addDepth(std::unique_ptr<RgbdSource> source, const Settings& settings,
                                      const KeepWaiting& keep_waiting) {
@@ -29,7 +52,7 @@ std::unique_ptr<RgbdSource> addDepth(std::unique_ptr<RgbdSource> source, const S
       throw SourceError("--depth-cache: a live source does not come again; leave the flag out");
     cache = std::make_unique<DepthCache>(
         child.depth_cache, child.depth_cache_GB,
-        describeCachedClip(settings.source, info, child.depth_command));
+        describeCachedClip(settings.source, listColorFiles(settings), info, child.depth_command));
   }
   auto task = std::make_unique<DepthTask>(
       child.depth_command, settings.vision.depth_range.value_or(kRelativeRange), std::move(cache));
@@ -59,17 +82,26 @@ std::string describeMaskOrigin(const std::string& command, const std::vector<Mas
   return text.str();
 }
 
-/// Returns the folder that keeps the masks; null if the clip is no folder of images.
+/// Returns the folder that keeps the masks; null if the clip is no plain folder of images of the
+/// size of the frames.
 std::unique_ptr<MaskFolder> openMaskFolder(const Settings& settings, const SourceInfo& info,
                                            const std::vector<MaskPoint>& points) {
   std::error_code error;
-  if (!std::filesystem::is_directory(settings.source, error) || info.live) return nullptr;
+  const fs::path folder = settings.source;
+  if (!fs::is_directory(folder, error) || info.own_px != Vec2::Ones()) return nullptr;
+  for (const char* other : {"rgb.txt", "scene_camera.json", "metadata.yaml"}) {
+    if (fs::exists(folder / other, error)) return nullptr;  // its masks have other places, or none
+  }
   VideoLayout layout = settings.layout;
-  layout.color_only = true;
+  layout.color_only = !settings.child.depth_command.empty();
   std::vector<std::string> names;
-  for (const FrameFiles& frame : findClipFiles(settings.source, layout).frames)
-    names.push_back(frame.color.stem().string());
-  return std::make_unique<MaskFolder>(settings.source, std::move(names),
+  try {
+    for (const FrameFiles& frame : findClipFiles(folder, layout).frames)
+      names.push_back(frame.color.stem().string());
+  } catch (const SourceError&) {
+    return nullptr;  // a video in a folder
+  }
+  return std::make_unique<MaskFolder>(folder, std::move(names),
                                       describeMaskOrigin(settings.child.mask_command, points));
 }
 

@@ -26,6 +26,18 @@ std::optional<PreviewFrame> startAt(const RgbdFrame& frame, const SourceInfo& in
                       info.own_px};
 }
 
+/// Switches the log off while it exists.
+class QuietLog {
+ public:
+  QuietLog() { spdlog::set_level(spdlog::level::off); }
+  ~QuietLog() { spdlog::set_level(level_); }
+  QuietLog(const QuietLog&) = delete;
+  QuietLog& operator=(const QuietLog&) = delete;
+
+ private:
+  const spdlog::level::level_enum level_ = spdlog::get_level();
+};
+
 bool isEqualMask(const PreviewFrame& a, const PreviewFrame& b) {
   const auto mask = [](const PreviewFrame& frame) {
     cv::Mat all = cv::Mat::zeros(frame.color.size(), CV_8UC1);
@@ -50,15 +62,13 @@ std::vector<PreviewFrame> listCandidates(RgbdSource& source, const VisionSetting
   const auto frame = source.read();
   source.rewind();
   if (!frame || !frame->mask.empty()) return candidates;
-  const auto level = spdlog::get_level();
-  spdlog::set_level(spdlog::level::off);  // a missing candidate is no warning here
+  const QuietLog quiet;  // a missing candidate is no warning here
   for (int i = 1; i <= kMostCandidates; ++i) {
     one.object_points.front().candidate = i;
     auto candidate = startAt(*frame, info, one);
     if (!candidate || (!candidates.empty() && isEqualMask(*candidate, candidates.back()))) break;
     candidates.push_back(std::move(*candidate));
   }
-  spdlog::set_level(level);
   return candidates;
 }
 

@@ -209,11 +209,8 @@ std::vector<std::string> formatLines(const Settings& settings, const PreviewRun&
   return lines;
 }
 
-}  // namespace
-
 /// Writes a picture of the candidates for the object of the first point, if there are several.
-static void writeCandidates(RgbdSource& source, const VisionSettings& settings,
-                            const fs::path& folder) {
+void writeCandidates(RgbdSource& source, const VisionSettings& settings, const fs::path& folder) {
   const std::vector<PreviewFrame> candidates = listCandidates(source, settings);
   if (candidates.size() < 2) return;
   write(folder / "candidates.png", drawCandidates(candidates, settings));
@@ -223,6 +220,8 @@ static void writeCandidates(RgbdSource& source, const VisionSettings& settings,
       "the first mask has {} candidates: candidates.png; pick one with --object {:g},{:g}#2\n",
       candidates.size(), at_px.x(), at_px.y());
 }
+
+}  // namespace
 
 void writePreview(Settings settings, const Clock& clock) {
   const fs::path place = settings.preview;

@@ -28,7 +28,8 @@ void applyTo(ChildTask& task, const ChildAnswer& answer) {
   const std::string problem = task.apply(frame, answer);
   require(problem.find('\n') == std::string::npos);
   require(frame.depth.empty() ||
-          (frame.depth.size() == frame.color.size() && frame.depth.type() == CV_32FC1));
+          (frame.depth.size() == frame.color.size() && frame.depth.type() == CV_32FC1 &&
+           cv::checkRange(frame.depth, true, nullptr, 0.0, 1e8)));
   require(frame.mask.empty() ||
           (frame.mask.size() == frame.color.size() && cv::countNonZero(frame.mask) > 0));
 }

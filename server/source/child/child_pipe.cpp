@@ -20,6 +20,7 @@ namespace hapticast::server {
 namespace {
 
 constexpr std::size_t kLongestHeader = 200;     // chosen, bytes: a header has a few numbers
+constexpr int kMostErrorReads = 300;            // more than a pipe holds
 constexpr std::size_t kLongestErrorLine = 200;  // chosen, bytes: what fits into a message
 
 /// Reads from a descriptor that does not block. Returns the number of bytes, 0 at the end, and
@@ -83,7 +84,7 @@ void ChildPipe::run(const std::stop_token& stop) {
   };
   while (!stop.stop_requested() && works()) {
     wait();
-    readErrors();
+    (void)readErrors();
     readAnswers();
     writeRequest();
   }
@@ -119,16 +120,17 @@ void ChildPipe::writeRequest() {
   if (count < 0 && errno != EAGAIN && errno != EINTR) fail(describeEnd());
 }
 
-void ChildPipe::readErrors() {
+bool ChildPipe::readErrors() {
   std::array<std::uint8_t, 4096> bytes{};
   const auto count = readSome(process_.errors.get(), bytes.data(), bytes.size());
-  if (!count) return;
+  if (!count) return false;
   if (*count == 0) process_.errors.close();
   for (const std::uint8_t byte : std::span(bytes).first(*count)) {
     const bool ends = byte == '\n' || byte == '\r';
     if (!ends && error_line_.size() < kLongestErrorLine) error_line_ += static_cast<char>(byte);
     if (ends && !error_line_.empty()) last_error_line_ = std::exchange(error_line_, "");
   }
+  return *count > 0;
 }
 
 void ChildPipe::readAnswers() {
@@ -192,11 +194,12 @@ void ChildPipe::fail(const std::string& problem) {
 }
 
 std::string ChildPipe::describeEnd() {
-  readErrors();
+  for (int i = 0; i < kMostErrorReads && readErrors(); ++i) {
+  }
   const std::string end = process_.end();
   const std::string& line = error_line_.empty() ? last_error_line_ : error_line_;
   return (end.empty() ? "closes its stdout" : "ended with " + end) +
-         (line.empty() ? "" : ": " + line);
+         (line.empty() ? "" : ": " + sanitizeUtf8(line));
 }
 
 }  // namespace hapticast::server

@@ -58,7 +58,8 @@ class ChildPipe {
   void writeRequest();
   /// Reads what the child wrote and splits it into answers.
   void readAnswers();
-  void readErrors();
+  /// Returns whether there was something to read.
+  bool readErrors();
   /// Begins the answer of a header line, and delivers it if it has no bytes.
   void beginAnswer();
   /// Counts an answer. Returns false if there was no request for it.

@@ -48,16 +48,22 @@ Pipe makePipe(const std::string& command) {
 /// Moves a descriptor to a number that the dup2() of the child's stdin to stderr does not
 /// overwrite.
 OwnedDescriptor moveUp(const OwnedDescriptor& descriptor) {
-  return OwnedDescriptor(::fcntl(descriptor.get(), F_DUPFD_CLOEXEC, 3));
+  OwnedDescriptor moved(::fcntl(descriptor.get(), F_DUPFD_CLOEXEC, 3));
+  if (moved.get() < 0) throwStartError("a program", errno);
+  return moved;
 }
 
 /// Returns the command for the shell. The shell is replaced by the program where the command is one
 /// program with arguments, so that signals and the end of the pipes are the program's own.
 std::string replaceShell(const std::string& command) {
-  constexpr std::array<std::string_view, 4> kWords{"exec", "exit", "eval", "!"};
+  // Words of the shell that are no programs.
+  constexpr std::array<std::string_view, 26> kWords{
+      "!",      ".",    ":",     "alias",  "break", "case",  "cd",    "command", "continue",
+      "eval",   "exec", "exit",  "export", "for",   "if",    "local", "read",    "readonly",
+      "return", "set",  "shift", "trap",   "type",  "umask", "until", "while"};
   const std::size_t begin = std::min(command.find_first_not_of(' '), command.size());
   const std::string first = command.substr(begin, command.find(' ', begin) - begin);
-  const bool is_program = command.find_first_of(";|&<>(){}\n") == std::string::npos &&
+  const bool is_program = command.find_first_of(";|&<>(){}\n\t") == std::string::npos &&
                           first.find('=') == std::string::npos &&
                           std::find(kWords.begin(), kWords.end(), first) == kWords.end();
   return is_program ? "exec " + command : command;

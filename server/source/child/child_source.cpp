@@ -31,6 +31,7 @@ constexpr Duration kGapLine = seconds(1);          // chosen: as kGap of a live 
 constexpr Duration kSendAgain = seconds(1);
 constexpr Duration kRestartPause = seconds(1);
 constexpr int kMostFailures = 3;
+constexpr int kManyLate = 10;  // chosen: in a row
 
 }  // namespace
 
@@ -65,7 +66,7 @@ void ChildSource::waitForFirst() {
 bool ChildSource::hasRoom() {
   if (!info_.live) return pending_.size() < kMostRecorded;
   // A child that needs more pictures for its first answer receives them.
-  const bool waits = asked_.size() == most_live_ && clock_.now() - last_sign_ > kLivePause;
+  const bool waits = asked_.size() >= most_live_ && clock_.now() - last_sign_ > kLivePause;
   if (waits && most_live_ < kMostLive) ++most_live_;
   return asked_.size() < most_live_ && pending_.size() < kMostLive;
 }
@@ -115,8 +116,16 @@ std::optional<RgbdFrame> ChildSource::popReady() {
     Pending oldest = std::move(*pending_.front());
     pending_.pop_front();
     const Duration age = oldest.frame.age + (clock_.now() - oldest.since);
-    if (info_.live && task_->isRequired() && age > kGapLine)
+    const bool is_late = info_.live && task_->isRequired() && age > kGapLine;
+    if (is_late && oldest.loads) continue;  // it waited while the child was loading
+    if (is_late)
       oldest.problem = "answers after more than 1 s; a live source needs a faster program";
+    if (!oldest.problem.empty() && !task_->isRequired()) {
+      if (!std::exchange(problem_logged_, true))
+        spdlog::warn("{}: {}; frame {} has no mask of it", name(), oldest.problem,
+                     oldest.frame.index);
+      oldest.problem.clear();
+    }
     if (!oldest.problem.empty()) {
       skipped_.add(oldest.frame.index, name() + ": " + oldest.problem);
       continue;
@@ -124,6 +133,8 @@ std::optional<RgbdFrame> ChildSource::popReady() {
     skipped_.endRun();
     if (info_.live) {
       oldest.frame.age = age;
+      if (oldest.frame.epoch != source_epoch_) epoch_begin_s_ = 0.0;  // the source had a gap, too
+      source_epoch_ = oldest.frame.epoch;
       oldest.frame.epoch += gaps_;
       oldest.frame.clip_time_s = std::max(0.0, oldest.frame.clip_time_s - epoch_begin_s_);
     }
@@ -148,26 +159,39 @@ bool ChildSource::askNext() {
     pending_.push_back(*asked);
     return true;
   }
-  auto waiting = std::make_shared<Pending>(Pending{std::move(*frame), clock_.now(), false, ""});
+  auto waiting =
+      std::make_shared<Pending>(Pending{.frame = std::move(*frame), .since = clock_.now()});
   pending_.push_back(waiting);
   waiting->ready = task_->recall(waiting->frame);
-  if (!waiting->ready) send(waiting);
+  // Without a child receive() starts one, and sends what waits in its order.
+  if (!waiting->ready && pipe_ != nullptr) send(waiting);
+  if (pipe_ == nullptr && !task_->isRequired() && (given_up_ || opened_)) waiting->ready = true;
   return true;
 }
 
-void ChildSource::send(const Waiting& waiting) {
+void ChildSource::startChild() {
   const LocalTime now = clock_.now();
-  if (pipe_ == nullptr && !given_up_ && now >= restart_at_) {
+  if (given_up_ || now < restart_at_) return;
+  const bool waits = std::any_of(pending_.begin(), pending_.end(),
+                                 [](const Waiting& each) { return !each->ready; });
+  if (!waits && !wants_child_) return;
+  try {
     pipe_ = std::make_unique<ChildPipe>(
         task_->command(), [this](const std::string& header) { return task_->measure(header); });
-    answers_ = 0;
-    last_sign_ = now;
+  } catch (const SourceError& error) {
+    return restart(error.what());
   }
-  if (pipe_ == nullptr) {
-    waiting->ready = !task_->isRequired();
-    return;
+  wants_child_ = false;
+  answers_ = 0;
+  last_sign_ = now;
+  for (const Waiting& waiting : pending_) {
+    if (!waiting->ready) send(waiting);
   }
-  if (asked_.empty()) last_sign_ = now;
+}
+
+void ChildSource::send(const Waiting& waiting) {
+  if (asked_.empty()) last_sign_ = clock_.now();
+  waiting->loads = info_.live && answers_ == 0;
   last_request_ = task_->ask(waiting->frame);
   pipe_->push(last_request_);
   asked_.push_back(waiting);
@@ -184,14 +208,9 @@ void ChildSource::sendLastAgain() {
 }
 
 void ChildSource::receive(Duration longest) {
+  if (pipe_ == nullptr) startChild();
   if (pipe_ == nullptr) {
-    // A frame that the last child has not answered goes to the next one.
-    if (!pending_.empty() && clock_.now() >= restart_at_) {
-      for (const Waiting& waiting : pending_) {
-        if (!waiting->ready) send(waiting);
-      }
-    }
-    if (pipe_ == nullptr && longest > Duration{}) std::this_thread::sleep_for(longest);
+    if (longest > Duration{}) std::this_thread::sleep_for(longest);
     return;
   }
   while (auto answer = pipe_->pop(longest)) {
@@ -210,7 +229,7 @@ void ChildSource::addAnswer(const ChildAnswer& answer) {
   const Waiting waiting = asked_.front();
   asked_.pop_front();
   const LocalTime now = clock_.now();
-  ++answers_;
+  if (++answers_ == 1) most_live_ = 2;  // it has grown while the child was loading
   usual_ = (usual_ + (now - last_sign_)) / 2;
   if (in_gap_ && info_.live && task_->isRequired() && waiting != nullptr &&
       std::exchange(begins_epoch_, false)) {
@@ -225,6 +244,7 @@ void ChildSource::addAnswer(const ChildAnswer& answer) {
       spdlog::info("{}: answers are back after {:.1f} s", name(), toSeconds(now - gap_begin_));
   }
   if (waiting == nullptr || waiting->ready) return;
+  late_ = 0;
   waiting->problem = task_->apply(waiting->frame, answer);
   waiting->ready = true;
 }
@@ -235,6 +255,8 @@ void ChildSource::restart(const std::string& problem) {
   pipe_.reset();
   asked_.clear();
   sent_again_ = 0;
+  begins_epoch_ = true;
+  wants_child_ = !task_->isRequired();
   restart_at_ = clock_.now() + kRestartPause;
   const bool gives_up = !info_.live && failures_ >= kMostFailures;
   if (first || (gives_up && task_->isRequired()))
@@ -252,7 +274,11 @@ void ChildSource::restart(const std::string& problem) {
 void ChildSource::passLate() {
   const LocalTime now = clock_.now();
   for (const Waiting& waiting : pending_) {
-    if (!task_->isRequired() && now - waiting->since > kLateMask) waiting->ready = true;
+    if (task_->isRequired() || waiting->ready || now - waiting->since <= kLateMask) continue;
+    waiting->ready = true;
+    if (++late_ == kManyLate)
+      spdlog::warn("{}: its answers come later than {:.1f} s, so the frames do without", name(),
+                   toSeconds(kLateMask));
   }
 }
 

@@ -21,6 +21,9 @@
 
 namespace hapticast::server {
 
+/// Longest side of a picture in an answer, px. Chosen: twice the largest frame.
+inline constexpr int kMostAnswerSide_px = 4096;
+
 /// What a child does for each frame. There is one implementation for depth and one for masks.
 /// Thread: that of the source, but measure(): that of ChildPipe.
 class ChildTask {
@@ -67,7 +70,8 @@ class ChildSource final : public RgbdSource {
     RgbdFrame frame;
     LocalTime since;  ///< when the source delivered it
     bool ready = false;
-    std::string problem;  ///< of a ready frame that is unusable
+    bool loads = false;        ///< a live child received it before its first answer
+    std::string problem = {};  ///< of a ready frame that is unusable
   };
   using Waiting = std::shared_ptr<Pending>;
 
@@ -81,8 +85,9 @@ class ChildSource final : public RgbdSource {
   std::optional<RgbdFrame> readLive();
   /// Reads the next frame of the source and asks for its answer. Returns false if there is none.
   bool askNext();
-  /// Sends a frame to the child; starts the child if none runs and the pause is over. Without a
-  /// child a frame whose answer is not required is ready.
+  /// Starts a child if the pause is over and a frame waits. Sends it all frames that wait.
+  void startChild();
+  /// Sends a frame to the child. Requires one.
   void send(const Waiting& waiting);
   /// Sends the last picture again, so that a child that answers late answers the frames before it.
   void sendLastAgain();
@@ -110,20 +115,25 @@ class ChildSource final : public RgbdSource {
   std::deque<Waiting> pending_;      // frames that read() has not returned, oldest first
   std::deque<Waiting> asked_;        // frames without an answer, oldest first; null: sent again
   std::vector<std::uint8_t> last_request_;
-  LocalTime last_sign_{};      // when the child answered last, or received a picture while idle
-  LocalTime restart_at_{};     // when the next child may start
-  int failures_ = 0;           // since the last answer
-  std::size_t answers_ = 0;    // of this child
-  Duration usual_{};           // usual time between answers
-  bool begins_epoch_ = false;  // whether the next answer of a live source begins an epoch
-  bool advised_ = false;       // whether the log has the advice for the next pass
-  bool given_up_ = false;      // no child starts any more
-  bool ended_ = false;         // whether the source has ended
-  bool opened_ = false;        // whether the first frame has its answer
-  bool any_read_ = false;      // whether a frame was read since the clip's start
-  bool wait_logged_ = false;   // whether the log says that the first answer is awaited
-  std::size_t most_live_ = 2;  // frames of a live source in flight; more would be a delay
-  bool in_gap_ = false;        // whether a gap was logged
+  LocalTime last_sign_{};        // when the child answered last, or received a picture while idle
+  LocalTime restart_at_{};       // when the next child may start
+  int failures_ = 0;             // since the last answer
+  std::size_t answers_ = 0;      // of this child
+  Duration usual_{};             // usual time between answers
+  bool begins_epoch_ = false;    // whether the next answer of a live source begins an epoch
+  bool advised_ = false;         // whether the log has the advice for the next pass
+  bool given_up_ = false;        // no child starts any more
+  bool ended_ = false;           // whether the source has ended
+  bool opened_ = false;          // whether the first frame has its answer
+  bool any_read_ = false;        // whether a frame was read since the clip's start
+  bool wait_logged_ = false;     // whether the log says that the first answer is awaited
+  std::size_t most_live_ = 2;    // frames of a live source in flight; more would be a delay
+  bool wants_child_ = false;     // whether a child starts even if no frame waits
+  bool problem_logged_ = false;  // whether the log has a problem of an answer that is not required
+  int late_ = 0;                 // answers of a live source in a row that came too late
+  std::uint32_t source_epoch_ = 0;  // of the last frame
+
+  bool in_gap_ = false;  // whether a gap was logged
   LocalTime gap_begin_{};
   std::size_t lag_ = 0;         // pictures behind a frame that the child needs for its answer
   std::size_t sent_again_ = 0;  // at this end of the clip

@@ -3,6 +3,7 @@
 
 #include <openssl/evp.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 #include <zstd.h>
 
 #include <algorithm>
@@ -21,6 +22,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kEnding = ".depth";
+constexpr const char* kPartEnding = ".part";
 constexpr std::size_t kName_digits = 64;                 // of SHA-256
 constexpr int kLevel = 1;                                // of zstd: measured, 4 ms for 640 x 480 px
 constexpr std::uint64_t kMostAnswer_bytes = 80'000'000;  // a little above 4096 x 4096 floats
@@ -52,7 +54,9 @@ std::vector<CachedClip> listClips(const fs::path& folder) {
   std::vector<CachedClip> clips;
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
-    if (!entry.is_directory(error) || !isClipName(entry.path().filename().string())) continue;
+    if (entry.symlink_status(error).type() != fs::file_type::directory ||
+        !isClipName(entry.path().filename().string()))
+      continue;
     CachedClip clip{entry.path(), entry.last_write_time(error), 0};
     for (const fs::directory_entry& file : fs::directory_iterator(entry.path(), error)) {
       const std::uintmax_t size = file.file_size(error);
@@ -66,7 +70,8 @@ std::vector<CachedClip> listClips(const fs::path& folder) {
 void deleteClip(const CachedClip& clip) {
   std::error_code error;
   for (const fs::directory_entry& file : fs::directory_iterator(clip.folder, error)) {
-    if (file.path().extension() == kEnding) fs::remove(file.path(), error);
+    const fs::path ending = file.path().extension();
+    if (ending == kEnding || ending == kPartEnding) fs::remove(file.path(), error);
   }
   fs::remove(clip.folder, error);
 }
@@ -80,26 +85,13 @@ void describeFile(const fs::path& file, std::ostringstream& text) {
 
 }  // namespace
 
-std::string describeCachedClip(const std::string& spec, const SourceInfo& info,
-                               const std::string& command) try {
+std::string describeCachedClip(const std::string& spec, const std::vector<fs::path>& files,
+                               const SourceInfo& info, const std::string& command) {
   std::ostringstream text;
   text << command << '\n' << info.width_px << ' ' << info.height_px << '\n';
-  if (fs::is_directory(spec)) {
-    std::vector<fs::path> files;
-    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(spec)) {
-      const bool is_mask = entry.path().parent_path().filename() == "mask";
-      if (entry.is_regular_file() && !is_mask) files.push_back(entry.path());
-    }
-    std::sort(files.begin(), files.end());
-    for (const fs::path& file : files) describeFile(file, text);
-  } else if (fs::exists(spec)) {
-    describeFile(spec, text);
-  } else {
-    text << spec << ' ' << info.fps << '\n';
-  }
+  if (files.empty()) text << spec << ' ' << info.fps << '\n';
+  for (const fs::path& file : files) describeFile(file, text);
   return text.str();
-} catch (const fs::filesystem_error& error) {
-  throw SourceError(spec + ": cannot be read (" + error.code().message() + ")");
 }
 
 DepthCache::DepthCache(const fs::path& folder, double limit_GB, const std::string& clip)
@@ -120,8 +112,11 @@ fs::path DepthCache::file(std::uint64_t index) const {
 }
 
 std::optional<ChildAnswer> DepthCache::load(std::uint64_t index) const {
-  std::ifstream in(file(index), std::ios::binary);
-  if (!in) return std::nullopt;
+  std::error_code error;
+  const fs::path path = file(index);
+  if (!fs::is_regular_file(path, error) || fs::file_size(path, error) > kMostAnswer_bytes)
+    return std::nullopt;
+  std::ifstream in(path, std::ios::binary);
   const std::vector<char> packed{std::istreambuf_iterator<char>(in), {}};
   const auto size = ZSTD_getFrameContentSize(packed.data(), packed.size());
   if (size > kMostAnswer_bytes) return std::nullopt;  // also what zstd returns for an error
@@ -134,6 +129,7 @@ std::optional<ChildAnswer> DepthCache::load(std::uint64_t index) const {
 }
 
 void DepthCache::store(std::uint64_t index, const ChildAnswer& answer) {
+  if (warned_) return;
   std::vector<std::uint8_t> bytes(answer.header.begin(), answer.header.end());
   bytes.push_back('\n');
   bytes.insert(bytes.end(), answer.bytes.begin(), answer.bytes.end());
@@ -144,7 +140,7 @@ void DepthCache::store(std::uint64_t index, const ChildAnswer& answer) {
   if (!makeRoom(size)) return warnOnce("is full with this clip; give it a larger limit");
   const fs::path path = file(index);
   fs::path part = path;
-  part += ".part";
+  part += std::to_string(::getpid()) + kPartEnding;
   std::ofstream out(part, std::ios::binary);
   out.write(packed.data(), static_cast<std::streamsize>(size));
   out.close();

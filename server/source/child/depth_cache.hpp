@@ -9,16 +9,19 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "server/source/child/child_pipe.hpp"
 #include "server/source/rgbd_source.hpp"
 
 namespace hapticast::server {
 
-/// Returns a text that changes with the files of the clip `spec` (the value of --source), with the
-/// size of its frames and with `command`: paths, sizes and times. Throws SourceError.
-[[nodiscard]] std::string describeCachedClip(const std::string& spec, const SourceInfo& info,
-                                             const std::string& command);
+/// Returns a text that changes with `files` (paths, sizes and times of the clip's colours), with
+/// the size of its frames and with `command`. Without files `spec`, the value of --source, stands
+/// in their place.
+[[nodiscard]] std::string describeCachedClip(const std::string& spec,
+                                             const std::vector<std::filesystem::path>& files,
+                                             const SourceInfo& info, const std::string& command);
 
 /// The cache of one clip.
 class DepthCache {
@@ -29,7 +32,7 @@ class DepthCache {
 
   /// Returns the answer of a frame; nullopt if the cache does not have it or if it is damaged.
   [[nodiscard]] std::optional<ChildAnswer> load(std::uint64_t index) const;
-  /// Stores the answer of a frame. Logs one warning if that is impossible.
+  /// Stores the answer of a frame. Logs one warning if that is impossible, and stores no more.
   void store(std::uint64_t index, const ChildAnswer& answer);
 
  private:

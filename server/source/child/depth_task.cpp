@@ -20,7 +20,6 @@ namespace {
 static_assert(std::endian::native == std::endian::little,
               "float32 of the answers is little-endian");
 
-constexpr int kMostDepthSide_px = 4096;  // chosen: twice the largest frame
 // Chosen: networks resize a picture to multiples of 14 or 32 px, so its sides differ.
 constexpr double kSameAspect = 0.06;
 constexpr double kNearShare = 0.98;
@@ -60,8 +59,8 @@ std::optional<DepthHeader> parseDepthHeader(const std::string& line) {
   std::string kind;
   std::string rest;
   if (!(words >> header.width_px >> header.height_px >> kind) || words >> rest) return std::nullopt;
-  const bool allowed = header.width_px >= 1 && header.width_px <= kMostDepthSide_px &&
-                       header.height_px >= 1 && header.height_px <= kMostDepthSide_px;
+  const bool allowed = header.width_px >= 1 && header.width_px <= kMostAnswerSide_px &&
+                       header.height_px >= 1 && header.height_px <= kMostAnswerSide_px;
   const auto* const found = std::find_if(kKinds.begin(), kKinds.end(),
                                          [&kind](const auto& each) { return each.first == kind; });
   if (!allowed || found == kKinds.end()) return std::nullopt;
@@ -69,13 +68,17 @@ std::optional<DepthHeader> parseDepthHeader(const std::string& line) {
   return header;
 }
 
+void writeRgb(const cv::Mat& color, std::uint8_t* to) {
+  cv::Mat rgb(color.size(), CV_8UC3, to);
+  cv::cvtColor(color, rgb, cv::COLOR_BGR2RGB);
+}
+
 std::vector<std::uint8_t> encodePpm(const cv::Mat& color) {
   const std::string header =
       "P6\n" + std::to_string(color.cols) + " " + std::to_string(color.rows) + "\n255\n";
   std::vector<std::uint8_t> bytes(header.size() + 3 * color.total());
   std::copy(header.begin(), header.end(), bytes.begin());
-  cv::Mat rgb(color.size(), CV_8UC3, bytes.data() + header.size());
-  cv::cvtColor(color, rgb, cv::COLOR_BGR2RGB);
+  writeRgb(color, bytes.data() + header.size());
   return bytes;
 }
 
@@ -128,8 +131,7 @@ std::string DepthTask::apply(RgbdFrame& frame, const ChildAnswer& answer) {
 
 std::string DepthTask::setDepth(RgbdFrame& frame, const ChildAnswer& answer) {
   const DepthHeader header = parseDepthHeader(answer.header).value_or(DepthHeader{});
-  if (!first_) first_ = header;
-  if (header.kind != first_->kind) return "changes the kind of its depth";
+  if (first_ && header.kind != first_->kind) return "changes the kind of its depth";
   const cv::Size size(header.width_px, header.height_px);
   const double aspect = static_cast<double>(size.width) * frame.color.rows /
                         (static_cast<double>(size.height) * frame.color.cols);
@@ -138,7 +140,10 @@ std::string DepthTask::setDepth(RgbdFrame& frame, const ChildAnswer& answer) {
            sizeText(frame.color.cols, frame.color.rows) + ", which has another shape";
   cv::Mat depth(size, CV_32FC1);
   std::memcpy(depth.data, answer.bytes.data(), answer.bytes.size());
-  if (header.kind != EstimatedDepth::kMetric) {
+  if (!first_) first_ = header;
+  if (header.kind == EstimatedDepth::kMetric) {
+    depth = toDepth(depth, {}).image;  // what is no depth becomes 0
+  } else {
     if (!map_) map_.emplace(depth, header.kind, range_);
     depth = map_->convert(depth);
   }

@@ -27,6 +27,9 @@ struct DepthHeader {
 /// Returns the header in `line`; nullopt if it is none, or if a side is above 4096 px. Thread: any.
 [[nodiscard]] std::optional<DepthHeader> parseDepthHeader(const std::string& line);
 
+/// Writes the pixels of `color` (CV_8UC3, BGR) as RGB to 3 x width x height bytes. Thread: any.
+void writeRgb(const cv::Mat& color, std::uint8_t* to);
+
 /// Returns `color` (CV_8UC3, BGR) as binary PPM. Thread: any.
 [[nodiscard]] std::vector<std::uint8_t> encodePpm(const cv::Mat& color);
 

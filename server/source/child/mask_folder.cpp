@@ -7,6 +7,7 @@
 #include <sstream>
 #include <utility>
 
+#include "server/source/folder/image_lists.hpp"
 #include "server/source/rgbd_source.hpp"
 
 namespace hapticast::server {
@@ -21,8 +22,9 @@ constexpr const char* kComplete = "\ncomplete\n";
 }  // namespace
 
 MaskFolder::MaskFolder(const fs::path& clip, std::vector<std::string> names, std::string command)
-    : folder_(clip / "mask"), names_(std::move(names)), command_(std::move(command)) {
+    : folder_(findFolder(clip, {"mask"})), names_(std::move(names)), command_(std::move(command)) {
   std::error_code error;
+  if (folder_.empty()) folder_ = clip / "mask";
   if (!fs::exists(folder_, error) || fs::is_empty(folder_, error)) return;
   std::ifstream in(folder_ / kOriginFile, std::ios::binary);
   std::ostringstream text;
@@ -44,10 +46,12 @@ void MaskFolder::store(std::uint64_t index, const std::vector<std::uint8_t>& png
   if (png.empty()) {
     fs::remove(file, error);
   } else {
-    std::ofstream out(file, std::ios::binary);
+    const fs::path part = folder_ / (names_[index] + ".png.part");  // no picture until it is whole
+    std::ofstream out(part, std::ios::binary);
     out.write(reinterpret_cast<const char*>(png.data()), static_cast<std::streamsize>(png.size()));
     out.close();
-    written = written && out.good();
+    fs::rename(part, file, error);
+    written = written && out.good() && !error;
   }
   answered_.insert(index);
   complete_ = answered_.size() == names_.size();

@@ -8,14 +8,15 @@
 #include <sstream>
 
 #include "common/haptic_frame.hpp"
+#include "server/source/child/depth_task.hpp"
 #include "server/source/picture/image_file.hpp"
 
 namespace hapticast::server {
 
 namespace {
 
-constexpr int kMostMaskSide_px = 4096;                            // chosen: twice the largest frame
-constexpr std::size_t kMostKept_bytes = std::size_t{256} << 20U;  // chosen: a day of usual masks
+constexpr std::size_t kMostKept_bytes = std::size_t{256}
+                                        << 20U;  // chosen: of some 100,000 usual masks
 
 }  // namespace
 
@@ -37,8 +38,7 @@ std::vector<std::uint8_t> encodeMaskRequest(const RgbdFrame& frame,
   const std::size_t pixels = frame.color.total();
   std::vector<std::uint8_t> bytes(header.size() + pixels * (3 + sizeof(float)));
   std::copy(header.begin(), header.end(), bytes.begin());
-  cv::Mat rgb(frame.color.size(), CV_8UC3, bytes.data() + header.size());
-  cv::cvtColor(frame.color, rgb, cv::COLOR_BGR2RGB);
+  writeRgb(frame.color, bytes.data() + header.size());
   std::uint8_t* to = bytes.data() + header.size() + 3 * pixels;
   for (int v = 0; v < frame.depth.rows; ++v) {
     const std::size_t row_bytes = sizeof(float) * static_cast<std::size_t>(frame.depth.cols);
@@ -54,8 +54,8 @@ std::optional<cv::Size> parseMaskHeader(const std::string& line) {
   std::string rest;
   if (!(words >> size.width >> size.height) || words >> rest) return std::nullopt;
   const bool none = size.width == 0 && size.height == 0;
-  const bool allowed = size.width >= 1 && size.width <= kMostMaskSide_px && size.height >= 1 &&
-                       size.height <= kMostMaskSide_px;
+  const bool allowed = size.width >= 1 && size.width <= kMostAnswerSide_px && size.height >= 1 &&
+                       size.height <= kMostAnswerSide_px;
   return none || allowed ? std::optional(size) : std::nullopt;
 }
 
@@ -96,12 +96,13 @@ std::string MaskTask::apply(RgbdFrame& frame, const ChildAnswer& answer) {
 }
 
 void MaskTask::remember(std::uint64_t index, const cv::Mat& mask) {
+  if (live_ || (folder_ == nullptr && kept_bytes_ > kMostKept_bytes)) return;
   std::vector<std::uint8_t> png;
   if (!mask.empty()) cv::imencode(".png", mask, png);
   if (folder_ != nullptr) folder_->store(index, png);
-  if (kept_bytes_ + png.size() > kMostKept_bytes) return;
-  kept_bytes_ += png.size();
-  kept_[index] = std::move(png);
+  if (kept_bytes_ > kMostKept_bytes) return;
+  const std::size_t bytes = png.size();
+  if (kept_.insert_or_assign(index, std::move(png)).second) kept_bytes_ += bytes;
 }
 
 }  // namespace hapticast::server

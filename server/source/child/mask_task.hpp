@@ -39,9 +39,13 @@ struct MaskPoint {
 /// The task of a child that segments.
 class MaskTask final : public ChildTask {
  public:
-  /// `folder`: receives the masks; may be null.
-  MaskTask(std::string command, std::vector<MaskPoint> points, std::unique_ptr<MaskFolder> folder)
-      : command_(std::move(command)), points_(std::move(points)), folder_(std::move(folder)) {}
+  /// `folder`: receives the masks; may be null. `live`: frames never come again.
+  MaskTask(std::string command, std::vector<MaskPoint> points, std::unique_ptr<MaskFolder> folder,
+           bool live = false)
+      : command_(std::move(command)),
+        points_(std::move(points)),
+        folder_(std::move(folder)),
+        live_(live) {}
 
   [[nodiscard]] const char* flag() const override { return "--mask-from"; }
   [[nodiscard]] const std::string& command() const override { return command_; }
@@ -60,6 +64,7 @@ class MaskTask final : public ChildTask {
   std::string command_;
   std::vector<MaskPoint> points_;
   std::unique_ptr<MaskFolder> folder_;
+  bool live_;
   std::map<std::uint64_t, std::vector<std::uint8_t>> kept_;  // PNG by frame; empty: no mask
   std::size_t kept_bytes_ = 0;
 };

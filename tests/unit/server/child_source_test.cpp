@@ -16,19 +16,20 @@ namespace {
 using test::FunctionSource;
 using ::testing::HasSubstr;
 
-constexpr int kWidth_px = 8;
-constexpr int kHeight_px = 6;
+constexpr int kChildWidth_px = 8;
+constexpr int kChildHeight_px = 6;
 
 /// Colour frames without depth: the blue value is the number of the frame.
 std::unique_ptr<RgbdSource> makeColors(std::uint64_t frames) {
   SourceInfo info;
   info.name = "colours";
-  info.width_px = kWidth_px;
-  info.height_px = kHeight_px;
+  info.width_px = kChildWidth_px;
+  info.height_px = kChildHeight_px;
   return std::make_unique<FunctionSource>(info, frames, [](std::uint64_t index) {
     RgbdFrame frame;
-    frame.color = cv::Mat(kHeight_px, kWidth_px, CV_8UC3, cv::Scalar(double(index), 20, 30));
-    frame.depth = cv::Mat(kHeight_px, kWidth_px, CV_32FC1, cv::Scalar(500.0));
+    frame.color =
+        cv::Mat(kChildHeight_px, kChildWidth_px, CV_8UC3, cv::Scalar(double(index), 20, 30));
+    frame.depth = cv::Mat(kChildHeight_px, kChildWidth_px, CV_32FC1, cv::Scalar(500.0));
     return frame;
   });
 }
@@ -112,6 +113,23 @@ TEST(ChildSource, AChildThatDiesLosesNoFrame) {
   expectAllFrames(*openDepth(depthChild(folder, dies), 20), 20);
 }
 
+TEST(ChildSource, ASlowReaderGetsEachFrameAfterItsChildDied) {
+  const TempFolder folder;
+  const std::string dies =
+      "    if rgb[2] == 4 and not os.path.exists(sys.argv[0] + '.once'):\n"
+      "        open(sys.argv[0] + '.once', 'w').close()\n"
+      "        os._exit(3)\n";
+  const auto source = openDepth(depthChild(folder, dies), 20);
+  for (std::uint64_t i = 0; i < 20; ++i) {
+    // The pause before the next child is over when the frames are read.
+    if (i == 2) std::this_thread::sleep_for(std::chrono::milliseconds(1500));
+    const auto frame = source->read();
+    ASSERT_TRUE(frame);
+    EXPECT_EQ(frame->index, i);
+    EXPECT_EQ(frame->depth.at<float>(3, 4), 1000.0F + float(i));
+  }
+}
+
 TEST(ChildSource, AChildThatAlwaysDiesEndsTheClip) {
   const TempFolder folder;
   const std::string dies = "    if rgb[2] == 9: os._exit(3)\n";
@@ -135,8 +153,8 @@ class LiveColors final : public RgbdSource {
     RgbdFrame frame;
     frame.index = next_++;
     frame.clip_time_s = double(frame.index) / 200.0;
-    frame.color =
-        cv::Mat(kHeight_px, kWidth_px, CV_8UC3, cv::Scalar(double(frame.index % 200), 20, 30));
+    frame.color = cv::Mat(kChildHeight_px, kChildWidth_px, CV_8UC3,
+                          cv::Scalar(double(frame.index % 200), 20, 30));
     return frame;
   }
   bool skip() override { return read().has_value(); }
@@ -186,6 +204,7 @@ TEST(ChildSource, AWrongCommandIsOneLine) {
   EXPECT_THAT(describeProblem("echo 4097 4 metric_mm"), HasSubstr("no header"));
   EXPECT_THAT(describeProblem("exec >&-; sleep 5"), HasSubstr("closes its stdout"));
   EXPECT_THAT(describeProblem("printf '1 4 inverse\\n%16s'"), HasSubstr("another shape"));
+  EXPECT_THAT(describeProblem("command false"), HasSubstr("ended with exit code 1"));
 }
 
 TEST(ChildSource, AnswersBeyondThePicturesEndTheChild) {
@@ -232,6 +251,21 @@ TEST(DepthTask, HeadersAreChecked) {
   for (const char* line : {"", "640 480", "640 480 metres", "0 480 relative", "-1 4 relative",
                            "640 480 relative 3", "99999999999 4 relative", "4 4097 relative"})
     EXPECT_FALSE(parseDepthHeader(line)) << line;
+}
+
+TEST(DepthTask, WhatIsNoDepthIsNotMeasured) {
+  DepthTask task("", kRelativeRange, nullptr);
+  std::vector<float> values(48, 700.0F);
+  values[0] = NAN;
+  values[1] = INFINITY;
+  values[2] = -5.0F;
+  values[3] = 1e38F;
+  std::vector<std::uint8_t> bytes(4 * values.size());
+  std::memcpy(bytes.data(), values.data(), bytes.size());
+  auto frame = makeColors(1)->read();
+  EXPECT_EQ(task.apply(*frame, {"8 6 metric_mm", bytes}), "");
+  for (int i = 0; i < 4; ++i) EXPECT_EQ(frame->depth.at<float>(0, i), 0.0F);
+  EXPECT_EQ(frame->depth.at<float>(0, 4), 700.0F);
 }
 
 TEST(DepthTask, RelativeDepthFillsItsRange) {
@@ -303,6 +337,26 @@ while line := sys.stdin.buffer.readline():
     EXPECT_FALSE(source.read());
     source.rewind();
   }
+}
+
+TEST(MaskTask, AProgramThatBeginsToAnswerWronglyCostsNoFrame) {
+  const TempFolder folder;
+  const std::string script = folder.write("masks.py", R"(
+import json, sys
+while line := sys.stdin.buffer.readline():
+    request = json.loads(line)
+    sys.stdin.buffer.read(7 * request["width"] * request["height"])
+    sys.stdout.buffer.write(b"8 6\n" + bytes([1] * 48) if request["frame"] < 2 else b"4 3\n" + bytes(12))
+    sys.stdout.buffer.flush()
+)");
+  ChildSource source(makeColors(6), makeMaskTask("/usr/bin/env python3 '" + script + "'"), nullptr);
+  for (std::uint64_t i = 0; i < 6; ++i) {
+    const auto frame = source.read();
+    ASSERT_TRUE(frame);
+    EXPECT_EQ(frame->index, i);
+    EXPECT_EQ(frame->mask.empty(), i >= 2);
+  }
+  EXPECT_FALSE(source.read());
 }
 
 TEST(MaskTask, WrongMasksLeaveTheFrameWithoutOne) {
