@@ -24,7 +24,7 @@ set(rules
   "server/source/video/.*"     "^(common/|server/source/([a-z_]+\\.hpp$|(picture|video)/))"
   "server/source/live/.*"      "^(common/|server/source/([a-z_]+\\.hpp$|(picture|video|live)/))"
   "server/source/recording/.*" "^(common/|server/source/([a-z_]+\\.hpp$|(picture|folder|recording)/))"
-  "server/source/child/.*"     "^(common/|server/source/([a-z_]+\\.hpp$|(picture|child)/))"
+  "server/source/child/.*"     "^(common/|server/source/([a-z_]+\\.hpp$|(picture|folder|child)/))"
   "server/source/synthetic/.*" "^(common/|server/source/([a-z_]+\\.hpp$|synthetic/))"
   "server/source/.*"           "^(common|server/source)/"
   "server/vision/vision_settings\\.hpp" "^(common/|server/source/camera_model\\.hpp$)"

@@ -18,6 +18,16 @@ std::string complaint(const std::string& text) {
   return result.ok() ? "accepted" : result.error().message;
 }
 
+TEST(ReadKeyValues, AHashWithinAWordBeginsNoComment) {
+  std::istringstream in(
+      "object = 505,330#2  # the second candidate\n#all\ncommand = ./x '#fff'\t#end\n");
+  const auto result = readKeyValues(in, "f");
+  ASSERT_TRUE(result.ok()) << result.error().message;
+  ASSERT_EQ(result.value().size(), 2U);
+  EXPECT_EQ(result.value()[0].value, "505,330#2");
+  EXPECT_EQ(result.value()[1].value, "./x '#fff'");
+}
+
 TEST(Text, NumbersAreWholeAndFinite) {
   EXPECT_EQ(parseNumber("-1.5e2"), -150.0);
   EXPECT_EQ(parseNumber("0"), 0.0);

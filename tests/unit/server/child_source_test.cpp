@@ -253,7 +253,7 @@ TEST(DepthTask, HeadersAreChecked) {
     EXPECT_FALSE(parseDepthHeader(line)) << line;
 }
 
-TEST(DepthTask, WhatIsNoDepthIsNotMeasured) {
+TEST(DepthTask, InvalidDepthBecomesZero) {
   DepthTask task("", kRelativeRange, nullptr);
   std::vector<float> values(48, 700.0F);
   values[0] = NAN;

@@ -207,8 +207,10 @@ TEST(ServerSettings, ProgramsOfTheUserAndCandidates) {
   EXPECT_EQ(run.settings.child, (ChildSettings{"estimate --fast", "kept", 2.5, "segment"}));
   EXPECT_EQ(run.settings.vision.object_points,
             (std::vector<AuthorPoint>{{{5, 6}, 0.0, 0, 2}, {{7, 8}, 1.5, 0, 1}}));
-  const Probe config = Probe::withConfig({{"source", "a.mp4"}, {"depth-from", "estimate"}});
+  const Probe config =
+      Probe::withConfig({{"source", "a.mp4"}, {"depth-from", "estimate"}, {"object", "5,6#2"}});
   EXPECT_EQ(config.settings.child.depth_command, "estimate");
+  EXPECT_EQ(config.settings.vision.object_points, (std::vector<AuthorPoint>{{{5, 6}, 0.0, 0, 2}}));
 }
 
 TEST(ServerSettings, ReportsMissingAndUnknownFlags) {
