@@ -250,7 +250,7 @@ void ChildSource::addAnswer(const ChildAnswer& answer) {
 }
 
 void ChildSource::restart(const std::string& problem) {
-  const bool first = !opened_;  // the command never worked
+  const bool first = !opened_ && answers_ == 0;  // the command never worked
   ++failures_;
   pipe_.reset();
   asked_.clear();

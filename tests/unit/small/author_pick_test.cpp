@@ -3,33 +3,17 @@
 #include <gtest/gtest.h>
 
 #include "server/preview/candidates.hpp"
-#include "tests/scenes/drawn_source.hpp"
+#include "server/source/rgbd_source.hpp"
+#include "server/vision/vision.hpp"
 
 namespace hapticast::server {
 namespace {
 
-/// A red box with a green box on its lower half, both before a wall.
-RgbdFrame drawPair(std::uint64_t /*index*/) {
-  cv::RNG random(5);
-  RgbdFrame frame;
-  frame.color = cv::Mat(120, 160, CV_8UC3, cv::Scalar(90, 80, 70));
-  frame.depth = cv::Mat(120, 160, CV_32FC1, cv::Scalar(1400));
-  frame.color(cv::Rect(50, 25, 60, 70)).setTo(cv::Scalar(40, 40, 200));
-  frame.color(cv::Rect(50, 60, 60, 35)).setTo(cv::Scalar(40, 190, 60));
-  frame.depth(cv::Rect(50, 25, 60, 70)).setTo(800);
-  cv::Mat noise(frame.color.size(), CV_8UC3);
-  random.fill(noise, cv::RNG::UNIFORM, 0, 8);
-  frame.color += noise;
-  return frame;
-}
-
 TEST(AuthorPick, EachCandidateIsAnotherMaskAndTheFirstIsTheChosenOne) {
-  SourceInfo info;
-  info.width_px = 160;
-  info.height_px = 120;
-  test::FunctionSource source(info, 3, drawPair);
+  const auto clip = openSource(std::string(HAPTICAST_TESTS) + "/data/typing_hands", 0.0);
+  RgbdSource& source = *clip;
   VisionSettings settings;
-  settings.object_points = {{{80, 40}}};
+  settings.object_points = {{{167, 111}}};  // the nearer hand
   const auto candidates = listCandidates(source, settings);
   ASSERT_GE(candidates.size(), 2U);
   const auto areaOf = [](const PreviewFrame& frame) {
@@ -40,7 +24,14 @@ TEST(AuthorPick, EachCandidateIsAnotherMaskAndTheFirstIsTheChosenOne) {
   };
   EXPECT_NE(areaOf(candidates[0]), areaOf(candidates[1]));
   settings.object_points.front().candidate = 2;
-  EXPECT_EQ(areaOf(listCandidates(source, settings).front()), areaOf(candidates[0]));
+  Vision vision(source.info(), settings);
+  EXPECT_FALSE(vision.push(*source.read(), MediaTime{}));
+  const auto frames = vision.flush();
+  ASSERT_EQ(frames.size(), 1U);
+  const PreviewFrame picked{0.0, frames[0].color, {}, frames[0].frame};
+  EXPECT_EQ(areaOf(picked), areaOf(candidates[1]));
+  source.rewind();
+  (void)listCandidates(source, settings);
   EXPECT_EQ(source.read()->index, 0U) << "the source is at its begin again";
 }
 
