@@ -37,7 +37,7 @@ set(stream_libraries protobuf::libprotobuf-lite OpenSSL::SSL OpenSSL::Crypto spd
 hapticast_component(stream ${stream_libraries})
 hapticast_component(recording ${stream_libraries} ZLIB::ZLIB PkgConfig::compressions)
 hapticast_component(vision ${OpenCV_LIBS} PkgConfig::libav PkgConfig::libzip ZLIB::ZLIB PkgConfig::compressions
-  spdlog::spdlog ${openni2_library})
+  OpenSSL::Crypto spdlog::spdlog ${openni2_library})
 
 set(package_folder usr/lib/${CMAKE_LIBRARY_ARCHITECTURE}/cmake/hapticast)
 install(TARGETS hapticast_archive EXPORT hapticast
