@@ -14,7 +14,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr double kTouched_N = 0.2;
+constexpr double kPressed_N = 0.2;
 constexpr double kMostEnergy_J = 0.01;
 
 /// Depth of the disc of makeClip(): near where the picture is bright. Before an answer the child
@@ -56,12 +56,12 @@ class ProgramsChildTest : public ProgramsTest {
       const std::vector<LogRow> rows = readLog(path("log.csv"));
       if (rows.size() <= before) return false;
       const double now_N = rows.back().force_N.norm();
-      return force ? now_N > kTouched_N : now_N == 0.0;
+      return force ? now_N > kPressed_N : now_N == 0.0;
     });
   }
-  /// Returns the work of the force into the hand over the whole log. Rows are of each tick or, on a
-  /// busy machine, of most.
-  [[nodiscard]] double computeWork_J() const {
+  /// Returns the work of the force into the hand over the whole log, J. Rows are of each tick or,
+  /// on a busy machine, of most.
+  [[nodiscard]] double computeWork() const {
     const std::vector<LogRow> rows = readLog(path("log.csv"));
     double work_mJ = 0.0;
     for (std::size_t i = 1; i < rows.size(); ++i)
@@ -123,7 +123,7 @@ TEST_F(ProgramsChildTest, NoChildPutsAStepIntoAPressingHand) {
   std::ifstream in(path("summary.json"));
   const auto summary = nlohmann::json::parse(in);
   EXPECT_EQ(summary["step_excess_max_N"], 0.0) << summary;
-  const double work_J = computeWork_J();
+  const double work_J = computeWork();
   EXPECT_LE(work_J, kMostEnergy_J);
   std::printf("%d gaps, work into the hand %.2f mJ\n", 4 * rounds, 1e3 * work_J);
   interrupt(*server);

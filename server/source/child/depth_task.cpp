@@ -124,7 +124,7 @@ bool DepthTask::recall(RgbdFrame& frame) {
 }
 
 std::string DepthTask::apply(RgbdFrame& frame, const ChildAnswer& answer) {
-  const std::string problem = setDepth(frame, answer);
+  std::string problem = setDepth(frame, answer);
   if (problem.empty() && cache_ != nullptr) cache_->store(frame.index, answer);
   return problem;
 }

@@ -300,7 +300,7 @@ TEST(MaskTask, ARequestHasPointsPictureAndDepth) {
   const std::string line(bytes.begin(), std::find(bytes.begin(), bytes.end(), '\n'));
   EXPECT_EQ(line, R"({"frame":0,"height":6,"points":[{"object":1,"time_s":0.0,"u":3.5,"v":2.0}],)"
                   R"("time_s":0.0,"width":8})");
-  ASSERT_EQ(bytes.size(), line.size() + 1 + 48 * 7);
+  ASSERT_EQ(bytes.size(), line.size() + 1 + std::size_t{48} * 7);
   EXPECT_EQ(bytes[line.size() + 1], 30);
   float last_mm = 0.0F;
   std::memcpy(&last_mm, bytes.data() + bytes.size() - 4, 4);
