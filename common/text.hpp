@@ -55,12 +55,11 @@ struct KeyValue {
   std::string value;
 };
 
-/// Returns the `key = value` lines of `in`, which has at most 64 KiB. `#` at the
-/// begin of a line or behind a space begins a comment. A key
-/// is a letter followed by letters, digits, `-` and `_`, with at most 64 bytes. A value may be in
-/// quotes. A UTF-8 byte order mark at the beginning is ignored. Control characters other than tab,
-/// CR and LF are an error. The text of an error begins with "NAME:LINE: ", or with "NAME: " if it
-/// concerns the whole text. NAME is `name`.
+/// Returns the `key = value` lines of `in`, which has at most 64 KiB. `#` at the begin of a line or
+/// behind a space begins a comment. A key is a letter followed by letters, digits, `-` and `_`,
+/// with at most 64 bytes. A value may be in quotes. A UTF-8 byte order mark at the beginning is
+/// ignored. Control characters other than tab, CR and LF are an error. The text of an error begins
+/// with "NAME:LINE: ", or with "NAME: " if it concerns the whole text. NAME is `name`.
 Result<std::vector<KeyValue>> readKeyValues(std::istream& in, const std::string& name);
 
 /// Returns "; did you mean X?" with the word of `words` that is nearest to `typed`. Returns an

@@ -18,44 +18,16 @@ namespace hapticast::server {
 namespace {
 
 // The flags of the server that a bake obeys, too. All others are for a stream.
-constexpr auto kBakeFlags = std::to_array<std::string_view>({"fps",
-                                                             "layout",
-                                                             "depth-code",
-                                                             "depth-near",
-                                                             "depth-unit",
-                                                             "color",
-                                                             "depth",
-                                                             "to-and-fro",
-                                                             "frames",
-                                                             "name",
-                                                             "segment",
-                                                             "fov",
-                                                             "stretch",
-                                                             "motion",
-                                                             "compensate-pan",
-                                                             "method",
-                                                             "object",
-                                                             "not",
-                                                             "depth-range",
-                                                             "map-range",
-                                                             "stiffness",
-                                                             "damping",
-                                                             "friction",
-                                                             "texture-depth",
-                                                             "mass",
-                                                             "scene",
-                                                             "plan",
-                                                             "error-budget",
-                                                             "quiet",
-                                                             "config",
-                                                             "help",
-                                                             "version",
-                                                             "print-config",
-                                                             "picture-quality",
-                                                             "depth-from",
-                                                             "depth-cache",
-                                                             "depth-cache-limit",
-                                                             "mask-from"});
+// clang-format off
+constexpr auto kBakeFlags = std::to_array<std::string_view>(
+    {"fps",         "layout",     "depth-code",     "depth-near",     "depth-unit", "color",
+     "depth",       "to-and-fro", "frames",         "name",           "segment",    "fov",
+     "stretch",     "motion",     "compensate-pan", "method",         "object",     "not",
+     "depth-range", "map-range",  "stiffness",      "damping",        "friction",   "texture-depth",
+     "mass",        "scene",      "plan",           "error-budget",   "quiet",      "config",
+     "help",        "version",    "print-config",   "picture-quality", "depth-from", "depth-cache",
+     "depth-cache-limit", "mask-from"});
+// clang-format on
 
 bool isBakeFlag(const CLI::Option& option) {
   return std::find(kBakeFlags.begin(), kBakeFlags.end(), option.get_single_name()) !=

@@ -20,24 +20,31 @@ namespace fs = std::filesystem;
 
 namespace {
 
+/// Returns the colour images of a folder; an empty vector if it is no folder of images.
+std::vector<fs::path> listClipImages(const Settings& settings, bool color_only) {
+  VideoLayout layout = settings.layout;
+  layout.color_only = color_only;
+  std::vector<fs::path> images;
+  try {
+    for (const FrameFiles& frame : findClipFiles(settings.source, layout).frames)
+      images.push_back(frame.color);
+  } catch (const SourceError&) {  // a video in a folder
+  }
+  return images;
+}
+
 /// Returns the files with the colours of a clip: its images, or the files in its folder, or the
 /// file itself. Returns an empty vector for a source without files.
 std::vector<fs::path> listColorFiles(const Settings& settings) {
   std::error_code error;
-  std::vector<fs::path> files;
   if (fs::is_regular_file(settings.source, error)) return {settings.source};
-  if (!fs::is_directory(settings.source, error)) return files;
-  VideoLayout layout = settings.layout;
-  layout.color_only = true;
-  try {
-    for (const FrameFiles& frame : findClipFiles(settings.source, layout).frames)
-      files.push_back(frame.color);
-  } catch (const SourceError&) {  // a video in a folder
-    for (const auto& entry : fs::directory_iterator(settings.source, error)) {
-      if (entry.is_regular_file(error)) files.push_back(entry.path());
-    }
-    std::sort(files.begin(), files.end());
+  if (!fs::is_directory(settings.source, error)) return {};
+  std::vector<fs::path> files = listClipImages(settings, true);
+  if (!files.empty()) return files;
+  for (const auto& entry : fs::directory_iterator(settings.source, error)) {
+    if (entry.is_regular_file(error)) files.push_back(entry.path());
   }
+  std::sort(files.begin(), files.end());
   return files;
 }
 
@@ -92,15 +99,10 @@ std::unique_ptr<MaskFolder> openMaskFolder(const Settings& settings, const Sourc
   for (const char* other : {"rgb.txt", "scene_camera.json", "metadata.yaml"}) {
     if (fs::exists(folder / other, error)) return nullptr;  // its masks have other places, or none
   }
-  VideoLayout layout = settings.layout;
-  layout.color_only = !settings.child.depth_command.empty();
   std::vector<std::string> names;
-  try {
-    for (const FrameFiles& frame : findClipFiles(folder, layout).frames)
-      names.push_back(frame.color.stem().string());
-  } catch (const SourceError&) {
-    return nullptr;  // a video in a folder
-  }
+  for (const fs::path& image : listClipImages(settings, !settings.child.depth_command.empty()))
+    names.push_back(image.stem().string());
+  if (names.empty()) return nullptr;
   return std::make_unique<MaskFolder>(folder, std::move(names),
                                       describeMaskOrigin(settings.child.mask_command, points));
 }
@@ -112,7 +114,8 @@ std::unique_ptr<RgbdSource> addMasks(std::unique_ptr<RgbdSource> source, const S
   std::vector<MaskPoint> points = listMaskPoints(settings.vision, source->info());
   auto folder = openMaskFolder(settings, source->info(), points);
   if (folder != nullptr && folder->isComplete()) return source;  // which reads them
-  auto task = std::make_unique<MaskTask>(child.mask_command, std::move(points), std::move(folder));
+  auto task = std::make_unique<MaskTask>(child.mask_command, std::move(points), std::move(folder),
+                                         source->info().live);
   return std::make_unique<ChildSource>(std::move(source), std::move(task), keep_waiting);
 }
 

@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "server/vision/base/frame_pair.hpp"
 #include "server/vision/vision.hpp"
 
 namespace hapticast::server {
@@ -16,13 +17,11 @@ namespace {
 std::optional<PreviewFrame> startAt(const RgbdFrame& frame, const SourceInfo& info,
                                     const VisionSettings& settings) {
   Vision vision(info, settings);
-  auto result = vision.push(frame, MediaTime{});
-  if (!result) {
-    auto rest = vision.flush();
-    if (rest.empty()) return std::nullopt;
-    result = std::move(rest.front());
-  }
-  return PreviewFrame{frame.clip_time_s, result->color, frame.depth, std::move(result->frame),
+  (void)vision.push(frame, MediaTime{});  // which waits for later frames
+  auto results = vision.flush();
+  if (results.empty()) return std::nullopt;
+  VisionResult& result = results.front();
+  return PreviewFrame{frame.clip_time_s, result.color, frame.depth, std::move(result.frame),
                       info.own_px};
 }
 
@@ -45,7 +44,7 @@ bool isEqualMask(const PreviewFrame& a, const PreviewFrame& b) {
       all |= renderMask(frame.haptic, id, frame.color.size());
     return all;
   };
-  return cv::norm(mask(a), mask(b), cv::NORM_L1) == 0.0;
+  return equalImages(mask(a), mask(b));
 }
 
 }  // namespace

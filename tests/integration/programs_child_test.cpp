@@ -14,7 +14,6 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr double kPressed_N = 0.2;
 constexpr double kMostEnergy_J = 0.01;
 
 /// Depth of the disc of makeClip(): near where the picture is bright. Before an answer the child
@@ -49,16 +48,6 @@ while sys.stdin.buffer.readline():
 
 class ProgramsChildTest : public ProgramsTest {
  protected:
-  /// Waits until the force of a later time than now is there, or is zero.
-  [[nodiscard]] bool forceIs(bool force) const {
-    const std::size_t before = readLog(path("log.csv")).size();
-    return waitUntil(kSoon, [&] {
-      const std::vector<LogRow> rows = readLog(path("log.csv"));
-      if (rows.size() <= before) return false;
-      const double now_N = rows.back().force_N.norm();
-      return force ? now_N > kPressed_N : now_N == 0.0;
-    });
-  }
   /// Returns the work of the force into the hand over the whole log, J. Rows are of each tick or,
   /// on a busy machine, of most.
   [[nodiscard]] double computeWork() const {

@@ -32,6 +32,8 @@ inline constexpr const char* kLogColumns =
     "t_s,media_s,x_mm,y_mm,z_mm,fx_N,fy_N,fz_N,sx_N,sy_N,sz_N,dx_N,dy_N,dz_N,penetration_mm,lookup,"
     "ahead_x_mm,ahead_y_mm,ahead_z_mm";
 
+inline constexpr double kTouched_N = 0.2;  ///< a larger force is a touch
+
 /// Whether figures of time are worth asserting: a sanitizer is several times slower.
 #ifdef HAPTICAST_SANITIZED
 inline constexpr bool kFullSpeed = false;
@@ -134,6 +136,16 @@ class ProgramsTest : public ::testing::Test {
     if (at == std::string::npos) return "";
     const std::size_t begin = at + std::string("listening on ").size();
     return text.substr(begin, text.find(';', begin) - begin);
+  }
+  /// Waits until the force of a later time than now in log.csv is there, or is zero.
+  [[nodiscard]] bool forceIs(bool force) const {
+    const std::size_t before = readLog(path("log.csv")).size();
+    return waitUntil(kSoon, [&] {
+      const std::vector<LogRow> rows = readLog(path("log.csv"));
+      if (rows.size() <= before) return false;
+      const double now_N = rows.back().force_N.norm();
+      return force ? now_N > kTouched_N : now_N == 0.0;
+    });
   }
   /// Ends a program as Ctrl-C does.
   static void interrupt(Process& program, int number = SIGINT) {

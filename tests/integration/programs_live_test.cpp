@@ -15,8 +15,6 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-constexpr double kTouched_N = 0.2;
-
 /// A way from a sender to the server.
 struct Way {
   const char* name;
@@ -94,16 +92,6 @@ class ProgramsLiveTest : public ProgramsTest {
       command.insert(command.end(), {"-listen", "1"});
     command.push_back(withPort(way.sent_to, port));
     return command;
-  }
-  /// Waits until the force of a later time than now is there, or is zero.
-  [[nodiscard]] bool forceIs(bool force) const {
-    const std::size_t before = readLog(path("log.csv")).size();
-    return waitUntil(kSoon, [&] {
-      const std::vector<LogRow> rows = readLog(path("log.csv"));
-      if (rows.size() <= before) return false;
-      const double now_N = rows.back().force_N.norm();
-      return force ? now_N > kTouched_N : now_N == 0.0;
-    });
   }
   /// Touches the stream while `disturb` stops its sender and `mend` mends it.
   void touchThrough(const Way& way, const std::function<void(std::unique_ptr<Process>&)>& disturb,

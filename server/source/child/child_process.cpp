@@ -102,10 +102,6 @@ std::string describeStatus(int status) {
 
 }  // namespace
 
-void OwnedDescriptor::close() {
-  if (number_ >= 0) ::close(std::exchange(number_, -1));
-}
-
 ChildProcess::ChildProcess(const std::string& command) {
   Pipe in = makePipe(command);
   Pipe out = makePipe(command);

@@ -7,27 +7,10 @@
 #include <sys/types.h>
 
 #include <string>
-#include <utility>
+
+#include "server/source/owned_descriptor.hpp"
 
 namespace hapticast::server {
-
-/// A file descriptor that is closed with its owner. Thread: one.
-class OwnedDescriptor {
- public:
-  explicit OwnedDescriptor(int number = -1) : number_(number) {}
-  ~OwnedDescriptor() { close(); }
-  OwnedDescriptor(OwnedDescriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
-  OwnedDescriptor& operator=(OwnedDescriptor&& other) noexcept {
-    std::swap(number_, other.number_);
-    return *this;
-  }
-  /// Returns the number; -1: it is closed.
-  [[nodiscard]] int get() const { return number_; }
-  void close();
-
- private:
-  int number_;
-};
 
 /// One run of a command.
 class ChildProcess {

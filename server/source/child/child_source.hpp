@@ -117,7 +117,7 @@ class ChildSource final : public RgbdSource {
   std::vector<std::uint8_t> last_request_;
   LocalTime last_sign_{};        // when the child answered last, or received a picture while idle
   LocalTime restart_at_{};       // when the next child may start
-  int failures_ = 0;             // since the last answer
+  int failures_ = 0;             // since a child has answered a while
   std::size_t answers_ = 0;      // of this child
   Duration usual_{};             // usual time between answers
   bool begins_epoch_ = false;    // whether the next answer of a live source begins an epoch
@@ -132,8 +132,7 @@ class ChildSource final : public RgbdSource {
   bool problem_logged_ = false;  // whether the log has a problem of an answer that is not required
   int late_ = 0;                 // answers of a live source in a row that came too late
   std::uint32_t source_epoch_ = 0;  // of the last frame
-
-  bool in_gap_ = false;  // whether a gap was logged
+  bool in_gap_ = false;             // whether a gap was logged
   LocalTime gap_begin_{};
   std::size_t lag_ = 0;         // pictures behind a frame that the child needs for its answer
   std::size_t sent_again_ = 0;  // at this end of the clip

@@ -131,7 +131,7 @@ std::string DepthTask::apply(RgbdFrame& frame, const ChildAnswer& answer) {
 
 std::string DepthTask::setDepth(RgbdFrame& frame, const ChildAnswer& answer) {
   const DepthHeader header = parseDepthHeader(answer.header).value_or(DepthHeader{});
-  if (first_ && header.kind != first_->kind) return "changes the kind of its depth";
+  if (kind_ && header.kind != *kind_) return "changes the kind of its depth";
   const cv::Size size(header.width_px, header.height_px);
   const double aspect = static_cast<double>(size.width) * frame.color.rows /
                         (static_cast<double>(size.height) * frame.color.cols);
@@ -140,7 +140,7 @@ std::string DepthTask::setDepth(RgbdFrame& frame, const ChildAnswer& answer) {
            sizeText(frame.color.cols, frame.color.rows) + ", which has another shape";
   cv::Mat depth(size, CV_32FC1);
   std::memcpy(depth.data, answer.bytes.data(), answer.bytes.size());
-  if (!first_) first_ = header;
+  kind_ = header.kind;
   if (header.kind == EstimatedDepth::kMetric) {
     depth = toDepth(depth, {}).image;  // what is no depth becomes 0
   } else {
@@ -154,7 +154,7 @@ std::string DepthTask::setDepth(RgbdFrame& frame, const ChildAnswer& answer) {
 void DepthTask::describe(SourceInfo& info) const {
   info.depth_kind = DepthKind::kMetric;
   info.mm_per_unit = 1.0;
-  info.estimated = first_ ? first_->kind : EstimatedDepth::kMetric;
+  info.estimated = kind_.value_or(EstimatedDepth::kMetric);
 }
 
 }  // namespace hapticast::server

@@ -78,7 +78,7 @@ class DepthTask final : public ChildTask {
   std::string command_;
   DepthRange range_;
   std::unique_ptr<DepthCache> cache_;
-  std::optional<DepthHeader> first_;  // of the first answer
+  std::optional<EstimatedDepth> kind_;  // of all answers
   std::optional<RelativeDepthMap> map_;
 };
 

@@ -21,6 +21,7 @@
 
 #include "server/source/live/paired_camera.hpp"
 #include "server/source/live/v4l2_picture.hpp"
+#include "server/source/owned_descriptor.hpp"
 #include "server/source/picture/depth_scale.hpp"
 #include "server/source/picture/image_file.hpp"
 
@@ -44,21 +45,6 @@ int control(int fd, unsigned long request, Argument* argument) {
   } while (result == -1 && errno == EINTR);
   return result;
 }
-
-/// An open file.
-class FileDescriptor {
- public:
-  explicit FileDescriptor(int fd) : fd_(fd) {}
-  ~FileDescriptor() {
-    if (fd_ >= 0) ::close(fd_);
-  }
-  FileDescriptor(const FileDescriptor&) = delete;
-  FileDescriptor& operator=(const FileDescriptor&) = delete;
-  [[nodiscard]] int get() const { return fd_; }
-
- private:
-  int fd_;
-};
 
 /// Memory that the kernel fills with a picture.
 class MappedBuffer {
@@ -111,7 +97,7 @@ class V4l2Node {
 
   std::string path_;
   bool is_depth_;
-  FileDescriptor file_;
+  OwnedDescriptor file_;
   V4l2Format format_;
   double fps_ = 30.0;
   std::vector<MappedBuffer> buffers_;
