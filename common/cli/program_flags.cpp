@@ -19,7 +19,7 @@ constexpr auto kServerFlags = std::to_array<std::string_view>(
      "multicast",   "multicast-ttl", "name",           "nats-ca", "nats-creds",      "not",
      "object",      "plan",          "preview",        "publish", "scene",           "segment",
      "signing-key", "source",        "stretch",        "texture-depth", "tls",       "tls-cert",
-     "tls-key",     "to-and-fro",    "tokens",         "on-demand", "page",    "topics",
+     "tls-key",     "to-and-fro",    "tokens",         "on-demand", "page",    "topics", "vision-threads",
      "wait-for-viewer"});
 constexpr auto kClientFlags = std::to_array<std::string_view>(
     {"check-device",    "control",     "device",        "device-option", "falcon-calibrate",

@@ -159,6 +159,9 @@ void addVisionOptions(CLI::App& app, VisionSettings& vision) {
   app.add_flag("--low-latency", vision.low_latency,
                "One frame of lookahead instead of 80 to 120 ms; a live source then has noisier "
                "accelerations and no impacts");
+  addNumber(app, "--vision-threads", vision.threads, std::uint64_t{0}, std::uint64_t{2}, "N 0..2",
+            "2: describe a frame while the next one is segmented, with one more frame of delay. 0: "
+            "2 for pictures larger than 640x480, without --low-latency and with two processors");
   app.add_flag("--compensate-pan", vision.compensate_pan,
                "The camera pans: measure accelerations and impacts against the background, not "
                "against the picture's frame");

@@ -26,7 +26,7 @@ constexpr auto kBakeFlags = std::to_array<std::string_view>(
      "depth-range", "map-range",  "stiffness",      "damping",        "friction",   "texture-depth",
      "mass",        "scene",      "plan",           "error-budget",   "quiet",      "config",
      "help",        "version",    "print-config",   "picture-quality", "depth-from", "depth-cache",
-     "depth-cache-limit", "mask-from"});
+     "depth-cache-limit", "mask-from", "vision-threads"});
 // clang-format on
 
 bool isBakeFlag(const CLI::Option& option) {

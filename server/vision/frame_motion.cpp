@@ -95,17 +95,32 @@ double largestAcceleration_mm_s2(std::vector<double>& accelerations_mm_s2) {
   return computeQuantile(accelerations_mm_s2, kHighQuantile);
 }
 
-FrameMotion::FrameMotion(const SourceInfo& info, const VisionSettings& settings, int lookahead)
-    : info_(info), settings_(settings), lookahead_(lookahead) {}
+FrameMotion::FrameMotion(const SourceInfo& info, const VisionSettings& settings, int lookahead,
+                         const Clock* clock)
+    : info_(info), settings_(settings), lookahead_(lookahead), clock_(clock) {}
 
-void FrameMotion::add(std::uint64_t frame_id, double time_s,
-                      const std::vector<TrackedObject>& objects) {
-  const std::map<std::uint32_t, StageReport> before = std::exchange(reports_, {});
+std::map<std::uint32_t, StageReport> FrameMotion::add(std::uint64_t frame_id, double time_s,
+                                                      const std::vector<TrackedObject>& objects) {
+  std::map<std::uint32_t, StageReport> before = std::exchange(reports_, {});
+  std::map<std::uint32_t, CellFlow> cells = std::exchange(cells_, {});
+  std::map<std::uint32_t, StageReport> durations;
   for (const TrackedObject& object : objects) {
-    if (object.seen) history_.add(object.id, {frame_id, time_s, object.pose, object.cells});
-    const auto known = before.find(object.id);
-    reports_[object.id] = known != before.end() ? known->second : StageReport();
+    const std::uint32_t id = object.id;
+    cells_[id] = object.seen ? measureCells(object, cells[id], durations[id]) : cells[id];
+    if (object.seen) history_.add(id, {frame_id, time_s, object.pose, cells_[id]});
+    reports_[id] = before[id];
   }
+  return durations;
+}
+
+// The plan omits residuals only; the thesis's method has no plan.
+CellFlow FrameMotion::measureCells(const TrackedObject& object, const CellFlow& last,
+                                   StageReport& report) const {
+  CellInput input = object.cells;
+  const bool residual = input.kind == CellInput::Kind::kResidual;
+  if (residual && !object.measures_grid) input.kind = CellInput::Kind::kNone;
+  const ScopedStageTimer lap(residual ? clock_ : nullptr, report, Stage::kGrid);
+  return server::measureCells(input, object.surface, last, settings_.motion);
 }
 
 void FrameMotion::forget() {

@@ -41,8 +41,9 @@ double largestAcceleration_mm_s2(std::vector<double>& accelerations_mm_s2);
 class FrameMotion {
  public:
   /// Copies `info` and `settings`. `lookahead`: number of frames in a window on each side of its
-  /// frame.
-  FrameMotion(const SourceInfo& info, const VisionSettings& settings, int lookahead);
+  /// frame. `clock` measures durations and must outlive FrameMotion; null: no measurement.
+  FrameMotion(const SourceInfo& info, const VisionSettings& settings, int lookahead,
+              const Clock* clock);
 
   /// Sets the motion that a scan of the whole clip found. From then on it replaces the motion that
   /// the short windows yield. The scan numbered the objects from 1.
@@ -51,8 +52,10 @@ class FrameMotion {
   /// `first_object_id`.
   void beginClip(std::uint32_t first_object_id) { first_object_id_ = first_object_id; }
 
-  /// Adds the objects of the next frame. `time_s`: media time of the frame, s.
-  void add(std::uint64_t frame_id, double time_s, const std::vector<TrackedObject>& objects);
+  /// Adds the objects of the next frame, and measures their motion in cells. `time_s`: media time
+  /// of the frame, s. Returns the measured durations, by object id.
+  std::map<std::uint32_t, StageReport> add(std::uint64_t frame_id, double time_s,
+                                           const std::vector<TrackedObject>& objects);
   /// Writes motion, impacts and motion grids into the objects of `frame`. The objects of this frame
   /// and of `lookahead` frames after it must have been added, or the stream must have ended. Call
   /// it in order of the frames. `clip_frame`: index of the frame in the clip.
@@ -70,6 +73,8 @@ class FrameMotion {
   [[nodiscard]] double largestAcceleration_mm_s2() const { return largest_mm_s2_; }
 
  private:
+  CellFlow measureCells(const TrackedObject& object, const CellFlow& last,
+                        StageReport& report) const;
   void findImpacts(HapticObject& object, const HapticFrame& frame, const MotionWindow& around);
   void setFromClip(HapticObject& object, MediaTime media_time, const Vec3& measured_mm,
                    std::uint64_t clip_frame) const;
@@ -82,10 +87,12 @@ class FrameMotion {
   SourceInfo info_;
   VisionSettings settings_;
   int lookahead_;
+  const Clock* clock_;
   ClipMotion clip_;
   std::uint32_t first_object_id_ = 1;
   MotionHistory history_;
   std::map<std::uint32_t, ImpactFinder> impacts_;  // finder of each object, by its id
+  std::map<std::uint32_t, CellFlow> cells_;        // of each object in its last frame
   std::map<std::uint32_t, StageReport> reports_;
   std::deque<double> live_accelerations_mm_s2_;
   double largest_mm_s2_ = 0.0;

@@ -99,7 +99,8 @@ void Track::update(const Segment& segment, const FramePair& frames) {
   if (rests_) {
     plan_.setResting(true);
     now_.held_share = 1.0;
-    now_.cells = now_.cells.atRest();
+    now_.cells = {};
+    now_.cells.kind = CellInput::Kind::kRest;
     now_.pose.background_px = background_px_;
     return;
   }
@@ -125,7 +126,7 @@ void Track::update(const Segment& segment, const FramePair& frames) {
                                  .visible_fraction = now_.visible_fraction});
   }
   now_.pose.background_px = background_px_;
-  now_.cells = cells(frames, before);
+  now_.cells = cellInput(frames, before);
   const cv::Point2d middle_px = findMiddle(segment.mask);
   last_step_px_ = middle_px - middle_px_;
   middle_px_ = middle_px;
@@ -142,10 +143,10 @@ void Track::lose() {
   now_.visible_fraction = std::min(now_.visible_fraction, left);
 }
 
-void Track::endFrame() {
-  report(std::exchange(report_, {}));
-  now_.smooths = plan_.isOn(Stage::kSmooth);
-  now_.measures_smooth = plan_.measureNow();
+void Track::decideStages(TrackedObject& object) const {
+  object.smooths = plan_.isOn(Stage::kSmooth);
+  object.measures_smooth = plan_.measureNow();
+  object.measures_grid = plan_.isOn(Stage::kGrid);
 }
 
 bool Track::repeatsDepth(const FramePair& frames, const cv::Mat& mask) const {
@@ -209,21 +210,18 @@ void Track::updatePresence(const Segment& segment, bool blind) {
   if (blind) now_.quality = std::min(now_.quality, kBlindQuality);
 }
 
-// Returns the thesis's dense flow, or the residual of the rigid motion.
-CellFlow Track::cells(const FramePair& frames, const Surface& before) {
-  CellFlow out;
-  const MotionMode mode = settings_->vision.motion;
+// The thesis's method measures the dense flow, the others the residual of the rigid motion.
+CellInput Track::cellInput(const FramePair& frames, const Surface& before) const {
+  using Kind = CellInput::Kind;
+  CellInput out{Kind::kNone, frames.interval_s, frames.last.gray, frames.now.gray, {}, before};
   if (settings_->vision.method == Method::kThesis) {
-    if (mode != MotionMode::kNone)
-      out = cellFlow(frames.last.gray, frames.now.gray, mask_, before, now_.surface, mode);
-  } else if (motion_.aligned() && plan_.isOn(Stage::kGrid)) {
-    const ScopedStageTimer lap(settings_->clock, report_, Stage::kGrid);
-    out = residualFlow(frames.last.gray, frames.now.gray, before, now_.surface,
-                       [&](const cv::Point2f& at_px, double depth_mm) {
-                         return motion_.explainFlow(at_px, depth_mm);
-                       });
+    if (settings_->vision.motion == MotionMode::kNone) return out;
+    out.kind = Kind::kWhole;
+    out.last_mask = mask_;
+  } else if (motion_.aligned()) {
+    out.kind = Kind::kResidual;
+    out.explained = motion_.predictMotion();
   }
-  out.interval_s = frames.interval_s;
   return out;
 }
 

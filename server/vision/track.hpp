@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 
 #include "common/time.hpp"
 #include "server/vision/base/flow.hpp"
@@ -29,11 +30,12 @@ struct TrackedObject {
   Surface surface;
   Surface measured;  ///< the surface that this frame alone measured; empty if it measured none
   ObjectPose pose;
-  CellFlow cells;        ///< residual motion in cells; empty if the plan or the method omits it
-  double quality = 1.0;  ///< quality of the tracking, 0..1
+  CellInput cells;                ///< input of the motion in cells, which FrameMotion measures
+  double quality = 1.0;           ///< quality of the tracking, 0..1
   double visible_fraction = 1.0;  ///< visible share of the object's area, 0..1
   bool smooths = true;            ///< whether the scene plan has the stage `smooth` on
   bool measures_smooth = true;    ///< whether this frame measures the cost without that stage
+  bool measures_grid = true;      ///< whether the scene plan has the stage `grid` on
   /// Share of the surface that is held constant, 0..1; 1: all of it rests.
   double held_share = 0.0;
 
@@ -77,9 +79,11 @@ class Track {
   void update(const Segment& segment, const FramePair& frames);
   /// Marks the object as lost in this frame: its pose remains and its quality decreases.
   void lose();
-  /// Ends the frame: adds the measurements of update() to the scene plan, and decides which stages
-  /// after the tracker run.
-  void endFrame();
+  /// Ends the frame: adds the measurements of update() to the scene plan.
+  void endFrame() { report(std::exchange(report_, {})); }
+  /// Decides which stages after the tracker run for `object` in this frame. Call it after the
+  /// later stages' reports of the last frame.
+  void decideStages(TrackedObject& object) const;
   /// Adds another stage's measurements of the object to the scene plan.
   void report(const StageReport& report) { plan_.add(report); }
   /// Adds the motion of the background behind the object in this frame, px right and px down.
@@ -101,7 +105,7 @@ class Track {
   [[nodiscard]] Surface denoiseSurface(const Segment& segment, const FramePair& frames);
   void hold(const FramePair& frames, bool repeated);
   void updatePresence(const Segment& segment, bool blind);
-  [[nodiscard]] CellFlow cells(const FramePair& frames, const Surface& before);
+  [[nodiscard]] CellInput cellInput(const FramePair& frames, const Surface& before) const;
 
   const TrackSettings* settings_;
   ScenePlan plan_;

@@ -63,6 +63,14 @@ std::vector<TrackedObject> Tracker::next(const RgbdFrame& frame, double time_s) 
   return out;
 }
 
+void Tracker::decideStages(std::vector<TrackedObject>& objects) const {
+  for (TrackedObject& object : objects) {
+    for (const Track& track : tracks_) {
+      if (track.object().id == object.id) track.decideStages(object);
+    }
+  }
+}
+
 void Tracker::report(std::uint32_t id, const StageReport& report) {
   for (Track& track : tracks_) {
     if (track.object().id == id) track.report(report);

@@ -34,6 +34,9 @@ class Tracker {
   /// Track::kKeepLost frames, in which its quality decreases to 0. `time_s`: media time, s. Throws
   /// SourceError if a frame does not match `info`, or if an object point lies on no object.
   std::vector<TrackedObject> next(const RgbdFrame& frame, double time_s);
+  /// Decides which stages after the tracker run for `objects`, the result of next(). Call it after
+  /// the reports of the frame before.
+  void decideStages(std::vector<TrackedObject>& objects) const;
   /// Adds a later stage's measurements of the object `id` to its scene plan. Ignores an unknown
   /// object.
   void report(std::uint32_t id, const StageReport& report);

@@ -3,8 +3,12 @@
 
 #include <algorithm>
 #include <deque>
+#include <future>
+#include <iterator>
 #include <map>
 #include <sstream>
+#include <thread>
+#include <utility>
 
 #include "common/text.hpp"
 #include "server/source/picture/picture_scale.hpp"
@@ -71,6 +75,15 @@ std::optional<DepthRange> findGivenRange(const SourceInfo& info, const VisionSet
   return levels || relative ? std::nullopt : settings.depth_range;
 }
 
+// Chosen: 640x480 takes less than a frame's time on one processor, and stays as fast as it is.
+constexpr int kOneThread_px = 640 * 480;
+
+bool usesTwoThreads(const SourceInfo& info, const VisionSettings& settings) {
+  if (settings.threads != 0) return settings.threads > 1;
+  return !settings.low_latency && info.width_px * info.height_px > kOneThread_px &&
+         std::thread::hardware_concurrency() > 1;
+}
+
 // Returns whether a client accepts the frame with one more object.
 bool hasRoomFor(const HapticObject& object, const HapticFrame& frame) {
   std::size_t sum = object.relief->rect.pixels();
@@ -86,8 +99,9 @@ class Vision::Impl {
       : info_(info),
         settings_(std::move(settings)),
         clock_(clock),
+        two_threads_(usesTwoThreads(info_, settings_)),
         lookahead_(settings_.low_latency ? 1 : lookaheadFrames(info.fps)),
-        motion_(info_, settings_, lookahead_) {
+        motion_(info_, settings_, lookahead_, clock) {
     checkPoints(info_, settings_, settings_.object_points, "--object");
     checkPoints(info_, settings_, settings_.not_points, "--not");
     description_.name = info_.name;
@@ -96,7 +110,7 @@ class Vision::Impl {
     description_.workspace.height_px = info_.height_px;
     description_.workspace.stretch = settings_.stretch || settings_.method == Method::kThesis;
     description_.method = settings_.method;
-    description_.pipeline_latency = fromSeconds(lookahead_ / info_.fps);
+    description_.pipeline_latency = fromSeconds((lookahead_ + (two_threads_ ? 1 : 0)) / info_.fps);
     description_.mass_kg = settings_.mass_kg;
     if (const auto given = findGivenRange(info_, settings_)) mapped_ = MappedRange{*given};
     if (settings_.depth_range) info_.depth_range = settings_.depth_range;
@@ -120,24 +134,28 @@ class Vision::Impl {
   }
 
   std::optional<VisionResult> push(const RgbdFrame& frame, MediaTime media_time) {
-    const double time_s = toSeconds(media_time);
-    const std::vector<TrackedObject>& objects = track(frame, time_s);
+    track(frame, toSeconds(media_time));  // while the last frame is described
+    collect();
     if (tracker_->sceneCut()) startEpoch();
-    if (!mapped_ && !objects.empty()) findLiveRange(objects);
-    const std::uint64_t id = next_frame_id_++;
+    if (!mapped_ && !tracked_.empty()) findLiveRange(tracked_);
+    tracker_->decideStages(tracked_);
+    for (const TrackedObject& object : tracked_) numbers_[object.id] = object.number;
     Pending pending{{}, frame.index};
     pending.result.frame.epoch = epoch_;
-    pending.result.frame.id = id;
+    pending.result.frame.id = next_frame_id_++;
     pending.result.frame.media_time = media_time;
     pending.result.color = frame.color;
-    fillObjects(objects, pending.result);
-    motion_.add(id, time_s, objects);
-    pending_.push_back(std::move(pending));
-    if (pending_.size() > static_cast<std::size_t>(lookahead_)) complete();
+    const auto policy = two_threads_ ? std::launch::async : std::launch::deferred;
+    description_task_ = std::async(policy, [this, objects = tracked_, noise = tracker_->noise(),
+                                            pending = std::move(pending)]() mutable {
+      describe(objects, noise, std::move(pending));
+    });
+    if (!two_threads_) collect();
     return onReady();
   }
 
   void setMaterials(const VisionSettings& from) {
+    collect();
     settings_.material = from.material;
     settings_.mass_kg = from.mass_kg;
     settings_.objects = from.objects;
@@ -146,7 +164,7 @@ class Vision::Impl {
   }
 
   std::vector<VisionResult> flush() {
-    while (!pending_.empty()) complete();
+    completeAll();
     std::vector<VisionResult> out;
     while (!ready_.empty()) out.push_back(*onReady());
     return out;
@@ -166,6 +184,11 @@ class Vision::Impl {
   }
 
  private:
+  struct Pending {
+    VisionResult result;
+    std::uint64_t clip_frame = 0;
+  };
+
   [[nodiscard]] double lastWord_s() const {
     return std::max(lastTime_s(settings_.object_points), lastTime_s(settings_.not_points));
   }
@@ -210,14 +233,45 @@ class Vision::Impl {
     if (settings_.method != Method::kThesis) motion_.setClip(std::move(clip));
   }
 
+  // The second half of a frame. Nothing of it influences the first half of the next frame, except
+  // for its reports, which collect() adds to the plans. So two threads yield the same frames as
+  // one.
+  void describe(const std::vector<TrackedObject>& objects, const DepthNoise& noise,
+                Pending pending) {
+    const HapticFrame& frame = pending.result.frame;
+    fillObjects(objects, noise, pending.result);
+    for (const auto& report : motion_.add(frame.id, toSeconds(frame.media_time), objects))
+      reports_.push_back(report);
+    pending_.push_back(std::move(pending));
+    if (pending_.size() > static_cast<std::size_t>(lookahead_)) complete();
+  }
+
+  // Waits for describe(), and adopts its results.
+  void collect() {
+    if (description_task_.valid()) description_task_.get();
+    for (const auto& [id, report] : reports_) {
+      if (tracker_) tracker_->report(id, report);
+    }
+    reports_.clear();
+    std::move(completed_.begin(), completed_.end(), std::back_inserter(ready_));
+    completed_.clear();
+    if (info_.live) description_.largest_acceleration_mm_s2 = motion_.largestAcceleration_mm_s2();
+  }
+
+  void completeAll() {
+    collect();
+    while (!pending_.empty()) complete();
+    collect();
+  }
+
   // Adds the reliefs of the objects to the frame, as many as a client accepts.
-  void fillObjects(const std::vector<TrackedObject>& objects, VisionResult& result) {
+  void fillObjects(const std::vector<TrackedObject>& objects, const DepthNoise& noise,
+                   VisionResult& result) {
     HapticFrame& frame = result.frame;
     for (const TrackedObject& object : objects) {
-      numbers_[object.id] = object.number;
-      Described described = describeLayers(object, frame.id, last_objects_, tracker_->noise(),
-                                           nominal(), settings_, clock_, cutters_[object.id]);
-      tracker_->report(object.id, described.report);
+      Described described = describeLayers(object, frame.id, last_objects_, noise, nominal(),
+                                           settings_, clock_, cutters_[object.id]);
+      reports_.emplace_back(object.id, described.report);
       for (std::size_t i = 0; i < described.layers.size(); ++i) {
         if (!hasRoomFor(described.layers[i], frame)) continue;
         frame.objects.push_back(std::move(described.layers[i]));
@@ -237,27 +291,27 @@ class Vision::Impl {
     return {description_.workspace, mapped_ ? mapped_->range : kHeightRange};
   }
 
-  // Returns the objects of the next frame. A looped clip whose objects have not moved at the seam
+  // Finds the objects of the next frame. A looped clip whose objects have not moved at the seam
   // continues without a new epoch.
-  const std::vector<TrackedObject>& track(const RgbdFrame& frame, double time_s) {
+  void track(const RgbdFrame& frame, double time_s) {
     const bool wraps = tracker_ && frame.epoch != source_epoch_;
     if (wraps && haveSameObjects(tracked_, began_)) {
       std::vector<TrackedObject> now = tracker_->next(frame, time_s);
       if (!tracker_->sceneCut() && isAllAtRest(tracked_, now, nominal(), settings_)) {
         source_epoch_ = frame.epoch;
-        return tracked_ = std::move(now);
+        tracked_ = std::move(now);
+        return;
       }
     }
     const bool begins = !tracker_ || wraps;
     if (begins) restart(frame.epoch);
     tracked_ = tracker_->next(frame, time_s);
     if (begins) began_ = tracked_;
-    return tracked_;
   }
 
   // Completes pending frames with shortened windows; no window reaches into the new epoch.
   void startEpoch() {
-    while (!pending_.empty()) complete();
+    completeAll();
     motion_.forget();
     cutters_.clear();
     last_objects_.clear();
@@ -283,9 +337,8 @@ class Vision::Impl {
     Pending pending = std::move(pending_.front());
     pending_.pop_front();
     motion_.complete(pending.result.frame, pending.clip_frame, nominal());
-    for (const auto& [id, report] : motion_.reports()) tracker_->report(id, report);
-    if (info_.live) description_.largest_acceleration_mm_s2 = motion_.largestAcceleration_mm_s2();
-    ready_.push_back(std::move(pending.result));
+    for (const auto& report : motion_.reports()) reports_.push_back(report);
+    completed_.push_back(std::move(pending.result));
   }
 
   std::optional<VisionResult> onReady() {
@@ -295,14 +348,10 @@ class Vision::Impl {
     return result;
   }
 
-  struct Pending {
-    VisionResult result;
-    std::uint64_t clip_frame = 0;
-  };
-
   SourceInfo info_;
   VisionSettings settings_;
   const Clock* clock_;
+  bool two_threads_;
   int lookahead_;
   StreamDescription description_;
   std::optional<MappedRange> mapped_;
@@ -312,14 +361,19 @@ class Vision::Impl {
   std::uint32_t source_epoch_ = 0;
   ClipAnnotations annotations_;  // of a looped or scanned clip
   std::unique_ptr<Tracker> tracker_;
-  std::vector<TrackedObject> tracked_;  // objects of the last frame
-  std::vector<TrackedObject> began_;    // objects of the tracker's first frame
+  std::vector<TrackedObject> tracked_;    // objects of the last frame
+  std::vector<TrackedObject> began_;      // objects of the tracker's first frame
+  std::map<std::uint32_t, int> numbers_;  // by object id
+  std::deque<VisionResult> ready_;
+
+  // Used by describe(). Other functions use these members after collect().
   FrameMotion motion_;
   std::map<std::uint32_t, LayerCutter> cutters_;  // by object id
-  std::map<std::uint32_t, int> numbers_;          // by object id
   std::vector<HapticObject> last_objects_;
   std::deque<Pending> pending_;
-  std::deque<VisionResult> ready_;
+  std::vector<std::pair<std::uint32_t, StageReport>> reports_;  // by object id, in order
+  std::vector<VisionResult> completed_;
+  std::future<void> description_task_;  // the last member: its destructor waits
 };
 
 Vision::Vision(const SourceInfo& info, VisionSettings settings, const Clock* clock)

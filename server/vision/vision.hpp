@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Vision pipeline of a frame: segment -> enhance -> motion -> describe. Its input is images with
-// their times. Its output is structs. It has no threads and no sockets. Thread: at most one at a
-// time (other files: "the one that runs Vision").
+// their times. Its output is structs. It has no sockets. With two threads, a task describes frame n
+// while frame n + 1 is segmented: both have the same results as with one thread. Thread: at most
+// one at a time (other files: "the one that runs Vision").
 #pragma once
 
 #include <cstdint>
@@ -21,7 +22,7 @@
 namespace hapticast::server {
 
 /// A complete frame with its picture. A frame is complete `lookahead` frames after its push(),
-/// because its motion depends on later frames too.
+/// because its motion depends on later frames too, and one frame later with two threads.
 struct VisionResult {
   HapticFrame frame;  ///< the frame, with the reliefs of all its objects
   cv::Mat color;      ///< picture of the same frame

@@ -95,6 +95,10 @@ struct VisionSettings {
   /// --compensate-pan: accelerations and impacts are relative to the background, not to the
   /// picture.
   bool compensate_pan = false;
+  /// --vision-threads: 2 describes a frame while the next one is segmented, and delays each frame
+  /// by one more. 0: 2 for pictures larger than 640x480, if the machine has two processors and
+  /// `low_latency` is off, else 1.
+  std::uint64_t threads = 0;
   bool explain = false;  ///< --explain: log how the first mask was chosen
   /// bake: scan() reads the whole clip, and each result has what its frame alone measured.
   bool offline = false;

@@ -228,6 +228,18 @@ CellFlow residualFlow(const cv::Mat& last_gray, const cv::Mat& gray, const Surfa
   return out;
 }
 
+CellFlow measureCells(const CellInput& input, const Surface& now, const CellFlow& last,
+                      MotionMode mode) {
+  if (input.kind == CellInput::Kind::kRest) return last.atRest();
+  CellFlow out;
+  if (input.kind == CellInput::Kind::kWhole)
+    out = cellFlow(input.last_gray, input.gray, input.last_mask, input.before, now, mode);
+  if (input.kind == CellInput::Kind::kResidual)
+    out = residualFlow(input.last_gray, input.gray, input.before, now, input.explained);
+  out.interval_s = input.interval_s;
+  return out;
+}
+
 std::shared_ptr<const MotionGrid> makeMotionGrid(const std::vector<const CellFlow*>& flows,
                                                  std::size_t at, const Vec3& mm_per_step) {
   const CellFlow& here = *flows[at];

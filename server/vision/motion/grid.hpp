@@ -46,6 +46,26 @@ using PredictedMotion = std::function<cv::Vec3d(const cv::Point2f& at_px, double
 CellFlow residualFlow(const cv::Mat& last_gray, const cv::Mat& gray, const Surface& before,
                       const Surface& now, const PredictedMotion& explained);
 
+/// Input of measureCells(). Its images are shared and read-only.
+struct CellInput {
+  /// kNone: nothing is measured. kRest: the object rests. kWhole and kResidual: see cellFlow() and
+  /// residualFlow().
+  enum class Kind { kNone, kRest, kWhole, kResidual };
+
+  Kind kind = Kind::kNone;
+  double interval_s = 0.0;      ///< time since the last frame, s
+  cv::Mat last_gray;            ///< picture of the last frame, CV_8UC1
+  cv::Mat gray;                 ///< picture of this frame, CV_8UC1
+  cv::Mat last_mask;            ///< mask of the last frame, CV_8UC1, 0/255; only for kWhole
+  Surface before;               ///< surface of the last frame
+  PredictedMotion explained{};  ///< motion that is no residual; only for kResidual
+};
+
+/// Returns the motion in cells for `input`. `now`: surface of this frame. `last`: result of the
+/// frame before. `mode`: mode of cellFlow().
+CellFlow measureCells(const CellInput& input, const Surface& now, const CellFlow& last,
+                      MotionMode mode);
+
 /// Returns the motion grid of one frame. flows[at] is the motion from the frame before it to this
 /// frame. `flows` also has the motions to the frames around it, in order. Returns null if flows[at]
 /// is empty. The velocity is the mean of the motions to the frame and from it to the next one. The

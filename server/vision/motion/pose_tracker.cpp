@@ -158,15 +158,16 @@ void PoseTracker::advanceRigidly(const Observation& observation, bool trusted) {
   aligned_about_mm_ = before;
 }
 
-cv::Vec3d PoseTracker::explainFlow(const cv::Point2f& at_px, double depth_mm) const {
-  const CameraModel& camera = settings_.camera;
-  const Vec2 was(double(at_px.x) + 0.5, double(at_px.y) + 0.5);
-  const Vec3 from = depth_mm * camera.ray(was.x(), was.y());
-  const Vec3 to =
-      last_step_.rotation * (from - aligned_about_mm_) + aligned_about_mm_ + last_step_.shift_mm;
-  if (depth_mm <= 0 || to.z() <= 1.0) return {0, 0, 0};
-  const Vec2 moved = camera.project(to) - was;
-  return {moved.x(), moved.y(), to.z() - depth_mm};
+PredictedMotion PoseTracker::predictMotion() const {
+  return [camera = settings_.camera, rotation = last_step_.rotation, about_mm = aligned_about_mm_,
+          shift_mm = last_step_.shift_mm](const cv::Point2f& at_px, double depth_mm) -> cv::Vec3d {
+    const Vec2 was(double(at_px.x) + 0.5, double(at_px.y) + 0.5);
+    const Vec3 from = depth_mm * camera.ray(was.x(), was.y());
+    const Vec3 to = rotation * (from - about_mm) + about_mm + shift_mm;
+    if (depth_mm <= 0 || to.z() <= 1.0) return {0, 0, 0};
+    const Vec2 moved = camera.project(to) - was;
+    return {moved.x(), moved.y(), to.z() - depth_mm};
+  };
 }
 
 PoseTracker::Shape PoseTracker::computeShape(const Surface& surface) const {

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "server/vision/base/flow.hpp"
+#include "server/vision/motion/grid.hpp"
 #include "server/vision/motion/object_pose.hpp"
 #include "server/vision/motion/rigid_align.hpp"
 #include "server/vision/surface/enhance.hpp"
@@ -58,10 +59,9 @@ class PoseTracker {
   [[nodiscard]] const ObjectPose& pose() const { return pose_; }
   /// Returns whether the last call of advance() aligned the object rigidly.
   [[nodiscard]] bool aligned() const { return aligned_; }
-  /// Returns how the last alignment displaced a point of the last frame's surface: px to the right,
-  /// px down and mm of depth. `at_px`: the point (pixel centres at whole numbers). `depth_mm`: its
-  /// depth.
-  [[nodiscard]] cv::Vec3d explainFlow(const cv::Point2f& at_px, double depth_mm) const;
+  /// Returns how the last alignment displaced the points of the last frame's surface. Later frames
+  /// do not change the result.
+  [[nodiscard]] PredictedMotion predictMotion() const;
 
  private:
   struct Shape {  // the object's outline in one frame
