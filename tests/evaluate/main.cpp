@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 // hapticast-evaluate TOPIC: error against run time.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <opencv2/core/utility.hpp>
 
+#include "server/vision/segment/rules.hpp"
 #include "tests/evaluate/recording_log.hpp"
 #include "tests/evaluate/report_check.hpp"
 #include "tests/evaluate/report_page.hpp"
@@ -21,6 +23,12 @@ std::string listTopics() {
          "recording (--record of hapticast-client or hapticast-server)\n";
 }
 
+std::string listRules() {
+  std::string text = "is none of";
+  for (const char* name : server::kRuleNames) text += std::string("\n  ") + name;
+  return text;
+}
+
 void addOptions(CLI::App& app, Options& options) {
   app.add_option("--out", options.out,
                  "Folder for TOPIC.csv, TOPIC_NAME.csv, TOPIC.png and report.md")
@@ -34,6 +42,18 @@ void addOptions(CLI::App& app, Options& options) {
                  "Which draw of the held scenes of vision: 1 is the one that methods are tuned on, "
                  "any other is drawn afresh")
       ->capture_default_str();
+  const auto leaveOut = [](const std::string& name) {
+    const auto* const found = std::find(server::kRuleNames.begin(), server::kRuleNames.end(), name);
+    if (found == server::kRuleNames.end()) throw CLI::ValidationError("--without", listRules());
+    server::rules_left_out.set(static_cast<std::size_t>(found - server::kRuleNames.begin()));
+  };
+  app.add_option_function<std::vector<std::string>>(
+         "--without",
+         [leaveOut](const std::vector<std::string>& names) {
+           std::for_each(names.begin(), names.end(), leaveOut);
+         },
+         "A term or rule of the segmentation that vision leaves out; may be repeated")
+      ->allow_extra_args(false);
   app.add_flag("--quick", options.quick, "Fewer scenes: about a minute a topic");
   app.add_flag(
       "--check", options.check,

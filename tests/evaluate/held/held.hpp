@@ -19,4 +19,8 @@ void measureHeldSurfaces(const Options& options, Report& report);
 /// the velocity of both, with the true masks. `--only deform[/NAME]`.
 void measureDeforming(const Options& options, Report& report);
 
+/// What each term and rule of the segmentation is worth on the held scenes: the IoU without it.
+/// `--only rules`, `--only rules/PART_OF_A_NAME`.
+void measureRules(const Options& options, Report& report);
+
 }  // namespace hapticast::evaluate

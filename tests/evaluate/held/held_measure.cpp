@@ -5,6 +5,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "server/vision/base/frame_pair.hpp"
 #include "server/vision/base/masks.hpp"
 #include "tests/evaluate/vision/vision_sheet.hpp"
 
@@ -121,10 +122,24 @@ Result measure(const Scene& scene, const std::filesystem::path& sheets, const Ef
   return out;
 }
 
-Scores timesOf(const Scene& scene, const cv::Size& size, std::size_t frames) {
+Times timesOf(const Scene& scene, const cv::Size& size, std::size_t frames) {
   const Recording recording = record(scene, size, frames);
-  return scoresOf(recording,
-                  runVision(recording, {{{*innermost(recording.truth[0].mask())}}, {}, {}}));
+  const Words words{{{*innermost(recording.truth[0].mask())}}, {}, {}};
+  const Run one = runVision(recording, words);
+  const Run two = runVision(recording, words, 2);
+  const Scores scores = scoresOf(recording, one);
+  Times out{scores.median_ms, scores.slow_ms, one.frames_s, two.frames_s, 0};
+  for (std::size_t i = 0; i < one.masks.size(); ++i) {
+    const bool same =
+        server::equalImages(one.masks[i], two.masks[i]) &&
+        one.objects[i].size() == two.objects[i].size() &&
+        std::equal(one.objects[i].begin(), one.objects[i].end(), two.objects[i].begin(),
+                   [](const auto& a, const auto& b) {
+                     return a.relief->height_mm == b.relief->height_mm && a.motion == b.motion;
+                   });
+    if (!same) ++out.different_frames;
+  }
+  return out;
 }
 
 }  // namespace hapticast::evaluate::held

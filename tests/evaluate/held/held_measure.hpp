@@ -32,7 +32,13 @@ struct Effort {
 /// Draws a contact sheet into `sheets` (empty: none).
 Result measure(const Scene& scene, const std::filesystem::path& sheets, const Effort& effort);
 
+/// Run times of a scene, and whether two threads have the results of one.
+struct Times {
+  double median_ms = 0.0, slow_ms = 0.0;          ///< CPU of one thread; the latter: 95 %
+  double one_frames_s = 0.0, two_frames_s = 0.0;  ///< with one thread and with two
+  std::size_t different_frames = 0;
+};
 /// Run time alone, in a picture of another size, of the first frames.
-Scores timesOf(const Scene& scene, const cv::Size& size, std::size_t frames);
+Times timesOf(const Scene& scene, const cv::Size& size, std::size_t frames);
 
 }  // namespace hapticast::evaluate::held

@@ -2,6 +2,7 @@
 #include "tests/evaluate/held/held_run.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
@@ -37,8 +38,9 @@ class RecordingSource final : public server::test::DrawnSource {
   const std::vector<std::size_t>& drawn_;
 };
 
-server::VisionSettings settingsOf(const Words& words) {
+server::VisionSettings settingsOf(const Words& words, std::uint64_t threads = 1) {
   server::VisionSettings settings;
+  settings.threads = threads;
   settings.segment = server::SegmentMode::kBand;
   settings.object_points = words.on;
   settings.not_points = words.off;
@@ -108,13 +110,17 @@ Run runVisionWith(const Recording& recording, const server::VisionSettings& sett
     RecordingSource source(recording, with_masks, drawn);
     server::Vision vision(source.info(), settings);
     vision.scan(source, nullptr);
+    const auto begin = std::chrono::steady_clock::now();
     while (const auto frame = source.read()) {
       const double start_us = threadTime_us();
       const auto result = vision.push(*frame, mediaTime(frame->clip_time_s));
       run.ms.push_back(1e-3 * (threadTime_us() - start_us));
       if (result) take(result->frame, size, run);
     }
-    for (const server::VisionResult& result : vision.flush()) take(result.frame, size, run);
+    const std::vector<server::VisionResult> rest = vision.flush();
+    const std::chrono::duration<double> wall_s = std::chrono::steady_clock::now() - begin;
+    run.frames_s = double(recording.frames.size()) / wall_s.count();
+    for (const server::VisionResult& result : rest) take(result.frame, size, run);
     if (vision.mapped()) run.mapped = vision.mapped()->range;
   } catch (const server::SourceError& error) {
     run = {};
@@ -128,8 +134,8 @@ Run runVisionWith(const Recording& recording, const server::VisionSettings& sett
 
 }  // namespace
 
-Run runVision(const Recording& recording, const Words& words) {
-  return runVisionWith(recording, settingsOf(words), false, words.drawn);
+Run runVision(const Recording& recording, const Words& words, std::uint64_t threads) {
+  return runVisionWith(recording, settingsOf(words, threads), false, words.drawn);
 }
 
 Run runVisionOnTrueMasks(const Recording& recording) {

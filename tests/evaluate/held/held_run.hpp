@@ -38,11 +38,12 @@ struct Run {
   std::vector<cv::Mat> layers;                       ///< CV_8UC1, layer + 1; 0 outside
   std::vector<std::optional<HapticObject>> largest;  ///< the object, or layer, of most pixels
   std::vector<std::vector<HapticObject>> objects;    ///< all of them, with their layers
-  std::vector<double> ms;                            ///< per frame, one thread
+  std::vector<double> ms;                            ///< per frame, CPU of the calling thread
+  double frames_s = 0.0;                             ///< frames in a second of wall-clock time
   std::optional<server::DepthRange> mapped;          ///< what became heights
   std::string refused;  ///< why there is nothing; empty: it went through
 };
-Run runVision(const Recording& recording, const Words& words);
+Run runVision(const Recording& recording, const Words& words, std::uint64_t threads = 1);
 /// The same with the true masks given by the source: what is left is the surface's share.
 Run runVisionOnTrueMasks(const Recording& recording);
 

@@ -148,11 +148,12 @@ void measureScenes(const Options& options, Report& report) {
 static void evaluateVision(const Options& options) {
   Report report("vision", options);
   const auto only = [&](const char* part) { return options.only.rfind(part, 0) == 0; };
-  const bool a_part = only("surface") || only("deform") || only("estimated") || only("drawn");
+  const bool a_part =
+      only("surface") || only("deform") || only("estimated") || only("drawn") || only("rules");
   if (!options.only.empty() && !only("held") && !a_part)
     throw std::runtime_error("vision: --only " + options.only +
                              " is none of held, held/NAME, surface, surface/NAME, deform, "
-                             "deform/NAME, estimated, drawn");
+                             "deform/NAME, estimated, drawn, rules, rules/NAME");
   if (!only("held") && !a_part) {
     measureScenes(options, report);
     measureRealClips(options, report);
@@ -161,6 +162,7 @@ static void evaluateVision(const Options& options) {
   const bool whole = !only("held") && !a_part && !options.quick;
   if (only("drawn") || options.only.empty()) measureKeyMasks(report);
   if (only("estimated") || options.only.empty()) measureEstimated(report);
+  if (only("rules")) measureRules(options, report);
   if (only("surface") || whole) measureHeldSurfaces(options, report);
   if (only("deform") || whole) measureDeforming(options, report);
   report.write();

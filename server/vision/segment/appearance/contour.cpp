@@ -5,6 +5,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "server/vision/segment/rules.hpp"
+
 namespace hapticast::server {
 
 namespace {
@@ -26,7 +28,6 @@ constexpr double kColorWeight = 1.5;
 // Tuned on drawn scenes: with 2 an object that returns stays partial, with 0 hands join the mask.
 constexpr double kShapeWeight = 1.2;
 constexpr double kShapeShare = 1.0 / 30.0;  // chosen: the shape is the mean of about a second
-constexpr double kMotionWeight = 2.0;       // chosen: 0 to 2 differ by 0.001 IoU on drawn scenes
 constexpr double kWholePicture = 0.3;  // of the background, if the object differs from the picture
 constexpr double kUnlike = 0.35;  // distance of two histograms at which colour has its full weight
 constexpr double kLeastColor = 0.6;
@@ -258,15 +259,16 @@ std::vector<float> computeColorEvidence(const ContourMemory& memory) {
   ColorHistogram background = memory.background;
   background.adapt(memory.elsewhere,
                    kWholePicture * (1.0 - computeOverlap(memory.first, memory.elsewhere)));
-  // Colours that the object shares with negative samples cannot separate the two.
-  const double other = 1.0 - computeOverlap(memory.first, memory.avoided);
-  background.raise(memory.avoided, std::min(1.0, other / kUnlike), memory.first);
+  // Colours that the object shares with negative samples or the hand cannot separate the two.
+  for (const ColorHistogram* others : {&memory.avoided, &memory.hand}) {
+    const double other = 1.0 - computeOverlap(memory.first, *others);
+    background.raise(*others, std::min(1.0, other / kUnlike), memory.first);
+  }
   return colorEvidence(memory.first, memory.now, background);
 }
 
 ContourResult decideContour(const ObjectRoi& patch, const DepthNoise& noise,
-                            const std::vector<Plane>& planes, ContourMemory& memory,
-                            const cv::Mat& motion) {
+                            const std::vector<Plane>& planes, ContourMemory& memory) {
   ContourResult result;
   const cv::Mat color = mapEvidence(patch.color, computeColorEvidence(memory));
   // If object and background have similar colours, depth decides.
@@ -274,14 +276,14 @@ ContourResult decideContour(const ObjectRoi& patch, const DepthNoise& noise,
   const double color_weight = kColorWeight * std::clamp(unlike / kUnlike, kLeastColor, 1.0);
   const cv::Mat excluded = findExcluded(patch, planes);
   cv::Mat evidence = color_weight * color + depthTerm(patch, excluded, noise);
-  if (!motion.empty()) evidence += kMotionWeight * motion;
   cv::blur(evidence, evidence, {3, 3});
   // What hides the object is no part of it, whatever its shape.
   const cv::Mat not_hidden = patch.nearer.empty() ? cv::Mat() : cv::Mat(~patch.nearer);
-  if (!memory.shape.empty()) cv::add(evidence, kShapeWeight * memory.shape, evidence, not_hidden);
+  if (!memory.shape.empty() && usesRule(Rule::kShape))
+    cv::add(evidence, kShapeWeight * memory.shape, evidence, not_hidden);
   addExpectation(patch.distance, memory.evidence, evidence);
   // The first frame must not creep either.
-  const float lean = memory.evidence.empty() ? 0.0F : kLean;
+  const float lean = memory.evidence.empty() || !usesRule(Rule::kLean) ? 0.0F : kLean;
   result.mask = filterGuided(patch, evidence, lean);
   cv::morphologyEx(result.mask, result.mask, cv::MORPH_OPEN,
                    cv::getStructuringElement(cv::MORPH_ELLIPSE, {3, 3}));

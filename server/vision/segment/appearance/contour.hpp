@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Narrow-band contour decision: decides which pixels of a band around an object's contour belong to
-// the object. The decision is the sum of evidence from colour, depth, planes, shape, motion and the
-// last frame. A guided filter (He, Sun and Tang 2010) aligns the result with edges of the picture.
+// the object. The decision is the sum of evidence from colour, depth, planes, shape and the last
+// frame. A guided filter (He, Sun and Tang 2010) aligns the result with edges of the picture.
 // Pixels outside the band do not change. README.md of server/vision has the formula. Thread: the
 // one that runs Vision.
 #pragma once
@@ -22,6 +22,7 @@ struct ContourMemory {
   ColorHistogram background;  ///< colours of the ring around the object
   ColorHistogram elsewhere;   ///< colours of the first picture outside the object; may be empty
   ColorHistogram avoided;     ///< colours of the author's negative points; may be empty
+  ColorHistogram hand;        ///< colours of the hand that holds the object; may be empty
   cv::Mat evidence;           ///< evidence of the last decision, CV_32FC1 over a patch; > 0: object
   cv::Mat shape;  ///< mean of the masks of the last second, moved with the object: -1..1, CV_32FC1
   cv::Matx33d to_picture;  ///< maps px of `evidence` and of `shape` to px of the picture
@@ -45,12 +46,10 @@ struct ContourResult {
 };
 
 /// Decides which pixels of the band in `patch` belong to the object, and returns the new mask.
-/// `motion`: result of computeMotionEvidence(), or empty.
 /// Replaces `memory.evidence` by the evidence of this frame. Call warpEvidence() before, or leave
 /// `memory.evidence` empty. The histograms do not change; see updateMemory().
 ContourResult decideContour(const ObjectRoi& patch, const DepthNoise& noise,
-                            const std::vector<Plane>& planes, ContourMemory& memory,
-                            const cv::Mat& motion = {});
+                            const std::vector<Plane>& planes, ContourMemory& memory);
 
 /// Adds `mask` to the object's own shape, the mean of its masks of the last second. Pixels where
 /// the object is hidden do not change. `mask`: see updateMemory(). `is_whole`: false if `mask` may

@@ -6,6 +6,8 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/imgproc/detail/gcgraph.hpp>
 
+#include "server/vision/segment/rules.hpp"
+
 namespace hapticast::server {
 
 namespace {
@@ -142,8 +144,9 @@ cv::Mat minimumCut(const CutTerms& terms, const GraphRoi& view, const DepthNoise
     const float to = view.depth.at<float>(b);
     const bool step = from > 0 && to > 0 && std::abs(from - to) > view.step_mm(noise, from);
     const float apart = a.x != b.x && a.y != b.y ? 0.7071F : 1.0F;
-    const float valley =
-        view.valley.empty() ? 0.0F : std::max(view.valley.at<float>(a), view.valley.at<float>(b));
+    const float valley = view.valley.empty() || !usesRule(Rule::kValley)
+                             ? 0.0F
+                             : std::max(view.valley.at<float>(a), view.valley.at<float>(b));
     const float across =
         step ? weights.across_step : 1.0F - (1.0F - weights.across_valley) * valley;
     const float cost = weights.together * apart * std::exp(-beta * square) * across;

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "server/vision/base/masks.hpp"
+#include "server/vision/segment/rules.hpp"
 
 namespace hapticast::server {
 
@@ -18,8 +19,7 @@ constexpr int kChooseAgain = 60;
 // Chosen, frames of loss until another object replaces an automatic choice.
 constexpr int kForgetAfter = 15;
 constexpr int kNewPlanesAfter = 5;  // chosen, frames: RANSAC costs more than a frame
-// Measured, frames: in every frame it costs 13 % of the time, and the masks are no better.
-constexpr int kOtherMotionEvery = 3;
+constexpr int kFollowBox = 50;   // chosen, frames: a filter that has drifted longer finds nothing
 constexpr int kLightEvery = 30;  // chosen, frames: light changes slowly
 // Chosen: overlap with a present object that makes both the same.
 constexpr double kSameObject = 0.5;
@@ -62,6 +62,7 @@ void NarrowBandTracker::forgetScene() {
   new_scene_ = true;
   next_choice_ = 0;
   past_.clear();
+  doubts_.clear();
   if (annotation_track_.atStart().on.empty()) objects_.clear();
   for (TrackedMask& object : objects_) object.lose();
 }
@@ -80,8 +81,9 @@ void NarrowBandTracker::decide(const FramePair& frames, const Flows& flows) {
 void NarrowBandTracker::updateObjects(const FramePair& frames, const Flows& flows) {
   const FrameImages& images = frames.now;
   for (TrackedMask& object : objects_) {
+    const std::optional<cv::Rect> box = followBox(object, frames);
     if (!object.present()) {
-      if (auto again = object.search(images, scene_); again && !isAnother(*again)) {
+      if (auto again = object.search(images, scene_, box); again && !isAnother(*again)) {
         again->rename(next_id_++);
         object = std::move(*again);
       }
@@ -90,11 +92,26 @@ void NarrowBandTracker::updateObjects(const FramePair& frames, const Flows& flow
     const auto flow = flows.find(object.id());
     if (flow != flows.end() && flow->second.isStatic) continue;
     const ObjectFlow moved = flow != flows.end() ? flow->second : ObjectFlow{};
-    std::optional<OtherMotion> other;
-    if (frame_ % kOtherMotionEvery == 0)
-      other = findOtherMotion(frames.last.gray, images.gray, object.mask(), moved);
-    object.update(images, moved, scene_, other);
+    object.update(images, moved, scene_, box);
   }
+}
+
+// Returns the box of an object whose mask is in doubt, from its last sure frame on.
+std::optional<cv::Rect> NarrowBandTracker::followBox(const TrackedMask& object,
+                                                     const FramePair& frames) {
+  Doubt& doubt = doubts_[object.number()];
+  if (object.present() && object.isDecided()) {
+    doubt = {frames.last.color, {}, 0};
+    return std::nullopt;
+  }
+  if (!usesRule(Rule::kBox)) return std::nullopt;
+  if (++doubt.frames > kFollowBox || doubt.sure_color.empty()) return std::nullopt;
+  if (!doubt.box) {
+    const cv::Rect box = findBoxAround(object.lastSure(), 0);
+    if (std::min(box.width, box.height) < BoxTracker::kSmallestBox_px) return std::nullopt;
+    doubt.box.emplace(doubt.sure_color, box);
+  }
+  return doubt.box->next(frames.now.color);
 }
 
 void NarrowBandTracker::remember(const FrameImages& images) {

@@ -7,9 +7,11 @@
 
 #include <deque>
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "server/vision/segment/annotate/annotation_track.hpp"
+#include "server/vision/segment/follow/box_tracker.hpp"
 #include "server/vision/segment/follow/select_initial_mask.hpp"
 #include "server/vision/segment/follow/tracked_mask.hpp"
 #include "server/vision/segment/segmenter.hpp"
@@ -39,6 +41,7 @@ class NarrowBandTracker final : public Segmenter {
   void forgetScene();
   void decide(const FramePair& frames, const Flows& flows);
   void updateObjects(const FramePair& frames, const Flows& flows);
+  std::optional<cv::Rect> followBox(const TrackedMask& object, const FramePair& frames);
   void updatePlanes(const FrameImages& images);
   void removePlanes(const TrackedMask& object, const FrameImages& images);
   void startAtPoints(const FrameImages& images);
@@ -76,6 +79,13 @@ class NarrowBandTracker final : public Segmenter {
     std::map<int, cv::Mat> masks;  // results of forward tracking, by object number
   };
 
+  /// What follows an object whose mask is in doubt.
+  struct Doubt {
+    cv::Mat sure_color;  // picture of the last frame whose pixels decided the mask
+    std::optional<BoxTracker> box{};
+    int frames = 0;  // since then
+  };
+
   AnnotationTrack annotation_track_;
   bool explain_;
   int named_;  // number of objects that the author's scene names
@@ -85,6 +95,7 @@ class NarrowBandTracker final : public Segmenter {
   std::map<int, std::uint64_t> last_annotation_;  // frame of the last annotation, by object number
   SceneContext scene_;
   std::vector<TrackedMask> objects_;
+  std::map<int, Doubt> doubts_;  // by object number
   int frame_ = 0;
   int planes_frame_ = 0;
   int next_choice_ = 0;  // frame of the next attempt at an automatic choice

@@ -10,6 +10,7 @@
 #include "server/vision/segment/initialise/candidates.hpp"
 #include "server/vision/segment/initialise/initial_mask.hpp"
 #include "server/vision/segment/initialise/object_proposals.hpp"
+#include "server/vision/segment/rules.hpp"
 #include "server/vision/segment/segmenter.hpp"
 
 namespace hapticast::server {
@@ -99,7 +100,7 @@ class Selection {
     for (const auto& [score, cut] : scored) {
       const TrackedMask settled(0, cut, images_, scene_, kFewRounds * std::max(1, larger));
       const double after = objectness(view_, settled.mask());
-      if (after + kForSettled >= score) {
+      if (usesRule(Rule::kSettledCut) && after + kForSettled >= score) {
         add(settled, std::max(0.0, score - after), "settled cut");
       } else {
         add(TrackedMask(0, cut, images_, scene_, 0), 0.0, "cut");
@@ -152,7 +153,7 @@ ChosenStart selectInitialMask(const FrameImages& images, const SceneContext& sce
   const FrameContext view = own.view(images);
   const Candidates cuts = computeCandidates(view, {point, not_points, scene.avoided, start.mask});
   Selection selection(images, own, cuts.hand);
-  if (has_component) {
+  if (has_component && usesRule(Rule::kComponent)) {
     const cv::Mat cut = cutByColor(images, start.mask, own.planes, point, not_points);
     selection.add(TrackedMask(0, cut, images, own), kForComponent, "component of depth");
   }
@@ -163,10 +164,19 @@ ChosenStart selectInitialMask(const FrameImages& images, const SceneContext& sce
   if (!has_component && !start.too_small && best->score < kDespiteDepth)
     return {std::nullopt, start.why_not, 0.0};
   const Candidate& whole = selection.candidates().front();
-  if (has_component && (isHand(view, start.mask, point, *best) || isBody(*best, whole)))
-    best = &whole;
+  const bool hand =
+      usesRule(Rule::kHandIsWhole) && has_component && isHand(view, start.mask, point, *best);
+  const bool body = usesRule(Rule::kBodyIsWhole) && has_component && isBody(*best, whole);
+  if (hand || body) best = &whole;
   ChosenStart out{best->object, nullptr, objectness(best->terms), std::move(own.planes),
                   rankDistinct(selection.candidates(), *best)};
+  if (!cuts.hand.empty()) {
+    const auto learn = [&](TrackedMask& object) {  // the object's rim has mixed colours
+      object.learnHand(images.color, cuts.hand & ~dilateBy(object.mask(), kBand_px));
+    };
+    learn(*out.object);
+    std::for_each(out.ranked.begin(), out.ranked.end(), learn);
+  }
   for (const Candidate& each : selection.candidates())
     out.explanation.push_back(fmt::format("at {},{}: {}{} {:.2f}, {}", point.x, point.y,
                                           &each == best ? "chosen: " : "", each.origin, each.score,
@@ -219,7 +229,9 @@ ChosenStart selectAutomatically(const FrameImages& images, const SceneContext& s
     const double rate = rateProposal(proposal, proposals.front().depth_mm, next.object->mask());
     explanation.push_back(fmt::format("proposal at {},{}: score {:.2f}, place {:.2f}",
                                       proposal.at.x, proposal.at.y, next.score, rate));
-    if (proposal.at_limb && next.score < kSurelyObject) continue;  // a limb that holds nothing
+    const bool is_held = next.score >= kSurelyObject &&
+                         widthInSpace_mm(scene.view(images), next.object->mask()) < kHeld_mm;
+    if (proposal.at_limb && !is_held) continue;  // a limb that holds nothing, or a lap
     if (best.object && next.score + rate <= highest) continue;
     highest = next.score + rate;
     best = std::move(next);

@@ -8,6 +8,7 @@
 #include "server/vision/segment/follow/redetect.hpp"
 #include "server/vision/segment/initialise/initial_mask.hpp"
 #include "server/vision/segment/initialise/refine_clicks.hpp"
+#include "server/vision/segment/rules.hpp"
 #include "server/vision/segment/segmenter.hpp"
 
 namespace hapticast::server {
@@ -29,23 +30,16 @@ constexpr double kPartlyHidden = 0.15;  // chosen, of the whole: less is noise o
 constexpr double kSizeJump = 0.05;      // chosen, of the size in a frame: faster growth is an error
 constexpr double kPlaceJump = 0.2;      // chosen, of the width: likewise a change of motion
 constexpr double kDistinct = 0.65;      // chosen: overlap of the colours of object and background
-constexpr double kClearlyOwn = 0.4;     // more of that evidence: another position is better
+constexpr int kDetachedFrames = 3;      // chosen: a piece beside a finger that passes stays
+constexpr double kClearlyUnlike = 0.15;  // chosen, overlap of colours
+constexpr double kDistinctHand = 0.5;    // chosen, overlap of the colours of hand and object
+constexpr double kTouchingShare = 0.1;   // chosen, of the ring: a hand that holds covers more
+constexpr int kTouching_px = 40;         // chosen, px of the patch: as at the start
+constexpr double kNotTheRoom = 0.5;      // chosen, overlap: a hand covers a small part of the room
+constexpr double kStill_px = 0.5;        // chosen, in a frame
+constexpr double kClearlyOwn = 0.4;      // more of that evidence: another position is better
 constexpr double kSurelyColor = 0.8;  // mean colour evidence of pixels that may be uncovered again
 constexpr double kUsualFollows = 0.01;  // chosen: the usual size adapts in four seconds
-constexpr int kLookEvery = 15;  // chosen, frames: a re-detection costs as much as two frames
-constexpr double kClearlyBetter = 0.12;
-constexpr double kAsUsual = 0.1;  // chosen, ln of an area: largest loss
-constexpr int kAgainRounds = 3;
-constexpr double kNearest = 0.6;  // chosen, of its last depth: range of the search
-constexpr double kFarthest = 1.6;
-constexpr int kSearchEverywhere = 3;  // chosen, frames: costs twice as much as a search nearby
-constexpr double kSearchReach = 1.5;  // chosen, widths of the object around its last place
-constexpr double kMostUnlike = 1.2;   // of its initial score: limit for the tracked object
-// Limits for a found object, chosen: how much its score may lie below the initial one, and the
-// least overlap of its colours with the first ones.
-constexpr LikeLimits kLikeNear{1.2, 0.6};
-constexpr LikeLimits kLikeEverywhere{0.5, 0.75};
-constexpr double kMostAgain = 1.6;  // of its usual area
 // Measured: after a correction the rest had 0.55 to 0.59 of the object's colours if it was another
 // object, else 0.71 or more.
 constexpr double kOfOtherColors = 0.65;
@@ -95,8 +89,10 @@ TrackedMask::TrackedMask(std::uint32_t id, const cv::Mat& first_mask, const Fram
 }
 
 void TrackedMask::forgetColors(const SceneContext& scene) {
+  ColorHistogram hand = memory_.hand;
   memory_ = {};
   memory_.avoided = scene.avoided.histogram;
+  memory_.hand = hand;
 }
 
 void TrackedMask::relax(const FrameImages& images, const SceneContext& scene, int most_rounds) {
@@ -120,7 +116,7 @@ void TrackedMask::learnAppearance(const ObjectRoi& patch, const FrameImages& ima
   forgetColors(scene);
   updateMemory(patch, mask_(patch.box), memory_);
   updateShape(patch, mask_(patch.box), is_whole, memory_);
-  memory_.elsewhere = collectElsewhere(images, mask_);
+  if (usesRule(Rule::kElsewhere)) memory_.elsewhere = collectElsewhere(images, mask_);
   whole_ = mask_;
   resetToVisible(patch);
 }
@@ -152,18 +148,9 @@ bool TrackedMask::convinces(const ContourResult& now, double expected_px) const 
   return growth >= kLeastGrowth && now.inside_color >= 0.0;
 }
 
-// Returns the patch at the expected position. If most of the object seems hidden or farther, but
-// has its own colours, the depth jumped; then the limits do not apply.
 ObjectRoi TrackedMask::expected(const FrameImages& images, const cv::Matx23d& similarity,
                                 const SceneContext& scene) const {
-  ObjectLimits within = limits(scene);
-  ObjectRoi patch = makePatch(images, whole_, similarity, within);
-  if (patch.empty() || patch.hidden.empty()) return patch;
-  const int hidden = cv::countNonZero(patch.hidden);
-  if (hidden <= cv::countNonZero(patch.inside)) return patch;
-  if (meanEvidence(memory_, patch.color, patch.hidden) < kOwnColors) return patch;
-  within.nearest_mm = within.farthest_mm = 0.0;
-  return makePatch(images, whole_, similarity, within);
+  return makePatch(images, whole_, similarity, limits(scene));
 }
 
 // Returns whether `similarity` changes the size too fast, or moves the object unlike the last
@@ -178,57 +165,72 @@ bool TrackedMask::isJump(const cv::Matx23d& similarity) const {
   return cv::norm(now.warp(middle) - last.warp(middle)) > kPlaceJump * std::sqrt(moments.m00);
 }
 
-// Returns the patch at the place to which `similarity` leads. Returns the patch at the old place,
-// and sets `similarity` to rest, if the colours there are clearly more the object's. What passes in
-// front of an object pushes its motion. A partly hidden object that seems to jump moves as in the
-// last frame (dead reckoning).
+// Returns the patch at the place to which `similarity` leads. Returns the patch at the old place or
+// at `box`, and sets `similarity` to that motion, if the colours there are clearly more the
+// object's. What passes in front of an object pushes its motion. A partly hidden object that seems
+// to jump moves as in the last frame (dead reckoning).
 ObjectRoi TrackedMask::locate(const FrameImages& images, const SceneContext& scene,
-                              cv::Matx23d& similarity) const {
+                              const std::optional<cv::Rect>& box, cv::Matx23d& similarity) const {
   const bool is_partly_hidden =
       cv::countNonZero(whole_ != mask_) > kPartlyHidden * cv::countNonZero(whole_);
-  if (is_partly_hidden && isJump(similarity)) similarity = last_similarity_;
+  if (usesRule(Rule::kDeadReckoning) && is_partly_hidden && isJump(similarity))
+    similarity = last_similarity_;
   ObjectRoi patch = expected(images, similarity, scene);
   const double moved = patch.empty() ? -1.0 : meanEvidence(memory_, patch.color, patch.inside);
   if (moved >= 0.0 && !is_partly_hidden) return patch;
-  const cv::Matx23d rest = ObjectFlow{}.similarity;
-  ObjectRoi still = expected(images, rest, scene);
-  const double least = std::max(kOwnColors, moved + kClearlyOwn);
-  if (still.empty() || meanEvidence(memory_, still.color, still.inside) <= least) return patch;
-  similarity = rest;
-  return still;
+  std::vector<cv::Matx23d> others;
+  if (usesRule(Rule::kRestingPlace)) others.push_back(ObjectFlow{}.similarity);
+  if (box) {
+    const cv::Rect last = findBoxAround(whole_, 0);
+    others.push_back({1, 0, box->x - last.x + 0.5 * (box->width - last.width), 0, 1,
+                      box->y - last.y + 0.5 * (box->height - last.height)});
+  }
+  double least = std::max(kOwnColors, moved + kClearlyOwn);
+  for (const cv::Matx23d& other : others) {
+    ObjectRoi there = expected(images, other, scene);
+    const double own = there.empty() ? -1.0 : meanEvidence(memory_, there.color, there.inside);
+    if (own <= least) continue;
+    least = own;
+    similarity = other;
+    patch = std::move(there);
+  }
+  return patch;
 }
 
 void TrackedMask::update(const FrameImages& images, const ObjectFlow& flow,
-                         const SceneContext& scene, const std::optional<OtherMotion>& other) {
+                         const SceneContext& scene, const std::optional<cv::Rect>& box) {
   cv::Matx23d similarity = flow.similarity;
-  const ObjectRoi patch = locate(images, scene, similarity);
+  const ObjectRoi patch = locate(images, scene, box, similarity);
   if (patch.empty()) return lose();
   const bool is_mostly_seen = isMostlySeen(patch);
   // The motion of a mostly hidden object is not exact enough to move its shape.
   if (!is_mostly_seen) memory_.shape.release();
   last_similarity_ = similarity;
   warpEvidence(memory_, patch, similarity);
-  const cv::Mat motion = other ? computeMotionEvidence(patch, *other, similarity) : cv::Mat();
-  ContourResult now = decideContour(patch, scene.noise, scene.planes, memory_, motion);
+  ContourResult now = decideContour(patch, scene.noise, scene.planes, memory_);
   // An object that is mostly hidden comes back where it was: it does not grow beyond its whole.
   if (!is_mostly_seen) now.mask &= scaleToFullSize(dilateBy(patch.inside | patch.hidden, 1), patch);
   const double expected_px = cv::countNonZero(patch.inside) * patch.factor * patch.factor;
   const bool nothing =
       cv::countNonZero(now.mask) < kSmallestObject_px || expected_px < kSmallestObject_px;
   const bool convincing = !nothing && convinces(now, expected_px);
+  if (convincing && usesRule(Rule::kDetachedPieces)) dropDetachedPieces(patch, now.mask);
   setMask(convincing ? now.mask : scaleToFullSize(patch.inside, patch), patch, images);
   if (convincing) {
     resetToVisible(patch);
     if (!flow.reliable) quality_ = kWeaker;
     updateShape(patch, now.mask, cv::countNonZero(now.mask) > kMostlyWhole * usual_px_, memory_);
     if (expected_px > kMostlySeen * area_px_) updateMemory(patch, now.mask, memory_);
+    if (memory_.hand.empty()) learnTouchingHand(patch, now.mask, scene);
   } else {
     quality_ *= kWeaker;
     ++weak_;
   }
   moveAnchors(similarity);
   const bool is_uncertain = weak_ == 2 || weak_ > kWeakFrames;
-  if ((is_uncertain || ++since_search_ >= kLookEvery) && redetectObject(images, scene)) return;
+  if (is_uncertain && redetectObject(images, scene)) return;
+  if (usesRule(Rule::kLeftBehind) && isLeftBehind(patch, now.mask, similarity, images, scene))
+    return lose();
   const bool leaving = weak_ > 0 && !clearOfBorder(mask_);
   if (cv::countNonZero(mask_) < kLeastSeen * area_px_) return lose();
   if (nothing || weak_ > kWeakFrames || leaving) lose();
@@ -242,27 +244,57 @@ void TrackedMask::setMask(const cv::Mat& seen, const ObjectRoi& patch, const Fra
       hidden ? wholePicture(seen | scaleToFullSize(patch.hidden, patch), patch, images) : mask_;
 }
 
-// Searches for the object by one graph cut. Returns true if that decides: the result is better than
-// the propagated mask, or neither resembles the object.
-bool TrackedMask::redetectObject(const FrameImages& images, const SceneContext& scene) {
-  since_search_ = 0;
-  const KnownObject known{memory_, limits(scene), usual_px_, mask_, {}};
-  const FrameContext view = scene.view(images);
-  const cv::Mat mask = redetect(view, known);
-  if (mask.empty() || cv::countNonZero(mask) < kSmallestObject_px) return false;
-  const double now = reidentificationScore(view, known, mask_);
-  const double then = reidentificationScore(view, known, mask);
-  if (std::max(now, then) < likeness_ - kMostUnlike) lose();
-  const auto unusual = [this](const cv::Mat& m) {
-    return std::abs(std::log(std::max(1, cv::countNonZero(m)) / usual_px_));
-  };
-  const bool better = then >= now + kClearlyBetter && unusual(mask) <= unusual(mask_) + kAsUsual;
-  if (!present() || !better) return !present();
-  mask_ = mask;
-  whole_ = mask;
-  memory_.forgetPlace();
-  resetToVisible(makePatch(images, mask_));
-  return true;
+// Removes what has been detached from the largest piece for some frames and has not the colours of
+// the first mask: a hand that let go is no part of the object.
+void TrackedMask::dropDetachedPieces(const ObjectRoi& patch, cv::Mat& mask) {
+  const auto [labels, areas_px] = findPieces(mask);
+  if (areas_px.size() <= 2) detached_ = 0;
+  if (areas_px.size() <= 2 || ++detached_ < kDetachedFrames) return;
+  ContourMemory at_start = memory_;
+  at_start.now = at_start.first;
+  const auto largest = std::max_element(areas_px.begin(), areas_px.end()) - areas_px.begin();
+  for (std::size_t i = 1; i < areas_px.size(); ++i) {
+    const cv::Mat piece = labels == double(i);
+    const cv::Mat small = scaleToPatchSize(piece, patch);
+    if (std::ptrdiff_t(i) != largest && meanEvidence(at_start, patch.color, small) < 0.0)
+      mask.setTo(0, piece);
+  }
+  detached_ = 0;
+}
+
+// Learns the colours of a hand that touches the object for the first time.
+void TrackedMask::learnTouchingHand(const ObjectRoi& patch, const cv::Mat& mask,
+                                    const SceneContext& scene) {
+  const cv::Mat inside = scaleToPatchSize(mask, patch);
+  const cv::Mat ring = dilateBy(inside, kBand_px) & ~inside;
+  const cv::Mat skin = dilateBy(erodeBy(findHand(patch.color, limits(scene)) & ~inside, 3), 3);
+  if (cv::countNonZero(skin & ring) < kTouchingShare * cv::countNonZero(ring)) return;
+  const ColorHistogram colors = ColorHistogram::fromImage(patch.color, skin);
+  if (computeOverlap(colors, memory_.first) < kDistinctHand) learnHand(patch.color, skin);
+}
+
+void TrackedMask::learnHand(const cv::Mat& color, const cv::Mat& hand) {
+  if (cv::countNonZero(hand) < kTouching_px || !usesRule(Rule::kHandColors)) return;
+  const ColorHistogram colors = ColorHistogram::fromImage(color, hand);
+  // A wall with the colours of skin is no hand.
+  if (computeOverlap(colors, memory_.elsewhere) < kNotTheRoom) memory_.hand = colors;
+}
+
+// Returns whether the mask stands still without the object's colours, and these colours appear
+// elsewhere: then the mask stayed on the background.
+bool TrackedMask::isLeftBehind(const ObjectRoi& patch, const cv::Mat& mask,
+                               const cv::Matx23d& similarity, const FrameImages& images,
+                               const SceneContext& scene) {
+  const ObjectFlow flow{.similarity = similarity, .tracks = {}};
+  const cv::Point2d middle = 0.5 * (patch.box.tl() + patch.box.br());
+  if (cv::norm(flow.warp(middle) - middle) > kStill_px) return false;
+  const ColorHistogram now = ColorHistogram::fromImage(patch.color, scaleToPatchSize(mask, patch));
+  const double own = computeOverlap(now, memory_.first);
+  if (own >= kOfOtherColors || doubtful_++ % kSearchEverywhere != 0) return false;
+  const auto found = searchElsewhere(images, scene);
+  return found && overlapShare(*found) == 0.0 &&
+         computeOverlap(ColorHistogram::fromImage(images.color, found->mask_), memory_.first) >
+             own + kClearlyUnlike;
 }
 
 void TrackedMask::rememberAppearance(const FrameImages& images, const SceneContext& scene) {
@@ -314,7 +346,6 @@ void TrackedMask::adopt(const cv::Mat& mask, const FrameImages& images, const Sc
   const bool is_whole = present() || cv::countNonZero(mask) > kMostlyWhole * usual_px_;
   mask_ = mask;
   lost_ = 0;
-  since_search_ = 0;
   learnAppearance(patch, images, scene, is_whole);
   rememberAppearance(images, scene);
 }
@@ -343,50 +374,6 @@ double TrackedMask::overlapShare(const TrackedMask& other) const {
 void TrackedMask::lose() {
   lost_ = 1;
   quality_ = 0.0;
-}
-
-std::optional<TrackedMask> TrackedMask::search(const FrameImages& images,
-                                               const SceneContext& scene) {
-  const bool everywhere = lost_++ % kSearchEverywhere == 0;
-  const cv::Rect tight = findBoxAround(last_sure_, 0);
-  const cv::Rect near =
-      findBoxAround(last_sure_, int(kSearchReach * std::max(tight.width, tight.height)));
-  if (auto again = searchIn(near, kLikeNear, images, scene)) return again;
-  return everywhere ? searchIn({}, kLikeEverywhere, images, scene) : std::nullopt;
-}
-
-std::optional<TrackedMask> TrackedMask::searchIn(const cv::Rect& window, const LikeLimits& least,
-                                                 const FrameImages& images,
-                                                 const SceneContext& scene) const {
-  const ObjectLimits anywhere{kNearest * depth_.middle_mm, kFarthest * depth_.middle_mm,
-                              &scene.skin, computeColorEvidence(memory_)};
-  const KnownObject known{memory_, anywhere, usual_px_, {}, window};
-  const FrameContext view = scene.view(images);
-  const cv::Mat found = redetect(view, known);
-  if (found.empty() || cv::countNonZero(found) < kSmallestObject_px) return std::nullopt;
-  TrackedMask again = *this;
-  again.mask_ = again.whole_ = found;
-  for (int round = 0; round < kAgainRounds; ++round) {
-    const ObjectRoi patch = makePatch(images, again.mask_);
-    if (patch.empty()) return std::nullopt;
-    again.memory_.forgetPlace();  // belongs to another patch
-    const ContourResult now = decideContour(patch, scene.noise, scene.planes, again.memory_);
-    if (cv::countNonZero(now.mask) < kSmallestObject_px) return std::nullopt;
-    again.mask_ = wholePicture(now.mask, patch, images);
-  }
-  const double like = reidentificationScore(view, known, again.mask_);
-  const double colors =
-      computeOverlap(ColorHistogram::fromImage(images.color, again.mask_), memory_.first);
-  if (like < likeness_ - least.less || colors < least.colors ||
-      cv::countNonZero(again.mask_) > kMostAgain * usual_px_)
-    return std::nullopt;
-  again.whole_ = again.mask_;
-  again.lost_ = 0;
-  again.resetToVisible(makePatch(images, again.mask_));
-  // The found mask may be a part of the object.
-  again.area_px_ = std::max(again.area_px_, area_px_);
-  again.usual_px_ = usual_px_;
-  return again;
 }
 
 }  // namespace hapticast::server

@@ -14,7 +14,6 @@
 #include "server/vision/base/frame_pair.hpp"
 #include "server/vision/segment/annotate/annotation_track.hpp"
 #include "server/vision/segment/appearance/contour.hpp"
-#include "server/vision/segment/appearance/motion_evidence.hpp"
 #include "server/vision/segment/appearance/object_roi.hpp"
 #include "server/vision/segment/appearance/planes.hpp"
 
@@ -37,6 +36,12 @@ struct LikeLimits {
   double less;    ///< largest decrease of its reidentificationScore()
   double colors;  ///< least overlap of its colours with those of the first mask
 };
+
+/// Largest area of a corrected or found mask, of the object's usual area. The value is a choice.
+inline constexpr double kMostAgain = 1.6;
+/// Frames from one search in the whole picture to the next one. The value is a choice: it costs
+/// twice as much as a search nearby.
+inline constexpr int kSearchEverywhere = 3;
 
 /// Mask and appearance of one object, updated from frame to frame.
 class TrackedMask {
@@ -66,16 +71,21 @@ class TrackedMask {
   /// and later corrections keep its region. A later --not beside the point removes it. So does a
   /// motion after which the point is outside the object.
   void addAnchor(const cv::Point& point) { anchors_.emplace_back(point); }
+  /// Learns the colours of the hand that holds the object: those of `color` (CV_8UC3) where `hand`
+  /// (CV_8UC1, 0/255) is set. From then on they are evidence against the object, unless the object
+  /// has them too. update() learns them itself when a hand first touches the object.
+  void learnHand(const cv::Mat& color, const cv::Mat& hand);
   /// Updates the mask for the next frame: moves the mask by `flow` and decides the pixels of its
-  /// band anew. `other`: motion of the object's surroundings; nullopt: unknown.
+  /// band anew. `box`: place of the object according to BoxTracker, px; nullopt: unknown.
   void update(const FrameImages& images, const ObjectFlow& flow, const SceneContext& scene,
-              const std::optional<OtherMotion>& other = std::nullopt);
+              const std::optional<cv::Rect>& box = std::nullopt);
   /// Counts a frame in which the object is lost. Searches for the object by redetect() near its
-  /// last place, and in every third such frame in the whole picture. The search covers depths of
-  /// 0.6 to 1.6 times the object's last depth. Returns the object if it was found, still without a
-  /// new id; otherwise nullopt.
-  [[nodiscard]] std::optional<TrackedMask> search(const FrameImages& images,
-                                                  const SceneContext& scene);
+  /// last place, then around `box` (see update()), and in every third such frame in the whole
+  /// picture. The search covers depths of 0.6 to 1.6 times the object's last depth. Returns the
+  /// object if it was found, still without a new id; otherwise nullopt.
+  [[nodiscard]] std::optional<TrackedMask> search(
+      const FrameImages& images, const SceneContext& scene,
+      const std::optional<cv::Rect>& box = std::nullopt);
   /// Removes from this mask the pixels that the mask of `other` also contains. Marks the object as
   /// lost if almost none remains.
   void yieldTo(const TrackedMask& other);
@@ -95,6 +105,8 @@ class TrackedMask {
   /// Returns 1 if the mask was decided by the newest frame's pixels and the motion was measured.
   /// Otherwise returns less than 1.
   [[nodiscard]] double quality() const { return quality_; }
+  /// Returns the mask, with its hidden part, of the last frame whose pixels decided it.
+  [[nodiscard]] const cv::Mat& lastSure() const { return last_sure_; }
   /// Returns whether the pixels of the newest frame decided the mask. Returns false if the mask was
   /// only moved.
   [[nodiscard]] bool isDecided() const { return weak_ == 0; }
@@ -119,8 +131,15 @@ class TrackedMask {
   [[nodiscard]] std::optional<TrackedMask> searchIn(const cv::Rect& window, const LikeLimits& least,
                                                     const FrameImages& images,
                                                     const SceneContext& scene) const;
+  [[nodiscard]] std::optional<TrackedMask> searchElsewhere(const FrameImages& images,
+                                                           const SceneContext& scene) const;
   [[nodiscard]] ObjectRoi locate(const FrameImages& images, const SceneContext& scene,
-                                 cv::Matx23d& similarity) const;
+                                 const std::optional<cv::Rect>& box, cv::Matx23d& similarity) const;
+  void dropDetachedPieces(const ObjectRoi& patch, cv::Mat& mask);
+  void learnTouchingHand(const ObjectRoi& patch, const cv::Mat& mask, const SceneContext& scene);
+  [[nodiscard]] bool isLeftBehind(const ObjectRoi& patch, const cv::Mat& mask,
+                                  const cv::Matx23d& similarity, const FrameImages& images,
+                                  const SceneContext& scene);
   void moveAnchors(const cv::Matx23d& similarity);
   void setMask(const cv::Mat& seen, const ObjectRoi& patch, const FrameImages& images);
   bool redetectObject(const FrameImages& images, const SceneContext& scene);
@@ -137,7 +156,8 @@ class TrackedMask {
   int lost_ = 0;        // frames since the loss; 0: present
   double area_px_ = 0;  // area in its last frame with a plausible mask
   double usual_px_ = 0;
-  int since_search_ = 0;   // frames since the last search
+  int detached_ = 0;       // successive frames with a mask of several pieces
+  int doubtful_ = 0;       // frames with colours that are not the object's
   double likeness_ = 0.0;  // score of its initial mask
   DepthSpan depth_;
   std::vector<cv::Point2f> anchors_;  // points of the author on the object, px

@@ -11,6 +11,7 @@
 #include "server/vision/base/statistics.hpp"
 #include "server/vision/segment/appearance/graph_cut.hpp"
 #include "server/vision/segment/initialise/initial_mask.hpp"
+#include "server/vision/segment/rules.hpp"
 
 namespace hapticast::server {
 
@@ -63,6 +64,7 @@ cv::Mat mergeOccludedParts(const GraphRoi& view, const cv::Mat& mask, const cv::
                            double px_per_mm) {
   const auto [labels, areas_px] = findPieces(mask & ~main);
   cv::Mat out = main.clone();
+  if (!usesRule(Rule::kOccludedParts)) return out;
   std::vector<cv::Mat> left;
   left.reserve(areas_px.size());
   for (std::size_t i = 1; i < areas_px.size(); ++i) {
@@ -177,7 +179,8 @@ cv::Mat placeEvidence(const Surroundings& s) {
       float& sum = out.at<float>(v, u);
       const bool of_it = s.component.at<unsigned char>(v, u) != 0;
       if (!(s.view.depth.at<float>(v, u) > 0)) {
-        sum += kCutOfCandidate.hole * (findDepthBeside(s, u, v) - kCutOfCandidate.beside_object);
+        if (usesRule(Rule::kHole))
+          sum += kCutOfCandidate.hole * (findDepthBeside(s, u, v) - kCutOfCandidate.beside_object);
       } else if (s.view.plane.at<unsigned char>(v, u) != 0) {
         sum += kCutOfCandidate.plane;
       } else {
@@ -204,6 +207,7 @@ cv::Mat findHand(const FrameContext& scene, const Surroundings& s) {
     }
   }
   cv::Mat none = cv::Mat::zeros(s.view.size(), CV_8UC1);
+  if (!usesRule(Rule::kHandMixture)) return none;
   if (std::ssize(far) < kHandPixels) return none;
   skin &= s.distance > computeQuantile(far, kNearHand);
   cv::Mat clicked = none.clone();

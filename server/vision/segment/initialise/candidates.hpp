@@ -40,15 +40,11 @@ Candidates computeCandidates(const FrameContext& scene, const Click& click);
 /// Terms of the objectness score of a mask. Shares are 0..1.
 struct ObjectnessTerms {
   double apart = 0.0;  ///< distance of its colours from those of the ring around it (Bhattacharyya)
-  double missing = 0.0;  ///< ring pixels whose colours occur only in the mask, over the mask's area
-  double edge = 0.0;     ///< mean strength of the edges of colour or depth along the contour
-  double weak = 0.0;     ///< share of the contour without an edge
-  double contact = 0.0;  ///< share of the contour where the depth continues outside
-  double border = 0.0;   ///< share of the contour at the picture's border
-  double solid = 0.0;    ///< area over that of the visible convex hull
-  double known = 0.0;    ///< share of pixels with depth
-  double stray = 0.0;    ///< share of pixels farther from the median depth than the mask's width
-  double skin = 0.0;     ///< share of pixels with colours of skin
+  double edge = 0.0;   ///< mean strength of the edges of colour or depth along the contour
+  /// Share of the contour where the depth continues outside. Half of it counts at a colour edge.
+  double contact = 0.0;
+  double stray = 0.0;     ///< share of pixels farther from the median depth than the mask's width
+  double skin = 0.0;      ///< share of pixels with colours of skin
   double width_mm = 0.0;  ///< diameter of a disc with its area
 };
 
