@@ -19,6 +19,7 @@
 #include "server/source/rgbd_source.hpp"
 #include "server/stream/key_file.hpp"
 #include "server/stream/stream_settings.hpp"
+#include "server/vision/vision.hpp"
 
 namespace {
 
@@ -83,6 +84,7 @@ int bakeClip(const hapticast::server::BakeSettings& settings) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  hapticast::server::stopOpenCvThreads();
   if (argc > 1 && std::string_view(argv[1]) == hapticast::server::kBakeCommand) {
     hapticast::server::BakeSettings bake;
     if (const auto exit_code = hapticast::server::readBakeCommandLine(bake, argc, argv))

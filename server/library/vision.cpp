@@ -75,6 +75,7 @@ server::VisionSettings importSettings(const VisionSettings& settings,
   }
   to.fov_deg = settings.fov_deg;
   to.low_latency = settings.low_latency;
+  to.threads = 1;  // the caller's program has its own threads
   to.material = importMaterial(settings.material);
   to.mass_kg = std::exchange(to.material.mass_kg, std::nullopt);
   return to;

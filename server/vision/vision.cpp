@@ -6,6 +6,7 @@
 #include <future>
 #include <iterator>
 #include <map>
+#include <opencv2/core/utility.hpp>
 #include <sstream>
 #include <thread>
 #include <utility>
@@ -92,6 +93,8 @@ bool hasRoomFor(const HapticObject& object, const HapticFrame& frame) {
 }
 
 }  // namespace
+
+void stopOpenCvThreads() { cv::setNumThreads(1); }
 
 class Vision::Impl {
  public:

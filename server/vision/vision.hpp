@@ -31,6 +31,10 @@ struct VisionResult {
   std::vector<std::shared_ptr<const Relief>> measured = {};
 };
 
+/// Switches off OpenCV's own threads in this program: they would compete with the program's
+/// threads. Thread: any, before others call OpenCV.
+void stopOpenCvThreads();
+
 /// Converts the images of one source to haptic frames.
 class Vision {
  public:

@@ -76,25 +76,6 @@ struct Drawn {
   }
 };
 
-TEST(Objectness, OnlySurfacesFarInFrontOfAnObjectAreOccluders) {
-  const auto score = [](double notch_mm) {  // a square with a notch, in which another thing is
-    std::mt19937 random(5);
-    Drawn drawn(kGrey);
-    const cv::Rect square(100, 60, 100, 100);
-    const cv::Rect notch(130, 60, 40, 60);
-    drawn.fill(square, cv::Scalar(200, 90, 40), 700);
-    drawn.fill(notch, cv::Scalar(40, 160, 40), notch_mm);
-    const FrameImages images = drawn.finish(random);
-    const FrameContext scene{images, drawn.planes, drawn.noise, drawn.skin};
-    cv::Mat mask = cv::Mat::zeros(kDrawn, CV_8UC1);
-    mask(square).setTo(255);
-    mask(notch).setTo(0);
-    return objectness(scene, mask);
-  };
-  EXPECT_NEAR(score(590), score(810), 0.02);
-  EXPECT_GT(score(450), score(950) + 0.02);
-}
-
 TEST(MinimumCut, FollowsTheEdgeOfColourWhereTheEvidenceIsCoarse) {
   std::mt19937 random(3);
   const cv::Rect box(90, 70, 120, 90);

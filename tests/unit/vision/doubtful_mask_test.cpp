@@ -52,13 +52,17 @@ TEST(BoxTracker, FollowsATexturedBallAndReducesALargePicture) {
   }
 }
 
-// A blob of another colour begins as a part of the mask, and is apart from the ball.
+// A blob with the colour of an arm beside it begins as a part of the mask, and is apart from the
+// ball.
 TEST(TrackedMask, APieceOfOtherColoursThatStaysApartGoes) {
   const test::BallScene scene;
   RgbdFrame frame = scene.frame(0, 100, 120);
   const cv::Rect blob(190, 100, 24, 24);
-  frame.color(blob).setTo(kBlobColor);
-  frame.depth(blob).setTo(720.0);
+  const cv::Rect arm(218, 60, 80, 120);
+  for (const cv::Rect& part : {blob, arm}) {
+    frame.color(part).setTo(kBlobColor);
+    frame.depth(part).setTo(720.0);
+  }
   const FrameImages images = makeImages(frame);
   cv::Mat first = frame.mask * 255;
   first(blob).setTo(255);
