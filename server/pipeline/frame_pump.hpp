@@ -58,7 +58,7 @@ class FramePump {
   void seek(double time_s, const std::function<bool()>& ends_early);
   /// Returns whether the source is live.
   [[nodiscard]] bool isLive() const { return parts_.source.info().live; }
-  /// Publishes all frames that vision delays for its lookahead.
+  /// Publishes all frames that vision still delays.
   void flush();
   /// Continues after a time without playback: the next frame is due now.
   void resume() { pacer_.resume(parts_.media_clock.now()); }

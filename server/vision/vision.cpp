@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <deque>
 #include <future>
-#include <iterator>
 #include <map>
 #include <opencv2/core/utility.hpp>
 #include <sstream>
@@ -148,12 +147,16 @@ class Vision::Impl {
     pending.result.frame.id = next_frame_id_++;
     pending.result.frame.media_time = media_time;
     pending.result.color = frame.color;
-    const auto policy = two_threads_ ? std::launch::async : std::launch::deferred;
-    description_task_ = std::async(policy, [this, objects = tracked_, noise = tracker_->noise(),
-                                            pending = std::move(pending)]() mutable {
-      describe(objects, noise, std::move(pending));
-    });
-    if (!two_threads_) collect();
+    if (two_threads_) {
+      description_task_ =
+          std::async(std::launch::async, [this, objects = tracked_, noise = tracker_->noise(),
+                                          pending = std::move(pending)]() mutable {
+            describe(objects, noise, std::move(pending));
+          });
+    } else {
+      describe(tracked_, tracker_->noise(), std::move(pending));
+      collect();
+    }
     return onReady();
   }
 
@@ -236,9 +239,8 @@ class Vision::Impl {
     if (settings_.method != Method::kThesis) motion_.setClip(std::move(clip));
   }
 
-  // The second half of a frame. Nothing of it influences the first half of the next frame, except
-  // for its reports, which collect() adds to the plans. So two threads yield the same frames as
-  // one.
+  // The second half of a frame. The first half of the next frame does not depend on it: collect()
+  // adds its reports to the plans. So two threads yield the same frames as one.
   void describe(const std::vector<TrackedObject>& objects, const DepthNoise& noise,
                 Pending pending) {
     const HapticFrame& frame = pending.result.frame;
@@ -252,12 +254,10 @@ class Vision::Impl {
   // Waits for describe(), and adopts its results.
   void collect() {
     if (description_task_.valid()) description_task_.get();
-    for (const auto& [id, report] : reports_) {
+    for (const auto& [id, report] : std::exchange(reports_, {})) {
       if (tracker_) tracker_->report(id, report);
     }
-    reports_.clear();
-    std::move(completed_.begin(), completed_.end(), std::back_inserter(ready_));
-    completed_.clear();
+    for (VisionResult& result : std::exchange(completed_, {})) ready_.push_back(std::move(result));
     if (info_.live) description_.largest_acceleration_mm_s2 = motion_.largestAcceleration_mm_s2();
   }
 

@@ -66,7 +66,8 @@ class Vision {
   /// stream.
   [[nodiscard]] std::vector<VisionResult> flush();
 
-  /// Returns the scene plan of each object of the last added frame, by object id.
+  /// Returns the scene plan of each object of the last added frame, by object id. With two threads
+  /// the measurements of the second thread are those of the frame before.
   [[nodiscard]] std::map<std::uint32_t, std::vector<PlanLine>> plan() const;
 
   /// Makes the next frame begin a new epoch, even if no object has changed. Call it after flush().

@@ -33,11 +33,14 @@ void addOptions(CLI::App& app, Options& options) {
   app.add_option("--out", options.out,
                  "Folder for TOPIC.csv, TOPIC_NAME.csv, TOPIC.png and report.md")
       ->capture_default_str();
-  app.add_option("--only", options.only,
-                 "Of the scenes of motion or the parts of network (force, safety, clocks), vision "
-                 "(held, surface, deform, or held/NAME for its scenes of this name) and "
-                 "stability (theory, maps, chain, silence, links, inertia, integrators, life, "
-                 "cases, false_streams, honest), only this one");
+  app.add_option(
+      "--only", options.only,
+      "Of the scenes of motion or the parts of network (force, safety, clocks), vision "
+      "(held, surface, deform, drawn, estimated, rules, or held/NAME for its scenes of this "
+      "name) and "
+      "this name) and "
+      "stability (theory, maps, chain, silence, links, inertia, integrators, life, "
+      "cases, false_streams, honest), only this one");
   app.add_option("--set", options.set,
                  "Which draw of the held scenes of vision: 1 is the one that methods are tuned on, "
                  "any other is drawn afresh")
@@ -94,6 +97,8 @@ int run(int argc, char** argv) {
       throw CLI::ValidationError("log", "draws one recording: hapticast-evaluate log FILE.mcap");
     if (options.check && options.set != 1)
       throw CLI::ValidationError("--check", "the baselines are of --set 1");
+    if (options.check && server::rules_left_out.any())
+      throw CLI::ValidationError("--check", "the baselines are without --without");
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   }

@@ -21,7 +21,7 @@ struct StreamTiming {
   /// First client-side epoch of this connection. The loop drops frames of earlier epochs.
   std::uint32_t first_epoch = 0;
   Duration clock_offset{0};          ///< media clock - local clock, at present
-  Duration pipeline_latency{0};      ///< lookahead of the server, as its welcome states it
+  Duration pipeline_latency{0};      ///< delay of vision, as the welcome states it
   Duration playout_delay_target{0};  ///< playout delay that is long enough for the recent jitter
   Duration frame_interval{40'000'000};
   Workspace workspace;

@@ -67,6 +67,8 @@ inline constexpr std::array<const char*, static_cast<std::size_t>(Rule::kCount)>
     "track: lean of the contour",
 };
 
+static_assert(kRuleNames.back() != nullptr, "each rule has a name");
+
 /// Rules that are left out. Only the evaluation sets them.
 inline std::bitset<static_cast<std::size_t>(Rule::kCount)> rules_left_out;
 

@@ -52,6 +52,21 @@ TEST(BoxTracker, FollowsATexturedBallAndReducesALargePicture) {
   }
 }
 
+TEST(BoxTracker, BoxesThatTheFilterCannotFollowAreNotFollowed) {
+  const test::BallScene scene;
+  const cv::Mat picture = scene.frame(0, 100, 110).color;
+  for (const cv::Rect& box :
+       {cv::Rect(20, 0, 8, 240), cv::Rect(0, 100, 320, 9), cv::Rect(5, 5, 4, 4),
+        cv::Rect(0, 0, 320, 240), cv::Rect(310, 230, 10, 10)}) {
+    BoxTracker tracker(picture, box);
+    for (int i = 0; i < 4; ++i) {
+      const auto found =
+          tracker.next(i < 2 ? picture : cv::Mat(picture.size(), CV_8UC3, cv::Scalar(7)));
+      EXPECT_TRUE(!found || (*found & cv::Rect({0, 0}, picture.size())) == *found) << box;
+    }
+  }
+}
+
 // A blob with the colour of an arm beside it begins as a part of the mask, and is apart from the
 // ball.
 TEST(TrackedMask, APieceOfOtherColoursThatStaysApartGoes) {

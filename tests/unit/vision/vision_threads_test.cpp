@@ -66,6 +66,7 @@ void expectEqualObjects(const HapticObject& a, const HapticObject& b) {
   ASSERT_EQ(a.grid == nullptr, b.grid == nullptr);
   if (a.grid) {
     EXPECT_EQ(a.grid->velocity_mm_s, b.grid->velocity_mm_s);
+    EXPECT_EQ(a.grid->acceleration_mm_s2, b.grid->acceleration_mm_s2);
   }
 }
 
@@ -79,6 +80,8 @@ void expectEqualRuns(const ThreadsCase& with) {
     SCOPED_TRACE(i);
     EXPECT_EQ(one[i].frame.id, two[i].frame.id);
     EXPECT_EQ(one[i].frame.epoch, two[i].frame.epoch);
+    EXPECT_EQ(one[i].frame.media_time, two[i].frame.media_time);
+    EXPECT_EQ(one[i].measured.size(), two[i].measured.size());
     ASSERT_EQ(one[i].frame.objects.size(), two[i].frame.objects.size());
     for (std::size_t k = 0; k < one[i].frame.objects.size(); ++k, ++objects)
       expectEqualObjects(one[i].frame.objects[k], two[i].frame.objects[k]);
@@ -91,6 +94,36 @@ TEST(VisionThreads, TwoThreadsYieldTheFramesOfOne) {
   expectEqualRuns({.segment = SegmentMode::kSource});
   expectEqualRuns({.live = false, .offline = true});
   expectEqualRuns({.method = Method::kThesis, .segment = SegmentMode::kEdges});
+}
+
+// Each of these calls waits for the second thread, and no frame is lost.
+TEST(VisionThreads, OtherCallsWaitForTheSecondThread) {
+  const test::BallScene scene;
+  VisionSettings settings;
+  settings.threads = 2;
+  Vision vision(scene.info(), settings);
+  std::size_t frames = 0;
+  std::uint64_t index = 0;
+  const auto push = [&](int count) {
+    for (int i = 0; i < count; ++i, ++index) {
+      const double u = 100 + 2.0 * double(index);
+      if (vision.push(scene.frame(index, u, 120), mediaTime(double(index) / 25))) ++frames;
+    }
+  };
+  push(5);
+  settings.material.stiffness_N_mm = 0.2;
+  vision.setMaterials(settings);
+  EXPECT_FALSE(vision.plan().empty());
+  EXPECT_EQ(vision.name(1), "");
+  push(3);
+  RgbdFrame wrong = scene.frame(index, 100, 120);
+  wrong.depth = cv::Mat(10, 10, CV_32FC1, cv::Scalar(700));
+  EXPECT_THROW((void)vision.push(wrong, mediaTime(double(index) / 25)), SourceError);
+  push(2);
+  frames += vision.flush().size();
+  EXPECT_EQ(frames, 10U);
+  vision.beginAnew();
+  push(3);  // the destructor waits, too
 }
 
 TEST(VisionThreads, OneMoreFrameOfDelayIsStated) {

@@ -13,20 +13,18 @@ namespace hapticast::server {
 /// Box of one object, from the last frame in which its mask was sure.
 class BoxTracker {
  public:
-  /// Begins at `box` (px) of the picture `color` (CV_8UC3). Requires a box of kSmallestBox_px each
-  /// way inside the picture.
+  /// Begins at `box` (px, inside the picture) of the picture `color` (CV_8UC3). A box that is too
+  /// small or too long for the filter is not followed.
   BoxTracker(const cv::Mat& color, const cv::Rect& box);
-  /// Returns the box in the next picture, px, or nullopt if the filter does not find it.
+  /// Returns the box in the next picture, px, or nullopt if the filter does not find it. After that
+  /// it returns nullopt for all pictures.
   std::optional<cv::Rect> next(const cv::Mat& color);
-
-  /// Least width and height of a box, px. The value is a choice: a filter needs some texture.
-  static constexpr int kSmallestBox_px = 8;
 
  private:
   [[nodiscard]] cv::Mat shrinkPicture(const cv::Mat& color) const;
 
   double shrink_;
-  cv::Ptr<cv::TrackerCSRT> filter_;
+  cv::Ptr<cv::TrackerCSRT> filter_;  // null: nothing is followed
 };
 
 }  // namespace hapticast::server

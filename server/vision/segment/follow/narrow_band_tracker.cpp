@@ -104,13 +104,12 @@ std::optional<cv::Rect> NarrowBandTracker::followBox(const TrackedMask& object,
     doubt = {frames.last.color, {}, 0};
     return std::nullopt;
   }
-  if (!usesRule(Rule::kBox)) return std::nullopt;
-  if (++doubt.frames > kFollowBox || doubt.sure_color.empty()) return std::nullopt;
-  if (!doubt.box) {
-    const cv::Rect box = findBoxAround(object.lastSure(), 0);
-    if (std::min(box.width, box.height) < BoxTracker::kSmallestBox_px) return std::nullopt;
-    doubt.box.emplace(doubt.sure_color, box);
+  if (doubt.sure_color.empty() || !usesRule(Rule::kBox)) return std::nullopt;
+  if (++doubt.frames > kFollowBox || object.isPlaceRefuted()) {
+    doubt = {};
+    return std::nullopt;
   }
+  if (!doubt.box) doubt.box.emplace(doubt.sure_color, findBoxAround(object.lastSure(), 0));
   return doubt.box->next(frames.now.color);
 }
 

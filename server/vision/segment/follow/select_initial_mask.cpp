@@ -164,9 +164,10 @@ ChosenStart selectInitialMask(const FrameImages& images, const SceneContext& sce
   if (!has_component && !start.too_small && best->score < kDespiteDepth)
     return {std::nullopt, start.why_not, 0.0};
   const Candidate& whole = selection.candidates().front();
+  const bool has_whole = has_component && usesRule(Rule::kComponent);
   const bool hand =
-      usesRule(Rule::kHandIsWhole) && has_component && isHand(view, start.mask, point, *best);
-  const bool body = usesRule(Rule::kBodyIsWhole) && has_component && isBody(*best, whole);
+      usesRule(Rule::kHandIsWhole) && has_whole && isHand(view, start.mask, point, *best);
+  const bool body = usesRule(Rule::kBodyIsWhole) && has_whole && isBody(*best, whole);
   if (hand || body) best = &whole;
   ChosenStart out{best->object, nullptr, objectness(best->terms), std::move(own.planes),
                   rankDistinct(selection.candidates(), *best)};

@@ -34,7 +34,7 @@ constexpr int kDetachedFrames = 3;      // chosen: a piece beside a finger that 
 constexpr double kClearlyUnlike = 0.15;  // chosen, overlap of colours
 constexpr double kDistinctHand = 0.5;    // chosen, overlap of the colours of hand and object
 constexpr double kTouchingShare = 0.1;   // chosen, of the ring: a hand that holds covers more
-constexpr int kTouching_px = 40;         // chosen, px of the patch: as at the start
+constexpr int kLeastHand_px = 40;        // chosen: fewer pixels are no sample of colours
 constexpr double kNotTheRoom = 0.5;      // chosen, overlap: a hand covers a small part of the room
 constexpr double kStill_px = 0.5;        // chosen, in a frame
 constexpr double kClearlyOwn = 0.4;      // more of that evidence: another position is better
@@ -148,11 +148,6 @@ bool TrackedMask::convinces(const ContourResult& now, double expected_px) const 
   return growth >= kLeastGrowth && now.inside_color >= 0.0;
 }
 
-ObjectRoi TrackedMask::expected(const FrameImages& images, const cv::Matx23d& similarity,
-                                const SceneContext& scene) const {
-  return makePatch(images, whole_, similarity, limits(scene));
-}
-
 // Returns whether `similarity` changes the size too fast, or moves the object unlike the last
 // frame.
 bool TrackedMask::isJump(const cv::Matx23d& similarity) const {
@@ -175,7 +170,8 @@ ObjectRoi TrackedMask::locate(const FrameImages& images, const SceneContext& sce
       cv::countNonZero(whole_ != mask_) > kPartlyHidden * cv::countNonZero(whole_);
   if (usesRule(Rule::kDeadReckoning) && is_partly_hidden && isJump(similarity))
     similarity = last_similarity_;
-  ObjectRoi patch = expected(images, similarity, scene);
+  const ObjectLimits within = limits(scene);
+  ObjectRoi patch = makePatch(images, whole_, similarity, within);
   const double moved = patch.empty() ? -1.0 : meanEvidence(memory_, patch.color, patch.inside);
   if (moved >= 0.0 && !is_partly_hidden) return patch;
   std::vector<cv::Matx23d> others;
@@ -187,7 +183,7 @@ ObjectRoi TrackedMask::locate(const FrameImages& images, const SceneContext& sce
   }
   double least = std::max(kOwnColors, moved + kClearlyOwn);
   for (const cv::Matx23d& other : others) {
-    ObjectRoi there = expected(images, other, scene);
+    ObjectRoi there = makePatch(images, whole_, other, within);
     const double own = there.empty() ? -1.0 : meanEvidence(memory_, there.color, there.inside);
     if (own <= least) continue;
     least = own;
@@ -205,7 +201,9 @@ void TrackedMask::update(const FrameImages& images, const ObjectFlow& flow,
   const bool is_mostly_seen = isMostlySeen(patch);
   // The motion of a mostly hidden object is not exact enough to move its shape.
   if (!is_mostly_seen) memory_.shape.release();
-  last_similarity_ = similarity;
+  // A way to the box lasted several frames: it is no motion of one frame.
+  const bool is_flow = similarity == flow.similarity || similarity == last_similarity_;
+  last_similarity_ = is_flow ? similarity : ObjectFlow{}.similarity;
   warpEvidence(memory_, patch, similarity);
   ContourResult now = decideContour(patch, scene.noise, scene.planes, memory_);
   // An object that is mostly hidden comes back where it was: it does not grow beyond its whole.
@@ -221,19 +219,29 @@ void TrackedMask::update(const FrameImages& images, const ObjectFlow& flow,
     if (!flow.reliable) quality_ = kWeaker;
     updateShape(patch, now.mask, cv::countNonZero(now.mask) > kMostlyWhole * usual_px_, memory_);
     if (expected_px > kMostlySeen * area_px_) updateMemory(patch, now.mask, memory_);
-    if (memory_.hand.empty()) learnTouchingHand(patch, now.mask, scene);
+    if (memory_.hand.empty() && usesRule(Rule::kHandColors))
+      learnTouchingHand(patch, now.mask, scene);
   } else {
     quality_ *= kWeaker;
     ++weak_;
+    detached_ = 0;
   }
   moveAnchors(similarity);
+  checkPresence(patch, similarity, nothing, images, scene);
+}
+
+// Marks the object as lost where the new mask is no longer plausible. `nothing`: almost no pixel of
+// it is visible.
+void TrackedMask::checkPresence(const ObjectRoi& patch, const cv::Matx23d& similarity, bool nothing,
+                                const FrameImages& images, const SceneContext& scene) {
   const bool is_uncertain = weak_ == 2 || weak_ > kWeakFrames;
   if (is_uncertain && redetectObject(images, scene)) return;
-  if (usesRule(Rule::kLeftBehind) && isLeftBehind(patch, now.mask, similarity, images, scene))
-    return lose();
   const bool leaving = weak_ > 0 && !clearOfBorder(mask_);
   if (cv::countNonZero(mask_) < kLeastSeen * area_px_) return lose();
-  if (nothing || weak_ > kWeakFrames || leaving) lose();
+  if (nothing || weak_ > kWeakFrames || leaving) return lose();
+  if (!usesRule(Rule::kLeftBehind) || !isLeftBehind(patch, similarity, images, scene)) return;
+  lose();
+  is_place_refuted_ = true;
 }
 
 // Sets the mask to `seen`, which covers the patch's box; adds the hidden part to the whole.
@@ -274,7 +282,7 @@ void TrackedMask::learnTouchingHand(const ObjectRoi& patch, const cv::Mat& mask,
 }
 
 void TrackedMask::learnHand(const cv::Mat& color, const cv::Mat& hand) {
-  if (cv::countNonZero(hand) < kTouching_px || !usesRule(Rule::kHandColors)) return;
+  if (cv::countNonZero(hand) < kLeastHand_px || !usesRule(Rule::kHandColors)) return;
   const ColorHistogram colors = ColorHistogram::fromImage(color, hand);
   // A wall with the colours of skin is no hand.
   if (computeOverlap(colors, memory_.elsewhere) < kNotTheRoom) memory_.hand = colors;
@@ -282,14 +290,14 @@ void TrackedMask::learnHand(const cv::Mat& color, const cv::Mat& hand) {
 
 // Returns whether the mask stands still without the object's colours, and these colours appear
 // elsewhere: then the mask stayed on the background.
-bool TrackedMask::isLeftBehind(const ObjectRoi& patch, const cv::Mat& mask,
-                               const cv::Matx23d& similarity, const FrameImages& images,
-                               const SceneContext& scene) {
+bool TrackedMask::isLeftBehind(const ObjectRoi& patch, const cv::Matx23d& similarity,
+                               const FrameImages& images, const SceneContext& scene) {
   const ObjectFlow flow{.similarity = similarity, .tracks = {}};
   const cv::Point2d middle = 0.5 * (patch.box.tl() + patch.box.br());
   if (cv::norm(flow.warp(middle) - middle) > kStill_px) return false;
-  const ColorHistogram now = ColorHistogram::fromImage(patch.color, scaleToPatchSize(mask, patch));
-  const double own = computeOverlap(now, memory_.first);
+  const cv::Mat inside = scaleToPatchSize(mask_(patch.box), patch);
+  const double own = computeOverlap(ColorHistogram::fromImage(patch.color, inside), memory_.first);
+  if (own >= kOfOtherColors) doubtful_ = 0;
   if (own >= kOfOtherColors || doubtful_++ % kSearchEverywhere != 0) return false;
   const auto found = searchElsewhere(images, scene);
   return found && overlapShare(*found) == 0.0 &&
@@ -346,6 +354,7 @@ void TrackedMask::adopt(const cv::Mat& mask, const FrameImages& images, const Sc
   const bool is_whole = present() || cv::countNonZero(mask) > kMostlyWhole * usual_px_;
   mask_ = mask;
   lost_ = 0;
+  is_place_refuted_ = false;
   learnAppearance(patch, images, scene, is_whole);
   rememberAppearance(images, scene);
 }
@@ -374,6 +383,8 @@ double TrackedMask::overlapShare(const TrackedMask& other) const {
 void TrackedMask::lose() {
   lost_ = 1;
   quality_ = 0.0;
+  detached_ = doubtful_ = 0;
+  is_place_refuted_ = false;
 }
 
 }  // namespace hapticast::server

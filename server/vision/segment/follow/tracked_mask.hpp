@@ -73,7 +73,8 @@ class TrackedMask {
   void addAnchor(const cv::Point& point) { anchors_.emplace_back(point); }
   /// Learns the colours of the hand that holds the object: those of `color` (CV_8UC3) where `hand`
   /// (CV_8UC1, 0/255) is set. From then on they are evidence against the object, unless the object
-  /// has them too. update() learns them itself when a hand first touches the object.
+  /// has them too. Does nothing for fewer than 40 pixels of `hand`, or if the room has the same
+  /// colours. update() learns them itself when a hand first touches the object.
   void learnHand(const cv::Mat& color, const cv::Mat& hand);
   /// Updates the mask for the next frame: moves the mask by `flow` and decides the pixels of its
   /// band anew. `box`: place of the object according to BoxTracker, px; nullopt: unknown.
@@ -114,6 +115,9 @@ class TrackedMask {
   [[nodiscard]] std::vector<cv::Point> visibleAnchors() const;
   [[nodiscard]] bool present() const { return lost_ == 0; }
   [[nodiscard]] int framesLost() const { return lost_; }
+  /// Returns whether the object is lost because its mask stayed on the background: then it is not
+  /// at its last place.
+  [[nodiscard]] bool isPlaceRefuted() const { return is_place_refuted_; }
 
  private:
   TrackedMask() = default;
@@ -126,8 +130,6 @@ class TrackedMask {
   [[nodiscard]] ObjectLimits limits(const SceneContext& scene) const;
   [[nodiscard]] bool convinces(const ContourResult& now, double expected_px) const;
   [[nodiscard]] bool isJump(const cv::Matx23d& similarity) const;
-  [[nodiscard]] ObjectRoi expected(const FrameImages& images, const cv::Matx23d& similarity,
-                                   const SceneContext& scene) const;
   [[nodiscard]] std::optional<TrackedMask> searchIn(const cv::Rect& window, const LikeLimits& least,
                                                     const FrameImages& images,
                                                     const SceneContext& scene) const;
@@ -135,11 +137,12 @@ class TrackedMask {
                                                            const SceneContext& scene) const;
   [[nodiscard]] ObjectRoi locate(const FrameImages& images, const SceneContext& scene,
                                  const std::optional<cv::Rect>& box, cv::Matx23d& similarity) const;
+  void checkPresence(const ObjectRoi& patch, const cv::Matx23d& similarity, bool nothing,
+                     const FrameImages& images, const SceneContext& scene);
   void dropDetachedPieces(const ObjectRoi& patch, cv::Mat& mask);
   void learnTouchingHand(const ObjectRoi& patch, const cv::Mat& mask, const SceneContext& scene);
-  [[nodiscard]] bool isLeftBehind(const ObjectRoi& patch, const cv::Mat& mask,
-                                  const cv::Matx23d& similarity, const FrameImages& images,
-                                  const SceneContext& scene);
+  [[nodiscard]] bool isLeftBehind(const ObjectRoi& patch, const cv::Matx23d& similarity,
+                                  const FrameImages& images, const SceneContext& scene);
   void moveAnchors(const cv::Matx23d& similarity);
   void setMask(const cv::Mat& seen, const ObjectRoi& patch, const FrameImages& images);
   bool redetectObject(const FrameImages& images, const SceneContext& scene);
@@ -156,8 +159,9 @@ class TrackedMask {
   int lost_ = 0;        // frames since the loss; 0: present
   double area_px_ = 0;  // area in its last frame with a plausible mask
   double usual_px_ = 0;
-  int detached_ = 0;       // successive frames with a mask of several pieces
-  int doubtful_ = 0;       // frames with colours that are not the object's
+  int detached_ = 0;  // successive frames with a mask of several pieces
+  int doubtful_ = 0;  // successive frames with colours that are not the object's
+  bool is_place_refuted_ = false;
   double likeness_ = 0.0;  // score of its initial mask
   DepthSpan depth_;
   std::vector<cv::Point2f> anchors_;  // points of the author on the object, px

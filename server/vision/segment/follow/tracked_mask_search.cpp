@@ -54,6 +54,7 @@ bool TrackedMask::redetectObject(const FrameImages& images, const SceneContext& 
 std::optional<TrackedMask> TrackedMask::search(const FrameImages& images, const SceneContext& scene,
                                                const std::optional<cv::Rect>& box) {
   const bool everywhere = lost_++ % kSearchEverywhere == 0;
+  if (is_place_refuted_) return searchElsewhere(images, scene);
   const cv::Rect tight = findBoxAround(last_sure_, 0);
   const cv::Rect near =
       findBoxAround(last_sure_, int(kSearchReach * std::max(tight.width, tight.height)));
@@ -98,6 +99,7 @@ std::optional<TrackedMask> TrackedMask::searchIn(const cv::Rect& window, const L
     return std::nullopt;
   again.whole_ = again.mask_;
   again.lost_ = 0;
+  again.is_place_refuted_ = false;
   again.resetToVisible(makePatch(images, again.mask_));
   // The found mask may be a part of the object.
   again.area_px_ = std::max(again.area_px_, area_px_);
