@@ -38,7 +38,6 @@ void addOptions(CLI::App& app, Options& options) {
       "Of the scenes of motion or the parts of network (force, safety, clocks), vision "
       "(held, surface, deform, drawn, estimated, rules, or held/NAME for its scenes of this "
       "name) and "
-      "this name) and "
       "stability (theory, maps, chain, silence, links, inertia, integrators, life, "
       "cases, false_streams, honest), only this one");
   app.add_option("--set", options.set,
