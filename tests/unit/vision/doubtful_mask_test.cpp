@@ -148,7 +148,7 @@ TEST(Segment, AMaskOfAJumpingBallDoesNotStayOnTheBackground) {
     int wrong = 0;
     int found = 0;
     for (std::uint64_t i = 0; i < 24; ++i) {
-      const Vec2 at = places[(i / hold) % places.size()];
+      const Vec2& at = places[(i / hold) % places.size()];
       cv::Mat truth = cv::Mat::zeros(scene.height, scene.width, CV_8UC1);
       cv::circle(truth, {int(at.x()), int(at.y())}, 22, cv::Scalar(255), cv::FILLED);
       for (const Segment& segment : runner.next(scene.frame(i, at.x(), at.y()))) {
