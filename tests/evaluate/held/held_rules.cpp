@@ -41,14 +41,6 @@ server::VisionSettings makeSettings(const Recording& recording) {
   return settings;
 }
 
-cv::Mat collectMask(const std::vector<server::TrackedObject>& objects, const cv::Size& size) {
-  cv::Mat mask = cv::Mat::zeros(size, CV_8UC1);
-  for (const server::TrackedObject& object : objects) {
-    if (object.seen) object.surface.mask.copyTo(mask(object.surface.box));
-  }
-  return mask;
-}
-
 Tracked trackRecording(const Recording& recording) {
   Tracked out;
   std::uint32_t ids = 1;
@@ -59,8 +51,8 @@ Tracked trackRecording(const Recording& recording) {
   try {
     for (std::size_t i = 0; i < recording.frames.size(); ++i) {
       const server::RgbdFrame& frame = recording.frames[i];
-      const cv::Mat mask =
-          collectMask(tracker.next(frame, double(i) / recording.info.fps), frame.color.size());
+      const cv::Mat mask = held::collectMask(tracker.next(frame, double(i) / recording.info.fps),
+                                             frame.color.size());
       if (recording.truth[i].visibleShare() < kLeastVisible) continue;
       const double iou = server::computeOverlap(mask, recording.truth[i].mask());
       if (i == 0) out.start_iou = iou;

@@ -144,21 +144,27 @@ Run runVisionOnTrueMasks(const Recording& recording) {
   return runVisionWith(recording, settings, true, {});
 }
 
+cv::Mat collectMask(const std::vector<server::TrackedObject>& objects, const cv::Size& size) {
+  cv::Mat mask = cv::Mat::zeros(size, CV_8UC1);
+  for (const server::TrackedObject& object : objects) {
+    if (object.seen)
+      cv::bitwise_or(mask(object.surface.box), object.surface.mask, mask(object.surface.box));
+  }
+  return mask;
+}
+
 std::optional<cv::Mat> startOf(const server::RgbdFrame& first, const server::SourceInfo& info,
                                const Words& words) {
   const cv::Size size(info.width_px, info.height_px);
   server::RgbdFrame frame = first;
   frame.index = 0;
   frame.clip_time_s = 0.0;
-  cv::Mat mask = cv::Mat::zeros(size, CV_8UC1);
+  cv::Mat mask;
   std::uint32_t next_id = 1;
   server::ClipAnnotations annotations;
   try {
     server::Tracker tracker(info, settingsOf(words), nullptr, next_id, annotations);
-    for (const server::TrackedObject& object : tracker.next(frame, 0.0)) {
-      if (object.seen)
-        cv::bitwise_or(mask(object.surface.box), object.surface.mask, mask(object.surface.box));
-    }
+    mask = collectMask(tracker.next(frame, 0.0), size);
   } catch (const server::SourceError&) {
     return std::nullopt;
   }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/haptic_frame.hpp"
+#include "server/vision/track.hpp"
 #include "server/vision/vision_settings.hpp"
 #include "tests/scenes/held/scene.hpp"
 
@@ -69,6 +70,9 @@ struct Scores {
   double median_ms = 0.0, slow_ms = 0.0;  ///< the latter: 95 %
 };
 Scores scoresOf(const Recording& recording, const Run& run);
+
+/// The mask of all objects that are seen, 0 / 255, of `size`.
+cv::Mat collectMask(const std::vector<server::TrackedObject>& objects, const cv::Size& size);
 
 /// The place of `region` (0 / 255) that is farthest from its edge, px; nullopt: it is empty.
 std::optional<Vec2> innermost(const cv::Mat& region);

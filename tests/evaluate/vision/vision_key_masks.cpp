@@ -10,6 +10,7 @@
 #include "server/vision/base/masks.hpp"
 #include "server/vision/segment/segmenter.hpp"
 #include "server/vision/tracker.hpp"
+#include "tests/evaluate/held/held_run.hpp"
 #include "tests/evaluate/vision/vision_parts.hpp"
 #include "tests/support/clips.hpp"
 
@@ -41,11 +42,7 @@ std::map<std::uint64_t, cv::Mat> readMasks(const DrawnObject& object) {
 }
 
 cv::Mat maskOf(const server::RgbdFrame& frame, server::Tracker& tracker, double time_s) {
-  cv::Mat mask = cv::Mat::zeros(frame.color.size(), CV_8UC1);
-  for (const server::TrackedObject& object : tracker.next(frame, time_s)) {
-    if (object.seen) object.surface.mask.copyTo(mask(object.surface.box));
-  }
-  return mask;
+  return held::collectMask(tracker.next(frame, time_s), frame.color.size());
 }
 
 /// Sums of the overlap over the frames for fits and over those for checks.

@@ -34,11 +34,7 @@ cv::Mat grained(const cv::Mat& picture, std::mt19937& random) {
   return picture + noise;
 }
 
-FrameImages imagesWith(const cv::Mat& color, const cv::Mat& depth) {
-  cv::Mat gray;
-  cv::cvtColor(color, gray, cv::COLOR_BGR2GRAY);
-  return {color, gray, depth, {}, {}};
-}
+using test::imagesWith;
 
 TEST(SkinColors, AFingerIsSkinAndSpecksAreNotInAnyLight) {
   const std::array lights{cv::Scalar(1, 1, 1), cv::Scalar(0.8, 0.95, 1.1)};

@@ -17,10 +17,9 @@ namespace {
 
 const cv::Scalar kBlobColor(200, 40, 160);
 
-FrameImages makeImages(const RgbdFrame& frame) {
-  cv::Mat gray;
-  cv::cvtColor(frame.color, gray, cv::COLOR_BGR2GRAY);
-  return {frame.color, gray, frame.depth, {}, {}};
+void paintPart(RgbdFrame& frame, const cv::Rect& part, const cv::Scalar& color, double depth_mm) {
+  frame.color(part).setTo(color);
+  frame.depth(part).setTo(depth_mm);
 }
 
 SceneContext makeScene(const FrameImages& images) {
@@ -74,11 +73,8 @@ TEST(TrackedMask, APieceOfOtherColoursThatStaysApartGoes) {
   RgbdFrame frame = scene.frame(0, 100, 120);
   const cv::Rect blob(190, 100, 24, 24);
   const cv::Rect arm(218, 60, 80, 120);
-  for (const cv::Rect& part : {blob, arm}) {
-    frame.color(part).setTo(kBlobColor);
-    frame.depth(part).setTo(720.0);
-  }
-  const FrameImages images = makeImages(frame);
+  for (const cv::Rect& part : {blob, arm}) paintPart(frame, part, kBlobColor, 720.0);
+  const FrameImages images = test::imagesWith(frame.color, frame.depth);
   cv::Mat first = frame.mask * 255;
   first(blob).setTo(255);
   const SceneContext around = makeScene(images);
@@ -98,9 +94,8 @@ TEST(TrackedMask, APieceOfTheSameColoursStays) {
   const test::BallScene scene;
   RgbdFrame frame = scene.frame(0, 100, 120);
   const cv::Rect bar(96, 60, 12, 120);
-  frame.color(bar).setTo(kBlobColor);
-  frame.depth(bar).setTo(500.0);
-  const FrameImages images = makeImages(frame);
+  paintPart(frame, bar, kBlobColor, 500.0);
+  const FrameImages images = test::imagesWith(frame.color, frame.depth);
   cv::Mat first = frame.mask * 255;
   first(bar).setTo(0);
   const SceneContext around = makeScene(images);
@@ -170,11 +165,9 @@ TEST(ChooseAutomatically, ALapIsNoHeldObject) {
   RgbdFrame frame = scene.frame(0, 90, 240);
   const cv::Rect torso(280, 0, 90, 230);
   const cv::Rect lap(200, 200, 260, 150);
-  frame.color(torso).setTo(cv::Scalar(90, 60, 40));
-  frame.color(lap).setTo(cv::Scalar(30, 30, 30));
-  frame.depth(torso).setTo(900.0);
-  frame.depth(lap).setTo(890.0);
-  const FrameImages images = makeImages(frame);
+  paintPart(frame, torso, cv::Scalar(90, 60, 40), 900.0);
+  paintPart(frame, lap, cv::Scalar(30, 30, 30), 890.0);
+  const FrameImages images = test::imagesWith(frame.color, frame.depth);
   const ChosenStart start = selectAutomatically(images, makeScene(images), {});
   ASSERT_TRUE(start.object);
   EXPECT_GT(test::overlap(start.object->mask(), frame.mask * 255), 0.8);

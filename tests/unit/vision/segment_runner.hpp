@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <opencv2/imgproc.hpp>
 #include <optional>
 #include <vector>
 
@@ -16,6 +17,13 @@ namespace hapticast::server::test {
 /// Intersection over union.
 inline double overlap(const cv::Mat& a, const cv::Mat& b) {
   return double(cv::countNonZero(a & b)) / std::max(1, cv::countNonZero(a | b));
+}
+
+/// Images of a frame without masks.
+inline FrameImages imagesWith(const cv::Mat& color, const cv::Mat& depth) {
+  cv::Mat gray;
+  cv::cvtColor(color, gray, cv::COLOR_BGR2GRAY);
+  return {color, gray, depth, {}, {}};
 }
 
 struct Runner {
