@@ -52,6 +52,7 @@ set(rules
   "client/net/.*"      "^(common|client/haptics|client/net)/"
   "client/discovery/.*" "^(common|client/net|client/discovery)/"
   "client/report/.*"   "^(common/|client/(settings\\.hpp$|haptics/|net/|report/))"
+  "client/study/.*"    "^client/study/"
   "client/view/.*"     "^(common|client/haptics|client/view)/"
   "client/web/messages/.*" "^(common/protocol/wire_reader\\.hpp$|client/web/messages/)"
   "client/web/.*"      "^(common|client/(haptics|device|net|view|web))/"
