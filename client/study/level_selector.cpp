@@ -38,13 +38,13 @@ class Staircase : public LevelSelector {
   explicit Staircase(const StaircaseSettings& settings)
       : settings_(settings), level_(settings.start) {
     const LevelRange& range = settings.range;
-    const bool valid = range.least > 0.0 && range.most > range.least &&
-                       settings.start >= range.least && settings.start <= range.most &&
+    range.requireValid();
+    const bool valid = settings.start >= range.least && settings.start <= range.most &&
                        settings.up >= 1 && settings.down >= 1 && settings.factor > 1.0;
     if (!valid)
       throw std::invalid_argument(
-          "a staircase needs 0 < least <= start <= most, up and down of 1 or more, and a factor "
-          "above 1");
+          "a staircase needs least <= start <= most, up and down of 1 or more, and a factor above "
+          "1");
   }
   [[nodiscard]] double selectLevel() const override { return level_; }
   void onAnswer(bool is_correct) override {

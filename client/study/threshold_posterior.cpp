@@ -18,10 +18,18 @@ constexpr double kLeastLikelihood = 1e-6;
 
 }  // namespace
 
+void LevelRange::requireValid() const {
+  if (!(least > 0.0) || !(most > least) || !std::isfinite(most))
+    throw std::invalid_argument("the range of levels needs 0 < least < most");
+}
+
 ThresholdPosterior::ThresholdPosterior(const LevelRange& range, const PsychometricFunction& assumed)
     : range_(range), assumed_(assumed) {
-  if (!(range.least > 0.0) || !(range.most > range.least) || !std::isfinite(range.most))
-    throw std::invalid_argument("the range of levels needs 0 < least < most");
+  range.requireValid();
+  for (std::size_t s = 0; s < kSlopes; ++s) {
+    const double share = static_cast<double>(s) / static_cast<double>(kSlopes - 1);
+    slopes_[s] = kLeastSlope * std::pow(kMostSlope / kLeastSlope, share);
+  }
   for (auto& row : probability_) row.fill(1.0 / static_cast<double>(kThresholds * kSlopes));
 }
 
@@ -36,8 +44,7 @@ void ThresholdPosterior::update(const StudyAnswer& answer) {
   for (std::size_t t = 0; t < kThresholds; ++t) {
     hypothesis.threshold = threshold(static_cast<double>(t));
     for (std::size_t s = 0; s < kSlopes; ++s) {
-      const double share = static_cast<double>(s) / static_cast<double>(kSlopes - 1);
-      hypothesis.slope = kLeastSlope * std::pow(kMostSlope / kLeastSlope, share);
+      hypothesis.slope = slopes_[s];
       const double correct = hypothesis.computeCorrect(answer.level);
       probability_[t][s] *= std::max(answer.is_correct ? correct : 1.0 - correct, kLeastLikelihood);
       sum += probability_[t][s];

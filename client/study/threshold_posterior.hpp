@@ -13,17 +13,20 @@
 
 namespace hapticast::client {
 
-/// Range of stimulus levels of a study; 0 < least < most.
+/// Range of stimulus levels of a study.
 struct LevelRange {
   double least = 0.0;
   double most = 0.0;
+
+  /// Throws std::invalid_argument unless 0 < `least` < `most` < infinity.
+  void requireValid() const;
 };
 
 class ThresholdPosterior {
  public:
   /// Starts with the prior: each threshold of `range` is as likely as another one on a logarithmic
   /// scale. `assumed` has the guess rate and the lapse rate; its threshold and slope are not used.
-  /// Throws std::invalid_argument if the range is empty, not positive or not finite.
+  /// Throws std::invalid_argument as LevelRange::requireValid() does.
   ThresholdPosterior(const LevelRange& range, const PsychometricFunction& assumed);
 
   /// Includes one answer. Requires a level >= 0.
@@ -44,6 +47,7 @@ class ThresholdPosterior {
 
   LevelRange range_;
   PsychometricFunction assumed_;
+  std::array<double, kSlopes> slopes_{};
   std::array<std::array<double, kSlopes>, kThresholds> probability_{};  // its sum is 1
 };
 

@@ -149,8 +149,10 @@ TEST(LevelSelector, SettingsOutOfRangeAreRefused) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW((void)makeConstantStimuli({}, 1), std::invalid_argument);
   for (const LevelRange& range :
-       {LevelRange{0.0, 1.0}, {1.0, 1.0}, {kNan, 1.0}, {0.1, kNan}, {0.1, INFINITY}})
+       {LevelRange{0.0, 1.0}, {1.0, 1.0}, {kNan, 1.0}, {0.1, kNan}, {0.1, INFINITY}}) {
     EXPECT_THROW((void)makeQuest(range, kAssumed), std::invalid_argument);
+    EXPECT_THROW((void)makeStaircase({.range = range, .start = 0.5}), std::invalid_argument);
+  }
   EXPECT_THROW((void)makeStaircase({.range = kRange, .start = 2.0}), std::invalid_argument);
   EXPECT_THROW((void)makeStaircase({.range = kRange, .start = 0.5, .up = 0}),
                std::invalid_argument);
