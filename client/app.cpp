@@ -8,9 +8,9 @@
 #include <thread>
 #include <utility>
 
-#include "client/device/open_device.hpp"
 #include "client/first_check.hpp"
 #include "client/haptics/loop.hpp"
+#include "client/local_device.hpp"
 #include "client/recording/run_recorder.hpp"
 #include "client/report/reporter.hpp"
 #include "client/session.hpp"
@@ -22,67 +22,6 @@ namespace {
 
 // Chosen: a window that is drawn in every turn moves smoothly.
 constexpr auto kTurn = std::chrono::milliseconds(10);
-
-struct SelectedDevice {
-  std::unique_ptr<HapticDevice> device;
-  bool auto_detected = false;  // a real device that the user did not name
-};
-
-/// --device auto opens a real device if one answers; with --hand it opens the virtual one.
-SelectedDevice selectDevice(const Settings& settings, const Clock& clock,
-                            LatestValue<PointerTarget>* pointer) {
-  const DeviceRequest request{.profile = settings.profile,
-                              .hand = settings.hand,
-                              .clock = clock,
-                              .pointer = pointer,
-                              .options = settings.device_options,
-                              .log = [](const std::string& line) { spdlog::info("{}", line); }};
-  const bool scripted = settings.device == "auto" && settings.hand_given;
-  if (settings.device == "auto" && !scripted) {
-    if (auto device = findDevice(request))
-      return {.device = std::move(device), .auto_detected = true};
-  }
-  return {.device = openDevice(scripted ? "virtual" : settings.device, request)};
-}
-
-RendererSettings rendererSettings(const Settings& settings, const SelectedDevice& selected) {
-  RendererSettings renderer;
-  renderer.unconfirmed = selected.auto_detected;
-  renderer.profile = selected.device->profile();
-  (void)applyStoredCheck(*selected.device, renderer.profile);
-  renderer.method = settings.method;
-  renderer.stiffness_limit_N_mm = settings.stiffness_limit_N_mm;
-  renderer.surface =
-      settings.method == Method::kThesis ? SurfaceKind::kPerturbed : settings.surface;
-  return renderer;
-}
-
-/// The device, the renderer, and what the loop reads and writes.
-struct LocalDevice {
-  LocalDevice(const Settings& settings, const Clock& clock, UserInterface& ui)
-      : selected(selectDevice(settings, clock, ui.pointer())) {
-    ui.setDevice(selected.device->profile(), followsPointer(*selected.device));
-    DeviceProfile profile = selected.device->profile();
-    is_checked = applyStoredCheck(*selected.device, profile);
-    if (!is_checked) requireConfirmation(*selected.device, ui);
-  }
-  /// Creates the renderer, for the device's profile with the changes of its check.
-  void createRenderer(const Settings& settings, UserInterface& ui) {
-    renderer_settings = rendererSettings(settings, selected);
-    renderer =
-        std::make_unique<HapticRenderer>(renderer_settings, pool, stream, ui.controls(), &reports);
-  }
-
-  SelectedDevice selected;
-  bool is_checked = false;
-  RendererSettings renderer_settings;  // the renderer reads it
-  FramePool pool;
-  LatestValue<StreamTiming> stream;
-  // Of every tick: plots, sound, logs and the counts of the panel would miss a peak of 1 ms in a
-  // latest value.
-  HapticRenderer::Log reports;
-  std::unique_ptr<HapticRenderer> renderer;  // large: holds the flight recorder
-};
 
 std::unique_ptr<RunRecorder> openRecorder(const Settings& settings, const Clock& clock) {
   if (!settings.outputs.wanted()) return nullptr;
@@ -112,7 +51,7 @@ class App::Impl {
   void readReports();
   void sendContact();
   bool finish(const LoopThread& loop);
-  HapticDevice& device() { return *local_.selected.device; }
+  HapticDevice& device() { return *local_.device; }
 
   const Settings settings_;
   const Clock& clock_;

@@ -13,6 +13,7 @@
 #include "client/device/open_device.hpp"
 #include "client/server_trust.hpp"
 #include "client/settings.hpp"
+#include "client/study_options.hpp"
 #include "common/build_options.hpp"
 #include "common/cli/options.hpp"
 #include "common/cli/parse.hpp"
@@ -112,18 +113,7 @@ void addTrust(CLI::App& app, Settings& settings) {
 }
 
 void addServer(CLI::App& app, Settings& settings) {
-  const auto set = [&settings, otherwise = settings.server](const std::string& text) {
-    constexpr std::string_view kAnnounced = "mdns:";
-    settings.server_given = true;
-    if (text.starts_with(kAnnounced)) {
-      settings.announced = serviceName("server", text.substr(kAnnounced.size()));
-      return;
-    }
-    const std::string place = removeScheme(text, settings.tls);
-    settings.server =
-        parseEndpointOr(place, otherwise, "server", 1,
-                        "HOST[:PORT], PORT, [V6ADDRESS]:PORT, hapticasts://HOST or mdns:NAME");
-  };
+  const auto set = [&settings](const std::string& text) { setServer(settings, text); };
   app.add_option_function<std::string>(
          "server", set,
          "The address of hapticast-server, or mdns:NAME for the server announced as NAME. Default: "
@@ -321,6 +311,19 @@ void addReplayOptions(CLI::App& app, Settings& settings) {
 
 }  // namespace
 
+void setServer(Settings& settings, const std::string& text) {
+  constexpr std::string_view kAnnounced = "mdns:";
+  settings.server_given = true;
+  if (text.starts_with(kAnnounced)) {
+    settings.announced = serviceName("server", text.substr(kAnnounced.size()));
+    return;
+  }
+  const std::string place = removeScheme(text, settings.tls);
+  settings.server =
+      parseEndpointOr(place, Settings{}.server, "server", 1,
+                      "HOST[:PORT], PORT, [V6ADDRESS]:PORT, hapticasts://HOST or mdns:NAME");
+}
+
 std::unique_ptr<CLI::App> commandLine(Settings& settings) {
   auto app = std::make_unique<CLI::App>(
       "Lets a haptic device touch the objects that hapticast-server streams. Ctrl-C ends the "
@@ -342,6 +345,7 @@ std::unique_ptr<CLI::App> commandLine(Settings& settings) {
   addViewOptions(*app, settings);
   addOutputOptions(*app, settings);
   addReplayOptions(*app, settings);
+  addStudyOptions(*app, settings.study);
   addConfigFile(*app, kSystemConfig);
   return app;
 }

@@ -13,6 +13,7 @@
 #include "client/device_commands.hpp"
 #include "client/discovery/find_server.hpp"
 #include "client/replay_command.hpp"
+#include "client/study_command.hpp"
 #include "client/user_interface.hpp"
 #include "common/cli/run_program.hpp"
 #include "common/text.hpp"
@@ -58,6 +59,14 @@ int runCommand(const hapticast::client::Settings& settings) {
   }
   if (!settings.replay_file.empty())
     return runOrRefuse([&] { return hapticast::client::runReplay(settings); });
+  if (!settings.study.file.empty()) {
+    return runOrRefuse([&] {
+      hapticast::client::requireVirtualHand(settings);
+      hapticast::client::requireDistinctOutputs(settings);
+      return hapticast::client::runStudy(settings, hapticast::SteadyClock(),
+                                         hapticast::client::openViews(settings));
+    });
+  }
   if (settings.calibration_g > 0.0) return hapticast::client::runFalconCalibration(settings);
   if (!settings.check_device.empty()) return hapticast::client::runDeviceCheck(settings);
   return runClient(settings);

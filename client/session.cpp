@@ -44,7 +44,8 @@ void logLine(spdlog::level::level_enum level, const std::optional<std::string>& 
 class Session::Impl {
  public:
   Impl(const Settings& settings, const Clock& clock, FramePool& pool,
-       LatestValue<StreamTiming>& stream, bool wants_video, Events events, RunRecorder* recorder)
+       LatestValue<StreamTiming>& stream, bool wants_video, Events events, RunRecorder* recorder,
+       const StreamTiming& before)
       : method(settings.method),
         recorder(recorder),
         clock(clock),
@@ -56,7 +57,7 @@ class Session::Impl {
                         asio::post(io, [this, frame] { onPrepared(frame); });
                       }),
         receiver(decode_thread, stream, settings.method == Method::kThesis ? 2 : 1,
-                 fromSeconds(1e-3 * settings.max_delay_ms)),
+                 fromSeconds(1e-3 * settings.max_delay_ms), before),
         connection(io, clock, connectionSettings(settings, wants_video), receiver, allEvents()),
         late_frames(settings.max_delay_ms),
         connection_log(server) {
@@ -199,9 +200,9 @@ void Session::Impl::stop() {
 
 Session::Session(const Settings& settings, const Clock& clock, FramePool& pool,
                  LatestValue<StreamTiming>& stream, bool wants_video, Events events,
-                 RunRecorder* recorder)
+                 RunRecorder* recorder, const StreamTiming& before)
     : impl_(std::make_unique<Impl>(settings, clock, pool, stream, wants_video, std::move(events),
-                                   recorder)) {}
+                                   recorder, before)) {}
 
 Session::~Session() = default;
 
@@ -235,6 +236,8 @@ std::optional<std::string> Session::neverConnected() const {
   const std::string& reason = impl_->connection_log.reason();
   return reason.empty() ? "no answer" : reason;
 }
+
+StreamTiming Session::findEnd() const { return impl_->receiver.findEnd(); }
 
 void Session::addTo(RunResult& result) const {
   result.frames = impl_->receiver.counts();

@@ -28,11 +28,12 @@ class Session {
 
   /// Prepares a session that writes frames to `pool` and the timing to `stream`. Both must outlive
   /// the session. `wants_video` is true if a view needs pictures. `recorder` records the stream and
-  /// must outlive the session; null: no recording. Throws std::runtime_error (one
+  /// must outlive the session; null: no recording. `before`: findEnd() of
+  /// the session or stream that wrote to `pool` until now. Throws std::runtime_error (one
   /// line) if a file of `settings` cannot be used.
   Session(const Settings& settings, const Clock& clock, FramePool& pool,
           LatestValue<StreamTiming>& stream, bool wants_video, Events events,
-          RunRecorder* recorder = nullptr);
+          RunRecorder* recorder = nullptr, const StreamTiming& before = {});
   ~Session();
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
@@ -60,6 +61,8 @@ class Session {
   /// Returns the reason why no server was ever connected. Returns nullopt if one was connected.
   /// Call it after stop().
   [[nodiscard]] std::optional<std::string> neverConnected() const;
+  /// Returns the timing with which another session continues. Call it after stop().
+  [[nodiscard]] StreamTiming findEnd() const;
   /// Writes the counters of the session to `result`. Call it after stop().
   void addTo(RunResult& result) const;
 

@@ -12,6 +12,7 @@
 #include "client/haptics/contact/surface_model.hpp"
 #include "client/net/origin_pin.hpp"
 #include "client/net/udp/transport_selector.hpp"
+#include "client/study/psychometric_function.hpp"
 #include "common/endpoint.hpp"
 #include "common/live/output_settings.hpp"
 #include "common/protocol/messages.hpp"
@@ -23,6 +24,16 @@ namespace hapticast::client {
 enum class ViewChoice : std::uint8_t { kAuto, kOn, kOff };
 /// Choice of --forces: the forces that the client renders.
 enum class Forces : std::uint8_t { kBoth, kStatic, kDynamic };
+
+/// Settings of --study.
+struct StudySettings {
+  std::string file;  ///< empty: no study
+  std::string subject;
+  std::string out;  ///< folder of the results
+  bool resume = false;
+  std::optional<PsychometricFunction> simulate;  ///< an observer answers in place of a subject
+  std::optional<Endpoint> markers;               ///< receives a datagram per event
+};
 
 struct Settings {
   Endpoint server{"localhost", kDefaultPort};
@@ -54,8 +65,9 @@ struct Settings {
   std::string film_file;
   std::string log_file;
   std::string summary_file;
-  OutputSettings outputs;       ///< recording of the run, and watchers
-  std::string replay_file;      ///< recorded run to render again; empty: none
+  OutputSettings outputs;   ///< recording of the run, and watchers
+  std::string replay_file;  ///< recorded run to render again; empty: none
+  StudySettings study;
   double stiffness_N_mm = 0.0;  ///< of all surfaces of a replay; 0: as recorded
   bool method_given = false, surface_given = false;  ///< the user set --method, --surface
   std::string fault_folder;                          ///< empty: the state folder

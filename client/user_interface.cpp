@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <bit>
 #include <cstdlib>
 #include <stdexcept>
 #include <utility>
@@ -61,7 +62,7 @@ std::unique_ptr<View> openWindow(const Settings& settings) {
 #endif
 }
 
-UserControls userControls(const Settings& settings) {
+UserControls makeUserControls(const Settings& settings) {
   UserControls user;
   user.static_on = settings.forces != Forces::kDynamic;
   user.dynamic_on = settings.forces != Forces::kStatic;
@@ -87,10 +88,11 @@ Views openViews(const Settings& settings) {
     requireWritable("--film", settings.film_file);
   }
 #if HAPTICAST_SDL2
-  if (settings.sound) {
+  const bool is_study = !settings.study.file.empty();
+  if (settings.sound || is_study) {
     try {
       views.push_back(std::make_unique<SoundView>(
-          [](const std::string& line) { spdlog::warn("--sound: {}", line); }));
+          !is_study, [](const std::string& line) { spdlog::warn("--sound: {}", line); }));
     } catch (const std::runtime_error& error) {
       spdlog::warn("--sound: the client continues without sound: {}", error.what());
     }
@@ -104,7 +106,7 @@ UserInterface::UserInterface(const Settings& settings, Views views)
     : views_(std::move(views)),
       has_pointer_(hasPointer(views_)),
       rearm_(settings.rearm, has_pointer_) {
-  state_.user = userControls(settings);
+  state_.user = makeUserControls(settings);
   publishControls();
 }
 
@@ -201,7 +203,27 @@ void UserInterface::updateRecording() {
   }
 }
 
+void UserInterface::setStudyPrompt(StudyPrompt prompt) {
+  state_.study = std::move(prompt);
+  const bool stop = state_.study_input.stop;
+  state_.study_input = {};
+  state_.study_input.stop = stop;  // no prompt may hide it
+}
+
+void UserInterface::setControls(const UserControls& controls) {
+  state_.user = controls;
+  publishControls();
+}
+
+void UserInterface::enterButtons(std::uint32_t buttons) {
+  std::uint32_t pressed = buttons & ~std::exchange(study_buttons_, buttons);
+  if (enable_button_) pressed &= ~(1U << static_cast<unsigned>(*enable_button_));
+  if (pressed != 0 && !state_.study->text.empty())
+    enterButton(*state_.study, std::countr_zero(pressed), state_.study_input);
+}
+
 void UserInterface::handleButtons(std::uint32_t buttons) {
+  if (state_.study) return enterButtons(buttons);
   if (!buttons_) return;
   const DeviceButtons::ButtonActions actions = buttons_->onButtons(buttons);
   if (actions.pause) state_.user.paused = !state_.user.paused;

@@ -42,6 +42,7 @@ class UserInterface {
   /// true if the pointer moves the device.
   void setDevice(const DeviceProfile& profile, bool follows_pointer) {
     buttons_.emplace(profile);
+    enable_button_ = profile.enable_button;
     state_.pointer_is_device = follows_pointer;
   }
   /// Returns true if a view needs the stream's pictures.
@@ -52,6 +53,18 @@ class UserInterface {
   void setRequest(const std::string& text);
   /// Returns true if the user has confirmed the request in a view.
   [[nodiscard]] bool confirmed() const { return state_.confirmed; }
+
+  /// Shows a prompt of a study, and forgets the input of the prompt before it.
+  void setStudyPrompt(StudyPrompt prompt);
+  /// Returns what the subject has entered since the last prompt.
+  [[nodiscard]] const StudyInput& studyInput() const { return state_.study_input; }
+  /// Forgets a request to stop, after it was carried out.
+  void clearStop() { state_.study_input.stop = false; }
+  /// Replaces the controls of the user, but not their number.
+  void setControls(const UserControls& controls);
+  [[nodiscard]] const UserControls& userControls() const { return state_.user; }
+  /// Plays a beep in the views with sound.
+  void beep() { ++state_.beeps; }
 
   /// Pass a picture and the reliefs of a frame to all views. Thread: network.
   void onPicture(const VideoFrame& picture, const Workspace& workspace);
@@ -78,6 +91,7 @@ class UserInterface {
   void publishControls();
   void updateRecording();
   void handleButtons(std::uint32_t buttons);
+  void enterButtons(std::uint32_t buttons);
 
   Views views_;
   bool has_pointer_;
@@ -90,6 +104,8 @@ class UserInterface {
   std::optional<LogFile> recording_;  // started in a view
   RearmPolicy rearm_;
   std::optional<DeviceButtons> buttons_;
+  std::optional<int> enable_button_;  // it answers no question
+  std::uint32_t study_buttons_ = 0;   // that were down at the last report
 };
 
 }  // namespace hapticast::client

@@ -149,7 +149,8 @@ double DynamicForce::cursorMass_kg() const noexcept {
 
 double DynamicForce::objectMass_kg(const Material& material, const StreamTiming& stream,
                                    double scale) const noexcept {
-  const double authored_kg = material.mass_kg.value_or(stream.author_mass_kg);
+  const double authored_kg =
+      own_mass_kg_.value_or(material.mass_kg.value_or(stream.author_mass_kg));
   const bool authored = authored_kg > 0.0 && std::isfinite(authored_kg);
   const double wanted_kg =
       std::max(authored ? std::min(authored_kg, kHeaviest_kg) : kUnknownMass_kg,

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "client/haptics/haptic_device.hpp"
 #include "client/haptics/playback/playout.hpp"
@@ -51,11 +52,13 @@ class DynamicForce {
   /// this part, and the stream does not.
   [[nodiscard]] const Vec3& inertia_N() const noexcept { return inertia_N_; }
 
-  /// Returns m_object in kg, finite and at least 0. It is the author's mass of an object with
-  /// `material`, or else the author's mass of the stream. It is 0.5 kg if the author states none.
-  /// It is at most 5 kg, and at least 10 times m_cursor. One further bound may lower it below that:
-  /// the continuous force of the device, divided by the largest acceleration of the stream. `scale`
-  /// converts that acceleration to device mm.
+  /// Sets a mass that replaces the author's one, kg; nullopt: none.
+  void replaceMass(const std::optional<double>& mass_kg) noexcept { own_mass_kg_ = mass_kg; }
+  /// Returns m_object in kg, finite and at least 0. It is that of replaceMass(), or else the
+  /// author's mass of an object with `material`, or else the author's mass of the stream. It is 0.5
+  /// kg if the author states none. It is at most 5 kg, and at least 10 times m_cursor. One further
+  /// bound may lower it below that: the continuous force of the device, divided by the largest
+  /// acceleration of the stream. `scale` converts that acceleration to device mm.
   [[nodiscard]] double objectMass_kg(const Material& material, const StreamTiming& stream,
                                      double scale) const noexcept;
 
@@ -79,6 +82,7 @@ class DynamicForce {
   };
 
   const DeviceProfile& profile_;
+  std::optional<double> own_mass_kg_;
   bool has_pulse_ = false;
   Pulse pulse_;
   bool implausible_ = false;

@@ -163,6 +163,7 @@ HapticRenderer::Changes HapticRenderer::updateInputs(const StreamTiming& stream,
   if (changes.by_stream) safety_.newConnection();
   changes.by_user = force_mix_.update(user);
   proxies_.setFriction(force_mix_.friction());
+  dynamic_.replaceMass(force_mix_.mass_kg());
   connected_ = stream.connected;
   if (paused_ && !user.paused) {  // the stream continued meanwhile: join it like a new one
     playout_.resync();
@@ -176,6 +177,7 @@ HapticRenderer::Changes HapticRenderer::updateInputs(const StreamTiming& stream,
     mapping_ = DeviceMapping::fit(workspace_, settings_.profile.workspace_mm);
     changes.by_stream = true;
   }
+  if (std::exchange(stopped_, user.stop) != user.stop) safety_.stop();
   acknowledged_ = std::exchange(rearmed_, user.rearm) != user.rearm;
   const bool by_itself =
       std::exchange(rearmed_by_itself_, user.rearm_by_itself) != user.rearm_by_itself;

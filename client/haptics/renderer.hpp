@@ -114,6 +114,7 @@ class HapticRenderer {
   bool connected_ = false;
   bool paused_ = false;
   bool faulty_ = false;  // a lasting fault is reported once
+  std::uint32_t stopped_ = 0;
   std::uint32_t rearmed_ = 0;
   std::uint32_t rearmed_by_itself_ = 0;
   bool acknowledged_ = false;  // the user re-armed the force in this tick

@@ -35,6 +35,8 @@ struct UserControls {
   /// A new value re-arms the force as well. The client does it by itself (--rearm), so it does not
   /// end a safety state that waits for the user.
   std::uint32_t rearm_by_itself = 0;
+  /// A new value ramps the force to zero at once. It remains zero until `rearm` changes.
+  std::uint32_t stop = 0;
   /// Enable the static and the dynamic force. If the static force is enabled again, it fades in
   /// from zero.
   bool static_on = true;
@@ -45,6 +47,9 @@ struct UserControls {
   double force_factor = 1.0;  ///< factor of both forces, 0..1
   /// Friction coefficient, 0..1; replaces the author's friction.
   std::optional<double> friction = std::nullopt;
+  /// Mass of the object, kg; replaces the author's mass. After a change the force fades in from
+  /// zero.
+  std::optional<double> mass_kg = std::nullopt;
   std::optional<Method> method = std::nullopt;  ///< replaces the method of --method
   std::optional<SurfaceKind> surface = std::nullopt;
   bool operator==(const UserControls&) const = default;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Applies the user's controls to the force. In contact, gains change slowly (ParameterRateLimiter).
-// A change of the method or of the surface model cannot be gradual, so the force then restarts from
-// zero.
+// A change of the method, of the surface model or of the mass restarts the force from zero.
 // Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 
@@ -20,14 +19,16 @@ class UserForceMix {
   UserForceMix(Method method, SurfaceKind surface) noexcept
       : own_method_(method), own_surface_(surface), method_(method), surface_(surface) {}
 
-  /// Applies the user's controls of this tick. Returns true if the method or the surface model has
-  /// changed, or if the static force was switched on again. The caller then has to fade in the
-  /// force from zero.
+  /// Applies the user's controls of this tick. Returns true if the method, the surface model or
+  /// the mass has changed, or if the static force was switched on again. The caller then has to
+  /// fade in the force from zero.
   bool update(const UserControls& user) noexcept {
     const Method method = user.method.value_or(own_method_);
     const SurfaceKind surface = user.surface.value_or(own_surface_);
     const bool comes_back = user.static_on && !static_on_;
-    const bool changed = method != method_ || surface != surface_ || comes_back;
+    const bool changed =
+        method != method_ || surface != surface_ || comes_back || user.mass_kg != mass_kg_;
+    mass_kg_ = user.mass_kg;
     method_ = method;
     surface_ = surface;
     static_on_ = user.static_on;
@@ -49,6 +50,8 @@ class UserForceMix {
   /// Returns the factor by which the requested stiffness is multiplied, 0.1..3.
   [[nodiscard]] double stiffness() const noexcept { return stiffness_; }
   [[nodiscard]] const std::optional<double>& friction() const noexcept { return friction_; }
+  /// Returns the mass that replaces the author's one, kg.
+  [[nodiscard]] const std::optional<double>& mass_kg() const noexcept { return mass_kg_; }
 
  private:
   /// Clamps `value`; NaN counts as `low`.
@@ -65,6 +68,7 @@ class UserForceMix {
   double dynamic_ = 1.0;
   double stiffness_ = 1.0;
   std::optional<double> friction_;
+  std::optional<double> mass_kg_;
   ParameterRateLimiter dynamic_ramp_;
 };
 

@@ -75,6 +75,8 @@ class FrameAssembler {
 
   /// Starts a connection, with a new numbering and a new epoch.
   void restart();
+  /// Continues the client-side epochs after `last`. Call it before the first restart().
+  void continueEpochs(std::uint32_t last) { epoch_ = last; }
   /// Returns true if two different versions of one frame arrived in this connection. A server that
   /// signs both contradicts itself, so the client can use neither. No more frames leave until
   /// restart().

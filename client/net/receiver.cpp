@@ -19,8 +19,17 @@ constexpr Duration kBackToBack = std::chrono::milliseconds(2);
 }  // namespace
 
 Receiver::Receiver(FrameSink& sink, LatestValue<StreamTiming>& stream, int lookahead_frames,
-                   Duration max_delay)
-    : sink_(sink), stream_(stream), lookahead_frames_(lookahead_frames), jitter_(max_delay) {}
+                   Duration max_delay, const StreamTiming& before)
+    : sink_(sink), stream_(stream), lookahead_frames_(lookahead_frames), jitter_(max_delay) {
+  latest_.number = before.number;
+  assembler_.continueEpochs(before.first_epoch);
+}
+
+StreamTiming Receiver::findEnd() const {
+  StreamTiming end = latest_;
+  end.first_epoch = assembler_.epoch();
+  return end;
+}
 
 void Receiver::connected(const StreamDescription& description, LocalTime now) {
   clock_.reset();

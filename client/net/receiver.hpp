@@ -54,9 +54,10 @@ class Receiver {
   /// The object passes frames to `sink` and writes the timing of the stream to
   /// `stream`. No other object may do so. Both must outlive this object. `lookahead_frames` is the
   /// number of frame intervals that the interpolation needs in advance (Hermite: 1, the thesis's
-  /// method: 2). `max_delay` is the largest playout delay.
+  /// method: 2). `max_delay` is the largest playout delay. `before` is the findEnd() of another
+  /// Receiver that wrote to `stream` until now: numbers and epochs continue from there.
   Receiver(FrameSink& sink, LatestValue<StreamTiming>& stream, int lookahead_frames,
-           Duration max_delay = JitterEstimator::kMaxDelay);
+           Duration max_delay = JitterEstimator::kMaxDelay, const StreamTiming& before = {});
 
   /// Sets a function that receives every frame before the decode thread does, in their order.
   void onFrame(std::function<void(const AssembledFrame&)> on_frame) {
@@ -99,6 +100,8 @@ class Receiver {
   [[nodiscard]] const ReceiverCounts& counts() const { return counts_; }
   /// Returns the StreamTiming that the loop received last.
   [[nodiscard]] const StreamTiming& stream() const { return latest_; }
+  /// Returns stream(), with the last epoch in use as the first one: where another Receiver begins.
+  [[nodiscard]] StreamTiming findEnd() const;
   /// Returns a bound on the error of the clock offset: the client's own error plus the error that
   /// the server states for its clock. Returns 0 without a synchronised clock.
   [[nodiscard]] Duration clockErrorBound() const;

@@ -252,7 +252,9 @@ RecordedBytes encodeControls(const UserControls& from) {
   to.set_dynamic_on(from.dynamic_on);
   to.set_stiffness_factor(from.stiffness_factor);
   to.set_force_factor(from.force_factor);
+  to.set_stop(from.stop);
   if (from.friction) to.set_friction(*from.friction);
+  if (from.mass_kg) to.set_mass_kg(*from.mass_kg);
   if (from.method) to.set_method(static_cast<std::uint32_t>(*from.method));
   if (from.surface) to.set_surface(static_cast<std::uint32_t>(*from.surface));
   return serialize(to);
@@ -267,6 +269,7 @@ Result<UserControls> decodeControls(std::span<const std::uint8_t> bytes) {
   to.paused = from.paused();
   to.rearm = from.rearm();
   to.rearm_by_itself = from.rearm_by_itself();
+  to.stop = from.stop();
   to.static_on = from.static_on();
   to.dynamic_on = from.dynamic_on();
   to.stiffness_factor =
@@ -274,6 +277,8 @@ Result<UserControls> decodeControls(std::span<const std::uint8_t> bytes) {
   to.force_factor = check.number(from.force_factor(), 0.0, 1.0, "a force factor is not 0..1");
   if (from.has_friction())
     to.friction = check.number(from.friction(), 0.0, 1.0, "a friction is not 0..1");
+  if (from.has_mass_kg())
+    to.mass_kg = check.number(from.mass_kg(), 0.0, limits::kMass_kg, "a mass is out of range");
   check.require(from.method() <= 1 && from.surface() <= 2, "an unknown method or surface");
   if (from.has_method()) to.method = static_cast<Method>(from.method());
   if (from.has_surface()) to.surface = static_cast<SurfaceKind>(from.surface());

@@ -21,8 +21,8 @@ constexpr std::uint32_t kFade_ms = 60;  // four times the hum's smoothing
 
 }  // namespace
 
-SoundView::SoundView(std::function<void(const std::string& line)> log_line)
-    : log_(std::move(log_line)) {
+SoundView::SoundView(bool plays_force, std::function<void(const std::string& line)> log_line)
+    : log_(std::move(log_line)), plays_force_(plays_force) {
   SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");  // Ctrl-C belongs to the client
   if (SDL_InitSubSystem(SDL_INIT_AUDIO) != 0)
     throw std::runtime_error(std::string("no sound device (") + SDL_GetError() + ")");
@@ -46,17 +46,25 @@ SoundView::~SoundView() {
 }
 
 void SoundView::onReport(const TickReport& report) {
-  cue_.store({.force = meter_.next(report), .tick = report.tick});
+  if (!plays_force_) return;
+  latest_.force = meter_.next(report);
+  latest_.tick = report.tick;
+  cue_.store(latest_);
 }
 
-bool SoundView::update(UiState& /*desk*/) {
+bool SoundView::update(UiState& ui_state) {
+  if (latest_.beeps != ui_state.beeps) {
+    latest_.beeps = ui_state.beeps;
+    cue_.store(latest_);
+  }
   const bool lost = SDL_GetAudioDeviceStatus(device_) == SDL_AUDIO_STOPPED;
   if (lost && log_) std::exchange(log_, nullptr)("sound device disconnected: no sound from now on");
   return true;
 }
 
 void SoundView::finish() {
-  cue_.store({});
+  latest_.force = {};
+  cue_.store(latest_);
   SDL_Delay(kFade_ms);
 }
 

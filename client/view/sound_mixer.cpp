@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "client/view/sound_mixer.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace hapticast::client {
 
@@ -13,6 +15,8 @@ constexpr double kSilent_N = 0.05;
 constexpr double kLoud_N = 2.0;
 // Chosen: after this time without a new cue the main thread has stopped.
 constexpr std::size_t kStale = SoundMixer::kRate_Hz / 10;
+// Chosen: 0.15 s.
+constexpr std::size_t kBeep = SoundMixer::kRate_Hz * 3 / 20;
 
 double loudness(double force_N) noexcept {
   return 0.5 * SoundMixer::kLoudest *
@@ -34,8 +38,13 @@ void SoundMixer::fill(std::span<float> samples, const SoundCue& cue) noexcept {
   const ForceComponents heard = age_ > kStale ? ForceComponents{} : cue.force;
   const double press = loudness(heard.sustained_N);
   const double blow = loudness(heard.transient_N);
-  for (float& sample : samples)
-    sample = static_cast<float>(sustained_.next(press) + transient_.next(blow));
+  if (cue.beeps != std::exchange(beeps_, cue.beeps)) beep_left_ = kBeep;
+  for (float& sample : samples) {
+    const double beep = beep_left_ > 0 ? 0.5 * kLoudest : 0.0;
+    if (beep_left_ > 0) --beep_left_;
+    const double sum = sustained_.next(press) + transient_.next(blow) + beep_.next(beep);
+    sample = static_cast<float>(std::clamp(sum, -kLoudest, kLoudest));
+  }
 }
 
 }  // namespace hapticast::client

@@ -14,6 +14,7 @@
 #include "client/haptics/playback/frame_pool.hpp"
 #include "client/haptics/tick_report.hpp"
 #include "client/haptics/user_controls.hpp"
+#include "client/view/study_prompt.hpp"
 #include "common/haptic_frame.hpp"
 #include "common/histogram.hpp"
 
@@ -51,6 +52,9 @@ struct UiState {
   std::string request;
   bool confirmed = false;  ///< a view sets it if the user presses Enter
   std::string recording;   ///< name of that log file, or an error; empty before the first one
+  std::optional<StudyPrompt> study;  ///< present: the client runs a study
+  StudyInput study_input;            ///< a view sets it
+  std::uint32_t beeps = 0;           ///< a new value: a view with sound plays a beep
 };
 
 /// Interface of a view of a run.

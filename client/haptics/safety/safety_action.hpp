@@ -75,7 +75,7 @@ enum class Halt : std::uint8_t {
   kNone = 0,
   kDeviceLost,
   kTrustLost,    ///< too many safety actions due to the stream (trust.hpp)
-  kStopped,      ///< the loop ends, so the force ramped to zero
+  kStopped,      ///< the loop ends, or the user stopped the force
   kUnconfirmed,  ///< the device was detected automatically, and the user has not confirmed it
 };
 

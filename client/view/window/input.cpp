@@ -3,6 +3,7 @@
 #if HAPTICAST_IMGUI
 #include "client/view/window/display.hpp"
 #include "client/view/window/imgui_sdl.hpp"
+#include "client/view/window/study_window.hpp"
 #include "client/view/window/window.hpp"
 
 namespace hapticast::client {
@@ -45,6 +46,11 @@ void ViewerWindow::handleEvent(const SDL_Event& event, UiState& ui_state) {
       closed_ = true;
       break;
     case SDL_KEYDOWN:
+      if (ui_state.study) {
+        if (event.key.keysym.sym == SDLK_F11 && event.key.repeat == 0) toggleFullscreen();
+        pressStudyKey(event.key.keysym.sym, ui_state);
+        break;
+      }
       if (io.WantTextInput || event.key.repeat != 0) break;
       if (event.key.keysym.sym == SDLK_p) save_ = true;
       if (event.key.keysym.sym == SDLK_F11) toggleFullscreen();

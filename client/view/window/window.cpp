@@ -12,6 +12,7 @@
 #include "client/view/picture.hpp"
 #include "client/view/window/display.hpp"
 #include "client/view/window/imgui_sdl.hpp"
+#include "client/view/window/study_window.hpp"
 #include "common/unique_filename.hpp"
 
 namespace hapticast::client {
@@ -134,12 +135,17 @@ void ViewerWindow::draw(UiState& ui_state) {
   int width = 0;
   int height = 0;
   SDL_GetWindowSize(gui_->window, &width, &height);
-  const WindowLayout layout = arrangeWindow(Vec2(width, height), state_.panel);
+  const auto panel_wanted = ui_state.study ? std::optional(false) : state_.panel;
+  const WindowLayout layout = arrangeWindow(Vec2(width, height), panel_wanted);
   gui_->gui_renderer->setTextHeight(layout.text_px);
   selectPicture();
   ImGui_ImplSDL2_NewFrame();
   ImGui::NewFrame();
   showScene(layout, ui_state);
+  if (ui_state.study) {
+    showStudyPrompt(layout, ui_state);
+    return present();
+  }
   showTexts(layout, ui_state);
   state_.folded = layout.isFolded();
   if (state_.folded) {
@@ -150,6 +156,10 @@ void ViewerWindow::draw(UiState& ui_state) {
   state_.time_bar.play_time = ticks_.last().play_time;
   showTimeBar(layout, ui_state, state_.time_bar);
   showHelp(layout, state_.help);
+  present();
+}
+
+void ViewerWindow::present() {
   ImGui::Render();
   SDL_SetRenderDrawColor(gui_->renderer, 24, 26, 28, 255);
   SDL_RenderClear(gui_->renderer);
@@ -189,8 +199,9 @@ void ViewerWindow::showScene(const WindowLayout& layout, const UiState& ui_state
     return ImVec2(static_cast<float>(at.x()), static_cast<float>(at.y()));
   };
   const PointerTarget pointer = ui_state.pointer_is_device ? ui_state.pointer : PointerTarget{};
-  list.AddImage(gui_->gui_renderer->upload(GuiImage::kScene, paintScene(pointer)),
-                point(place_.corner()), point(place_.end()));
+  list.AddImage(
+      gui_->gui_renderer->upload(GuiImage::kScene, paintScene(pointer, ui_state.study.has_value())),
+      point(place_.corner()), point(place_.end()));
   if (state_.relief == ReliefLook::kInSpace) relief_.drawInSpace(list, place_, ticks_.last());
 }
 
@@ -207,8 +218,9 @@ void ViewerWindow::showTexts(const WindowLayout& layout, const UiState& ui_state
   drawNote(list, place_, stateLines(ticks_.last()), IM_COL32(255, 110, 100, 255), 0.84);
 }
 
-/// Returns the picture with the HIP and the forces, in px of the screen.
-cv::Mat ViewerWindow::paintScene(const PointerTarget& pointer) {
+/// Returns the picture with the HIP and the forces, in px of the screen. In a study the picture
+/// does not show what the hand should sense.
+cv::Mat ViewerWindow::paintScene(const PointerTarget& pointer, bool is_study) {
   const ImVec2& scale = ImGui::GetIO().DisplayFramebufferScale;
   const Vec2 size = place_.size().cwiseProduct(Vec2(scale.x, scale.y));
   cv::Mat image = fitPicture(picture_, {std::max(1, static_cast<int>(std::lround(size.x()))),
@@ -216,7 +228,12 @@ cv::Mat ViewerWindow::paintScene(const PointerTarget& pointer) {
   const ScenePlace place(workspace_, Vec2::Zero(), {image.cols, image.rows});
   if (state_.relief == ReliefLook::kShaded) relief_.drawShaded(image, place);
   if (state_.outline) relief_.drawOutline(image, place);
-  drawTouch(image, place, ticks_.last(), pointer);
+  TickReport shown = ticks_.last();
+  if (is_study) {
+    shown.force_N = shown.static_force_N = shown.dynamic_force_N = Vec3::Zero();
+    shown.contact = false;
+  }
+  drawTouch(image, place, shown, pointer);
   return image;
 }
 

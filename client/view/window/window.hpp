@@ -58,8 +58,9 @@ class ViewerWindow final : public View {
   void drag(Drag what);
   /// Returns the part of the relief's box at `point`. It is kNone while the box is closed.
   [[nodiscard]] BoxPart findPart(const Vec2& point) const;
+  void present();
   void selectPicture();
-  [[nodiscard]] cv::Mat paintScene(const PointerTarget& pointer);
+  [[nodiscard]] cv::Mat paintScene(const PointerTarget& pointer, bool is_study);
   void showScene(const WindowLayout& layout, const UiState& ui_state);
   void showTexts(const WindowLayout& layout, const UiState& ui_state);
   void savePicture();

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+// Checks of a study before its first subject: recordings, limits of the device, space on the disk.
+// Thread: main.
+#pragma once
+
+#include <filesystem>
+
+#include "client/haptics/haptic_device.hpp"
+#include "client/study/located_json.hpp"
+#include "client/study/study.hpp"
+
+namespace hapticast::client {
+
+/// Reads all recordings of `study`. Throws LocatedError with the line of the first condition whose
+/// recording is missing or damaged, or which the device with `profile` cannot render: its stiffness
+/// is above `stiffness_limit_N_mm` (0: three times the profile's stiffness), or the device lowers
+/// its mass.
+void requireRenderable(const Study& study, const DeviceProfile& profile,
+                       double stiffness_limit_N_mm);
+
+/// Throws std::runtime_error with one line if the results of `trials` trials may not fit on the
+/// disk of the folder `out`.
+void requireSpace(const Study& study, std::size_t trials, const std::filesystem::path& out);
+
+}  // namespace hapticast::client

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: MIT
+#include "client/study_trials.hpp"
+
+#include <fmt/core.h>
+#include <spdlog/spdlog.h>
+
+#include <cmath>
+
+#include "client/study/study_folder.hpp"
+
+namespace hapticast::client {
+
+namespace {
+
+constexpr double kBetweenIntervals_s = 0.5;   // chosen
+constexpr double kRestInTimeConstants = 3.0;  // the heat of the motors falls to 5 %
+
+const char* toStatus(TrialEnd end) {
+  switch (end) {
+    case TrialEnd::kStopped:
+      return "stopped";
+    case TrialEnd::kDeviceLost:
+      return "device_lost";
+    case TrialEnd::kStreamLost:
+      return "stream_lost";
+    default:
+      return "valid";
+  }
+}
+
+StudyPrompt makeQuestionPrompt(const Question& question) {
+  StudyPrompt prompt{.text = question.text, .low = question.low, .high = question.high};
+  switch (question.kind) {
+    case QuestionKind::kForcedChoice:
+      prompt.choices = {"the first one", "the second one"};
+      break;
+    case QuestionKind::kVisualAnalogue:
+      prompt.is_scale = prompt.needs_enter = true;
+      break;
+    case QuestionKind::kLikert:
+      for (std::size_t i = 1; i <= question.steps; ++i)
+        prompt.choices.push_back(i == 1 ? question.low : i == question.steps ? question.high : "");
+      break;
+  }
+  return prompt;
+}
+
+double readAnswer(const Question& question, const StudyInput& input) {
+  if (question.kind == QuestionKind::kVisualAnalogue) return std::round(input.scale);
+  return static_cast<double>(input.choice.value_or(0) + 1);
+}
+
+}  // namespace
+
+std::optional<StudyInput> StudyTrials::ask(const StudyPrompt& prompt) {
+  if (!parts_.observer) return parts_.desk.ask(prompt);
+  if (parts_.desk.ended()) return std::nullopt;
+  return StudyInput{.confirmed = true};
+}
+
+bool StudyTrials::run() {
+  if (!askConsent()) return false;
+  while (const auto trial = parts_.schedule.findTrial()) {
+    last_end_ = TrialEnd::kComplete;
+    if (prepare(*trial)) runTrial(*trial);
+    if (parts_.desk.ended() || !recover() || !restDevice()) return false;
+  }
+  parts_.on_event("study end");
+  (void)ask({.text = "That was the last trial. Thank you.", .needs_enter = true});
+  return true;
+}
+
+bool StudyTrials::askConsent() {
+  StudyPrompt prompt{.text = parts_.study.consent, .choices = {"I agree", "I do not take part"}};
+  const auto input = ask(prompt);
+  if (!input || input->choice.value_or(0) != 0) {
+    spdlog::info("the subject did not agree: no trial was run");
+    return false;
+  }
+  parts_.desk.rearm();  // also confirms a device that was detected automatically
+  return true;
+}
+
+/// Asks the subject to begin. Returns false if the subject stops the force or the program ends.
+bool StudyTrials::prepare(const Trial& trial) {
+  const std::size_t rest_every = parts_.study.rest_every;
+  if (rest_every > 0 && since_rest_ >= rest_every) {
+    since_rest_ = 0;
+    if (!ask({.text = "Pause. Rest your hand as long as you like.", .needs_enter = true}))
+      return false;
+  }
+  const std::size_t total = trial.number + parts_.schedule.countRemaining() - 1;
+  const char* const kind = trial.is_training ? "Training, trial" : "Trial";
+  const char* const intervals =
+      parts_.study.comparison ? " You touch twice: one beep, then two beeps." : "";
+  spdlog::info("trial {} of {}: condition {}", trial.number, total,
+               parts_.schedule.code(trial.condition));
+  return ask({.text = fmt::format("{} {} of {}.{}", kind, trial.number, total, intervals),
+              .needs_enter = true})
+      .has_value();
+}
+
+void StudyTrials::runTrial(const Trial& trial) {
+  TrialRow row{.is_training = trial.is_training,
+               .trial = trial.number,
+               .condition = parts_.schedule.code(trial.condition),
+               .level = trial.level};
+  if (trial.level) row.comparison_interval = trial.comparison_first ? 1 : 2;
+  last_end_ = playIntervals(trial, row);
+  if (last_end_ == TrialEnd::kComplete) last_end_ = askQuestion(trial, row);
+  if (last_end_ == TrialEnd::kEnded) return;  // without a row: it comes first after --resume
+  row.status = toStatus(last_end_);
+  row.duration_s = parts_.desk.now_s() - row.onset_s;
+  parts_.events.append(row);
+  parts_.on_event(fmt::format("trial {} end {}", trial.number, row.status));
+  ++since_rest_;
+  if (row.answer)
+    parts_.schedule.onAnswer(row.is_correct.value_or(true));
+  else
+    parts_.schedule.onVoid();
+}
+
+TrialEnd StudyTrials::playIntervals(const Trial& trial, TrialRow& row) {
+  const Condition& condition = parts_.study.conditions[trial.condition];
+  const int intervals = trial.level ? 2 : 1;
+  for (int interval = 1; interval <= intervals; ++interval) {
+    Condition played = condition;
+    if (trial.level) {
+      const Comparison& comparison = *parts_.study.comparison;
+      const bool is_larger = (interval == 1) == trial.comparison_first;
+      played = withVariable(condition, comparison.variable,
+                            comparison.reference + (is_larger ? *trial.level : 0.0));
+    }
+    if (interval == 2 && !parts_.desk.wait(kBetweenIntervals_s))
+      return parts_.desk.ended() ? TrialEnd::kEnded : TrialEnd::kStopped;
+    parts_.desk.beep(interval);
+    parts_.on_event(
+        fmt::format("trial {} interval {} condition {}", trial.number, interval, row.condition));
+    const TrialEnd end =
+        parts_.desk.play(played, 2 * trial.number + static_cast<std::size_t>(interval));
+    if (interval == 1) {
+      row.onset_s = parts_.desk.onset_s();
+      row.wall_clock = formatIso8601(parts_.desk.onsetWall());
+    }
+    if (end != TrialEnd::kComplete) return end;
+  }
+  return TrialEnd::kComplete;
+}
+
+TrialEnd StudyTrials::askQuestion(const Trial& trial, TrialRow& row) {
+  const Question& question = parts_.study.question;
+  const double asked_s = parts_.desk.now_s();
+  parts_.on_event(fmt::format("trial {} question", trial.number));
+  const auto input = ask(makeQuestionPrompt(question));
+  if (!input) return parts_.desk.ended() ? TrialEnd::kEnded : TrialEnd::kStopped;
+  row.answer =
+      parts_.observer ? parts_.observer->answer(question, trial) : readAnswer(question, *input);
+  row.response_time_s = parts_.desk.now_s() - asked_s;
+  if (trial.level) row.is_correct = *row.answer == static_cast<double>(*row.comparison_interval);
+  return TrialEnd::kComplete;
+}
+
+/// After a stop or a lost device: goes on when the subject wants. Returns false if the study ends.
+bool StudyTrials::recover() {
+  if (!parts_.desk.stopped() && last_end_ != TrialEnd::kDeviceLost &&
+      last_end_ != TrialEnd::kStreamLost)
+    return true;
+  const std::string why = parts_.desk.stopped() ? "The force is off."
+                          : last_end_ == TrialEnd::kDeviceLost
+                              ? "The device did not answer. Check its cable and its power."
+                              : "The stream was interrupted.";
+  parts_.desk.clearStop();
+  const auto input = ask(
+      {.text = why + " The trial comes again at the end.", .choices = {"go on", "end the study"}});
+  if (!input || input->choice.value_or(0) != 0) return false;
+  parts_.desk.rearm();
+  return true;
+}
+
+/// Waits until the motors of the device are cool, if they were warm. Returns false if the program
+/// ends.
+bool StudyTrials::restDevice() {
+  if (!parts_.desk.takeWarm()) return true;
+  const double rest_s = kRestInTimeConstants * parts_.desk.profile().thermal_s;
+  spdlog::info("the motors are warm: the device rests for {:.0f} s", rest_s);
+  return parts_.desk.wait(
+             rest_s, {.text = fmt::format("The device rests for {:.0f} s. Rest, too.", rest_s)}) ||
+         recover();
+}
+
+}  // namespace hapticast::client

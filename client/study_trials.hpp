@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+// The trials of one subject: prompts, intervals, answers, and a row of results per trial. A void
+// trial (stop key, lost device, lost stream) gets a row, too, and comes again at the end.
+// Thread: main.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "client/study/events_file.hpp"
+#include "client/study/simulated_observer.hpp"
+#include "client/study/trial_schedule.hpp"
+#include "client/study_desk.hpp"
+
+namespace hapticast::client {
+
+class StudyTrials {
+ public:
+  struct Parts {
+    const Study& study;
+    TrialSchedule& schedule;
+    EventsFile& events;
+    StudyDesk& desk;
+    const std::optional<SimulatedObserver>& observer;  ///< answers in place of the subject
+    /// Receives a line for each event.
+    std::function<void(const std::string& event)> on_event;
+  };
+  explicit StudyTrials(const Parts& parts) : parts_(parts) {}
+
+  /// Shows the consent, runs all trials, and thanks. Returns true if the study is complete. Throws
+  /// std::runtime_error (one line) if the results cannot be written.
+  [[nodiscard]] bool run();
+
+ private:
+  [[nodiscard]] bool askConsent();
+  [[nodiscard]] bool prepare(const Trial& trial);
+  [[nodiscard]] TrialEnd playIntervals(const Trial& trial, TrialRow& row);
+  [[nodiscard]] TrialEnd askQuestion(const Trial& trial, TrialRow& row);
+  void runTrial(const Trial& trial);
+  [[nodiscard]] bool recover();
+  [[nodiscard]] bool restDevice();
+  std::optional<StudyInput> ask(const StudyPrompt& prompt);
+
+  Parts parts_;
+  std::size_t since_rest_ = 0;
+  TrialEnd last_end_ = TrialEnd::kComplete;
+};
+
+}  // namespace hapticast::client
