@@ -114,15 +114,19 @@ void requireRenderable(const Study& study, const DeviceProfile& profile,
   }
 }
 
-void requireSpace(const Study& study, std::size_t trials, const std::filesystem::path& out) {
+void requireSpace(const Study& study, const std::filesystem::path& out) {
   double longest_s = 0.0;
   for (const Condition& condition : study.conditions)
     longest_s = std::max(longest_s, condition.seconds);
   const double intervals = study.comparison ? 2.0 : 1.0;
-  const double ticks = 1e3 * static_cast<double>(trials) * (intervals * longest_s + kAnswer_s);
+  const double ticks =
+      1e3 * static_cast<double>(study.countTrials()) * (intervals * longest_s + kAnswer_s);
   const double needed_bytes = ticks * (double{kMotionRow_bytes} + kRecordedTick_bytes);
   std::error_code error;
-  const std::filesystem::space_info space = std::filesystem::space(out, error);
+  std::filesystem::path there = std::filesystem::absolute(out);
+  while (!std::filesystem::exists(there, error) && there.has_relative_path())
+    there = there.parent_path();
+  const std::filesystem::space_info space = std::filesystem::space(there, error);
   if (error || static_cast<double>(space.available) >= needed_bytes) return;
   throw std::runtime_error(
       fmt::format("--out {}: the study needs up to {:.1f} GB, and the disk has {:.1f} GB left",

@@ -18,8 +18,8 @@ namespace hapticast::client {
 void requireRenderable(const Study& study, const DeviceProfile& profile,
                        double stiffness_limit_N_mm);
 
-/// Throws std::runtime_error with one line if the results of `trials` trials may not fit on the
-/// disk of the folder `out`.
-void requireSpace(const Study& study, std::size_t trials, const std::filesystem::path& out);
+/// Throws std::runtime_error with one line if the results of a subject may not fit on the disk of
+/// the folder `out`, which need not exist.
+void requireSpace(const Study& study, const std::filesystem::path& out);
 
 }  // namespace hapticast::client

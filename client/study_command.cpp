@@ -68,78 +68,133 @@ void requireWindow(const StudySettings& study, const Views& views) {
                              ": needs a window (--view on) for its prompts, or --simulate");
 }
 
+/// The run of a study with one subject, after all checks that need no subject.
+class SubjectRun {
+ public:
+  /// Throws std::runtime_error (one line) if the subject cannot begin, or cannot continue.
+  SubjectRun(const Settings& settings, const Study& study, const std::string& text,
+             StudyDesk& desk);
+  /// Runs the study. Returns the exit code.
+  int run();
+
+ private:
+  void restore(const std::vector<TrialRow>& rows);
+  void begin();
+  int finish(bool complete);
+  void printThresholds() const;
+  void onEvent(const std::string& event);
+
+  const StudySettings& settings_;
+  const Study& study_;
+  const std::string& text_;
+  StudyDesk& desk_;
+  StudyFolder folder_;
+  TrialSchedule schedule_;
+  WallTime start_;  // of the motion file
+  std::optional<EventsFile> events_;
+  std::optional<MotionFile> motion_;
+  std::optional<MarkerSender> markers_;
+  std::optional<SimulatedObserver> observer_;
+};
+
+SubjectRun::SubjectRun(const Settings& settings, const Study& study, const std::string& text,
+                       StudyDesk& desk)
+    : settings_(settings.study),
+      study_(study),
+      text_(text),
+      desk_(desk),
+      folder_(settings_.out, study, settings_.subject),
+      schedule_(study, settings_.subject) {
+  requireSpace(study, settings_.out);
+  if (settings_.markers) markers_.emplace(*settings_.markers);
+  if (settings_.simulate)
+    observer_.emplace(*settings_.simulate, study.seed + toSubjectNumber(settings_.subject));
+  if (!settings_.resume) {
+    folder_.requireNew();
+    return;
+  }
+  start_ = folder_.resume(text);
+  events_.emplace(folder_.eventsFile(), true);
+  restore(events_->rows());
+}
+
 /// Repeats the trials of `rows`. Throws std::runtime_error if they are not those of the study.
-void restore(TrialSchedule& schedule, const std::vector<TrialRow>& rows,
-             const std::filesystem::path& file) {
+void SubjectRun::restore(const std::vector<TrialRow>& rows) {
   for (const TrialRow& row : rows) {
-    const auto trial = schedule.findTrial();
+    const auto trial = schedule_.findTrial();
     if (!trial || trial->number != row.trial || trial->is_training != row.is_training ||
-        trial->level != row.level || schedule.code(trial->condition) != row.condition)
-      throw std::runtime_error(fmt::format(
-          "{}: row {} is no trial of this study; was the file changed?", file.string(), row.trial));
+        trial->level != row.level || schedule_.code(trial->condition) != row.condition)
+      throw std::runtime_error(
+          fmt::format("{}: row {} is no trial of this study; was the file "
+                      "changed?",
+                      folder_.eventsFile().string(), row.trial));
     if (row.answer)
-      schedule.onAnswer(row.is_correct.value_or(true));
+      schedule_.onAnswer(row.is_correct.value_or(true));
     else
-      schedule.onVoid();
+      schedule_.onVoid();
   }
 }
 
-std::vector<std::string> listCodes(const Study& study, const TrialSchedule& schedule) {
-  std::vector<std::string> codes;
-  for (std::size_t i = 0; i < study.conditions.size(); ++i) codes.push_back(schedule.code(i));
-  return codes;
+/// Creates the files of a new subject, and starts the loop.
+void SubjectRun::begin() {
+  const WallTime now = std::chrono::system_clock::now();
+  if (!settings_.resume) {
+    start_ = now;
+    folder_.create();
+    events_.emplace(folder_.eventsFile(), false);
+    std::vector<std::string> codes;
+    for (std::size_t i = 0; i < study_.conditions.size(); ++i) codes.push_back(schedule_.code(i));
+    folder_.begin({.study_text = text_,
+                   .codes = codes,
+                   .device = desk_.deviceName(),
+                   .is_simulated = observer_.has_value(),
+                   .start = start_});
+  }
+  motion_.emplace(folder_.motionFile());
+  desk_.start(folder_.nextRecording(), *motion_,
+              std::chrono::duration<double>(now - start_).count());
 }
 
-void printThresholds(const Study& study, const TrialSchedule& schedule) {
-  if (!study.comparison) return;
-  for (std::size_t i = 0; i < study.conditions.size(); ++i) {
-    const ThresholdPosterior& posterior = schedule.posterior(i);
+int SubjectRun::run() {
+  if (schedule_.countRemaining() == 0) {
+    spdlog::info("the study of this subject is complete");
+    printThresholds();
+    return kDone;
+  }
+  if (!observer_ && !askConsent(study_, desk_)) return kFailed;
+  begin();
+  StudyTrials trials({study_, schedule_, *events_, desk_, observer_,
+                      [this](const std::string& event) { onEvent(event); }});
+  return finish(trials.run());
+}
+
+int SubjectRun::finish(bool complete) {
+  const LoopStats& loop = desk_.finish();
+  folder_.finish(desk_.now_s());
+  spdlog::info("largest step of the force beyond the limits: {:g} N; work on the hand: {:.2f} mJ",
+               loop.step_excess_max_N, loop.work.user_mJ());
+  if (complete) {
+    printThresholds();
+    return kDone;
+  }
+  spdlog::warn("{} trials are left: continue with --resume", schedule_.countRemaining());
+  return kFailed;
+}
+
+void SubjectRun::printThresholds() const {
+  if (!study_.comparison) return;
+  for (std::size_t i = 0; i < study_.conditions.size(); ++i) {
+    const ThresholdPosterior& posterior = schedule_.posterior(i);
     fmt::print("condition {}: JND {:.4g}, with 95 % probability {:.4g} to {:.4g}\n",
-               schedule.code(i), posterior.computeMedian(), posterior.computeQuantile(0.025),
+               schedule_.code(i), posterior.computeMedian(), posterior.computeQuantile(0.025),
                posterior.computeQuantile(0.975));
   }
 }
 
-/// Runs the trials of a study that passed all checks.
-int runTrials(const Settings& settings, const Study& study, const std::string& text,
-              StudyDesk& desk) {
-  const StudySettings& own = settings.study;
-  StudyFolder folder(own.out, study, own.subject);
-  TrialSchedule schedule(study, own.subject);
-  const WallTime now = std::chrono::system_clock::now();
-  if (!own.resume) folder.create();
-  const WallTime start = own.resume ? folder.resume(text) : now;
-  EventsFile events(folder.eventsFile(), own.resume);
-  restore(schedule, events.rows(), folder.eventsFile());
-  if (schedule.countRemaining() == 0) {
-    spdlog::info("the study of this subject is complete");
-    printThresholds(study, schedule);
-    return kDone;
-  }
-  requireSpace(study, schedule.countRemaining(), own.out);
-  if (!own.resume) folder.begin(text, listCodes(study, schedule), desk.deviceName(), start);
-  MotionFile motion(folder.motionFile());
-  std::optional<MarkerSender> markers;
-  if (own.markers) markers.emplace(*own.markers);
-  const auto on_event = [&](const std::string& event) {
-    if (markers)
-      markers->send(fmt::format("hapticast sub-{} task-{} {} {}\n", own.subject, study.name, event,
-                                formatIso8601(std::chrono::system_clock::now())));
-  };
-  std::optional<SimulatedObserver> observer;
-  if (own.simulate)
-    observer.emplace(*own.simulate, study.seed + std::hash<std::string>{}(own.subject));
-  desk.start(folder.nextRecording(), motion, std::chrono::duration<double>(now - start).count());
-  StudyTrials trials({study, schedule, events, desk, observer, on_event});
-  const bool complete = trials.run();
-  const LoopStats& loop = desk.finish();
-  folder.finish(desk.now_s());
-  spdlog::info("largest step of the force beyond the limits: {:g} N; work on the hand: {:.2f} mJ",
-               loop.step_excess_max_N, loop.work.user_mJ());
-  if (complete) printThresholds(study, schedule);
-  if (!complete)
-    spdlog::warn("{} trials are left: continue with --resume", schedule.countRemaining());
-  return complete ? kDone : kFailed;
+void SubjectRun::onEvent(const std::string& event) {
+  if (!markers_) return;
+  markers_->send(fmt::format("hapticast sub-{} task-{} {} {}\n", settings_.subject, study_.name,
+                             event, formatIso8601(std::chrono::system_clock::now())));
 }
 
 }  // namespace
@@ -156,8 +211,8 @@ int runStudy(const Settings& settings, const Clock& clock, Views views) {
     const Study study = readStudy(text, own.file);
     StudyDesk desk(settings, clock, std::move(views));
     requireRenderable(study, desk.profile(), settings.stiffness_limit_N_mm);
-    if (!desk.checkDevice()) return kFailed;
-    return runTrials(settings, study, text, desk);
+    SubjectRun run(settings, study, text, desk);
+    return desk.checkDevice() ? run.run() : kFailed;
   } catch (const DeviceAbsent& error) {
     spdlog::error("{}", sanitizeUtf8(error.what()));
     return kFailed;

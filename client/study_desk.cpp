@@ -16,9 +16,9 @@ namespace hapticast::client {
 
 namespace {
 
-constexpr auto kTurn = std::chrono::milliseconds(10);  // as App
-constexpr double kBetweenBeeps_s = 0.25;               // a beep lasts 0.15 s
-constexpr double kLongestStart_s = 10.0;               // chosen: until the first frame arrives
+constexpr auto kDeskTurn = std::chrono::milliseconds(10);  // as App
+constexpr double kBetweenBeeps_s = 0.25;                   // a beep lasts 0.15 s
+constexpr double kLongestStart_s = 10.0;                   // chosen: until the first frame arrives
 constexpr double kLongestFade_s = 2.0;  // chosen: four times the fade of a stale stream
 
 Settings makeSessionSettings(const Settings& settings, const Condition& condition) {
@@ -85,17 +85,17 @@ void StudyDesk::turn() {
     ui_.setControls(controls);
     stopped_ = true;
   }
-  std::this_thread::sleep_for(kTurn);
+  std::this_thread::sleep_for(kDeskTurn);
 }
 
 void StudyDesk::onReport(TickReport report) {
   recorder_->onTick(report);
   motion_->append(report, offset_s_ + toSeconds(report.time - start_));
   last_report_ = report;
-  has_frame_ = has_frame_ || (report.lookup == Lookup::kInterpolated && stream_ != nullptr) ||
-               (report.lookup == Lookup::kInterpolated && session_ != nullptr);
+  has_frame_ = has_frame_ || (report.lookup == Lookup::kInterpolated && hasStream());
   device_lost_ = device_lost_ || report.device == DeviceStatus::kLost;
   warm_ = warm_ || (report.safety_actions & bit(SafetyAction::kThermal)) != 0;
+  if (!hasStream()) report.lookup = Lookup::kInterpolated;  // no news: a trial has ended
   reporter_.onReport(report, ui_.rearm());
   ui_.onReport(report);
 }

@@ -81,6 +81,7 @@ class StudyDesk {
   void finishStream();
   [[nodiscard]] TrialEnd waitForFirstFrame();
   [[nodiscard]] TrialEnd findTrialEnd() const;
+  [[nodiscard]] bool hasStream() const { return stream_ != nullptr || session_ != nullptr; }
   [[nodiscard]] bool isInterrupted() const { return ended_ || stopped_; }
   void changeControls(const Condition& condition);
 

@@ -52,6 +52,14 @@ double readAnswer(const Question& question, const StudyInput& input) {
 
 }  // namespace
 
+bool askConsent(const Study& study, StudyDesk& desk) {
+  StudyPrompt prompt{.text = study.consent, .choices = {"I agree", "I do not take part"}};
+  const auto input = desk.ask(prompt);
+  if (input && input->choice.value_or(0) == 0) return true;
+  if (!desk.ended()) spdlog::info("the subject did not agree: no data was stored");
+  return false;
+}
+
 std::optional<StudyInput> StudyTrials::ask(const StudyPrompt& prompt) {
   if (!parts_.observer) return parts_.desk.ask(prompt);
   if (parts_.desk.ended()) return std::nullopt;
@@ -59,7 +67,7 @@ std::optional<StudyInput> StudyTrials::ask(const StudyPrompt& prompt) {
 }
 
 bool StudyTrials::run() {
-  if (!askConsent()) return false;
+  parts_.desk.rearm();  // the consent also confirms a device that was detected automatically
   while (const auto trial = parts_.schedule.findTrial()) {
     last_end_ = TrialEnd::kComplete;
     if (prepare(*trial)) runTrial(*trial);
@@ -67,17 +75,6 @@ bool StudyTrials::run() {
   }
   parts_.on_event("study end");
   (void)ask({.text = "That was the last trial. Thank you.", .needs_enter = true});
-  return true;
-}
-
-bool StudyTrials::askConsent() {
-  StudyPrompt prompt{.text = parts_.study.consent, .choices = {"I agree", "I do not take part"}};
-  const auto input = ask(prompt);
-  if (!input || input->choice.value_or(0) != 0) {
-    spdlog::info("the subject did not agree: no trial was run");
-    return false;
-  }
-  parts_.desk.rearm();  // also confirms a device that was detected automatically
   return true;
 }
 
@@ -91,8 +88,10 @@ bool StudyTrials::prepare(const Trial& trial) {
   }
   const std::size_t total = trial.number + parts_.schedule.countRemaining() - 1;
   const char* const kind = trial.is_training ? "Training, trial" : "Trial";
-  const char* const intervals =
-      parts_.study.comparison ? " You touch twice: one beep, then two beeps." : "";
+  const char* const intervals = parts_.study.comparison
+                                    ? " You touch twice: one beep, then two beeps. Lift your hand "
+                                      "between the two."
+                                    : " Lift your hand before you begin.";
   spdlog::info("trial {} of {}: condition {}", trial.number, total,
                parts_.schedule.code(trial.condition));
   return ask({.text = fmt::format("{} {} of {}.{}", kind, trial.number, total, intervals),

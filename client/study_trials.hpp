@@ -15,6 +15,10 @@
 
 namespace hapticast::client {
 
+/// Shows the consent text of `study`. Returns true if the subject agrees. Call it before the loop
+/// of `desk` starts and before a file exists.
+[[nodiscard]] bool askConsent(const Study& study, StudyDesk& desk);
+
 class StudyTrials {
  public:
   struct Parts {
@@ -28,12 +32,11 @@ class StudyTrials {
   };
   explicit StudyTrials(const Parts& parts) : parts_(parts) {}
 
-  /// Shows the consent, runs all trials, and thanks. Returns true if the study is complete. Throws
+  /// Runs all trials, and thanks. Returns true if the study is complete. Throws
   /// std::runtime_error (one line) if the results cannot be written.
   [[nodiscard]] bool run();
 
  private:
-  [[nodiscard]] bool askConsent();
   [[nodiscard]] bool prepare(const Trial& trial);
   [[nodiscard]] TrialEnd playIntervals(const Trial& trial, TrialRow& row);
   [[nodiscard]] TrialEnd askQuestion(const Trial& trial, TrialRow& row);

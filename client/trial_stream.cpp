@@ -12,7 +12,7 @@ namespace hapticast::client {
 
 namespace {
 
-constexpr auto kTurn = std::chrono::milliseconds(1);  // of the haptic loop
+constexpr auto kDeliveryPeriod = std::chrono::milliseconds(1);  // that of the haptic loop
 
 // The recording plays on the clock of this process: the offset of the media clock is zero.
 MediaTime toMedia(LocalTime time) { return MediaTime(time.time_since_epoch()); }
@@ -53,7 +53,7 @@ void TrialStream::run(const std::stop_token& stop) {
     const LocalTime now = clock_.now();
     read(now);
     deliver(now);
-    std::this_thread::sleep_for(kTurn);
+    std::this_thread::sleep_for(kDeliveryPeriod);
   }
   receiver_.disconnected(clock_.now());
 }

@@ -133,6 +133,11 @@ StudyFolder::StudyFolder(const fs::path& out, const Study& study, std::string su
                              ": is no code of 1 to 32 letters and digits; use no name");
 }
 
+void StudyFolder::requireNew() const {
+  if (fs::exists(eventsFile()))
+    refuse(eventsFile(), "this subject has begun the study; continue with --resume");
+}
+
 void StudyFolder::create() const {
   createFolder(out_ / subject_ / "motion");
   createFolder(out_ / "sourcedata" / subject_);
@@ -157,11 +162,10 @@ fs::path StudyFolder::nextRecording() const {
   }
 }
 
-void StudyFolder::begin(const std::string& study_text, const std::vector<std::string>& codes,
-                        const std::string& device, WallTime start) {
-  device_ = device;
+void StudyFolder::begin(const NewSubject& subject) {
+  device_ = subject.device;
   describeDataset();
-  writeText(sourcePath("_study.json"), study_text);
+  writeText(sourcePath("_study.json"), subject.study_text);
   std::string channels =
       "name\tcomponent\ttype\ttracked_point\tunits\treference_frame\tdescription\n";
   for (const MotionChannel& each : kMotionChannels)
@@ -173,15 +177,14 @@ void StudyFolder::begin(const std::string& study_text, const std::vector<std::st
   OrderedJson frames;
   frames["reference_frame"]["Levels"]["picture"] = {
       {"SpatialAxes", "RSP"},
-      {"RotationRule", "n/a"},
-      {"RotationOrder", "n/a"},
       {"Description", "x right, y up, z out of the screen towards the viewer"}};
   writeJson(trackedPath("_channels.json"), frames);
   describeMotion(0.0);
-  describeEvents(codes);
+  describeEvents(subject);
   addRow(out_ / "participants.tsv", "participant_id", subject_);
-  addRow(out_ / subject_ / (subject_ + "_scans.tsv"), "filename\tacq_time",
-         fmt::format("motion/{}\t{}", motionFile().filename().string(), formatIso8601(start)));
+  addRow(
+      out_ / subject_ / (subject_ + "_scans.tsv"), "filename\tacq_time",
+      fmt::format("motion/{}\t{}", motionFile().filename().string(), formatIso8601(subject.start)));
 }
 
 void StudyFolder::describeDataset() const {
@@ -190,7 +193,6 @@ void StudyFolder::describeDataset() const {
   writeJson(file, {{"Name", "Studies with hapticast"},
                    {"BIDSVersion", "1.9.0"},
                    {"DatasetType", "raw"},
-                   {"Authors", OrderedJson::array({"n/a"})},
                    {"GeneratedBy", OrderedJson::array({{{"Name", "hapticast-client"},
                                                         {"Version", programVersion()}}})}});
   writeText(out_ / "README", kReadme);
@@ -218,14 +220,17 @@ void StudyFolder::describeMotion(double duration_s) const {
   writeJson(trackedPath("_motion.json"), motion);
 }
 
-void StudyFolder::describeEvents(const std::vector<std::string>& codes) const {
+void StudyFolder::describeEvents(const NewSubject& subject) const {
   OrderedJson events;
   for (const EventColumn& column : listEventColumns())
     events[column.name]["Description"] = column.description;
   for (const char* seconds : {"onset", "duration", "response_time"}) events[seconds]["Units"] = "s";
   events["level"]["Units"] = describeUnit(study_);
-  for (std::size_t i = 0; i < codes.size(); ++i)
-    events["condition"]["Levels"][codes[i]] = describe(study_.conditions[i]);
+  if (subject.is_simulated)
+    events["answer"]["Description"] =
+        events["answer"]["Description"].get<std::string>() + ". A simulated observer answered.";
+  for (std::size_t i = 0; i < subject.codes.size(); ++i)
+    events["condition"]["Levels"][subject.codes[i]] = describe(study_.conditions[i]);
   if (study_.comparison) events["level"]["Reference"] = study_.comparison->reference;
   writeJson(motionPath("_events.json"), events);
 }

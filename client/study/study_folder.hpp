@@ -19,6 +19,15 @@ using WallTime = std::chrono::system_clock::time_point;
 /// Returns `time` in UTC as "2026-11-29T08:00:12.123456Z".
 [[nodiscard]] std::string formatIso8601(WallTime time);
 
+/// What the files of a new subject state.
+struct NewSubject {
+  std::string study_text;          ///< the study file
+  std::vector<std::string> codes;  ///< of the conditions
+  std::string device;              ///< name of the device
+  bool is_simulated = false;       ///< an observer answers in place of a subject
+  WallTime start;                  ///< of the motion file
+};
+
 class StudyFolder {
  public:
   /// Names the files of `subject` in the folder `out`. Throws std::runtime_error with one line if
@@ -30,12 +39,12 @@ class StudyFolder {
   /// Returns the name of a file that does not exist, for the recording of this run.
   [[nodiscard]] std::filesystem::path nextRecording() const;
 
+  /// Throws std::runtime_error with one line if the subject has begun the study.
+  void requireNew() const;
   /// Creates the folders of a new subject. Throws std::runtime_error with one line.
   void create() const;
-  /// Writes the files of the dataset and of a new subject. `study_text`: the study file. `codes`:
-  /// of the conditions. `device`: name of the device. Throws std::runtime_error with one line.
-  void begin(const std::string& study_text, const std::vector<std::string>& codes,
-             const std::string& device, WallTime start);
+  /// Writes the files of the dataset and of a new subject. Throws std::runtime_error with one line.
+  void begin(const NewSubject& subject);
   /// Returns the start of the recording of a subject that is continued. Throws std::runtime_error
   /// with one line if the subject has not begun, or if the study file was another one.
   [[nodiscard]] WallTime resume(const std::string& study_text) const;
@@ -48,7 +57,7 @@ class StudyFolder {
   [[nodiscard]] std::filesystem::path sourcePath(const std::string& ending) const;
   void describeDataset() const;
   void describeMotion(double duration_s) const;
-  void describeEvents(const std::vector<std::string>& codes) const;
+  void describeEvents(const NewSubject& subject) const;
 
   std::filesystem::path out_;
   const Study& study_;

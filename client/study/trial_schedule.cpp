@@ -30,17 +30,6 @@ std::mt19937_64 makeRandom(const Study& study, std::uint64_t subject, Draw draw,
   return std::mt19937_64(seed);
 }
 
-/// Returns the number in the code of a subject, which selects the row of a Latin square. A code
-/// with letters gets its FNV-1a hash.
-std::uint64_t toNumber(std::string_view subject) {
-  if (const auto number =
-          parseNumberInRange<std::uint64_t>(subject, 0, std::numeric_limits<std::uint64_t>::max()))
-    return *number;
-  std::uint64_t hash = 0xcbf29ce484222325U;
-  for (const char c : subject) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3U;
-  return hash;
-}
-
 std::string toLetters(std::size_t number) {
   std::string letters(1, static_cast<char>('A' + number % 26));
   if (number >= 26) letters.insert(letters.begin(), static_cast<char>('A' + number / 26 - 1));
@@ -75,8 +64,17 @@ double selectTrainingLevel(const Comparison& comparison) {
 
 }  // namespace
 
+std::uint64_t toSubjectNumber(std::string_view subject) {
+  if (const auto number =
+          parseNumberInRange<std::uint64_t>(subject, 0, std::numeric_limits<std::uint64_t>::max()))
+    return *number;
+  std::uint64_t hash = 0xcbf29ce484222325U;
+  for (const char c : subject) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3U;
+  return hash;
+}
+
 TrialSchedule::TrialSchedule(const Study& study, std::string_view subject)
-    : study_(study), subject_(toNumber(subject)) {
+    : study_(study), subject_(toSubjectNumber(subject)) {
   const std::size_t conditions = study.conditions.size();
   for (std::size_t i = 0; i < study.training; ++i) waiting_.push_back({i % conditions, true});
   for (const std::size_t each : makeTrialOrder({.order = study.order,

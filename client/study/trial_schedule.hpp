@@ -29,6 +29,10 @@ struct Trial {
   bool operator==(const Trial&) const = default;
 };
 
+/// Returns the number in the code of a subject, which selects the row of a Latin square. A code
+/// with letters gets its FNV-1a hash.
+[[nodiscard]] std::uint64_t toSubjectNumber(std::string_view subject);
+
 class TrialSchedule {
  public:
   /// Plans the trials of the subject with the code `subject`. `study` must outlive this object.
