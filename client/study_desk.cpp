@@ -121,11 +121,12 @@ bool StudyDesk::wait(double seconds, const StudyPrompt& prompt) {
   return !isInterrupted();
 }
 
-void StudyDesk::beep(int count) {
+bool StudyDesk::beep(int count) {
   for (int i = 0; i < count; ++i) {
-    if (i > 0 && !wait(kBetweenBeeps_s)) return;
+    if (i > 0 && !wait(kBetweenBeeps_s)) return false;
     ui_.beep();
   }
+  return true;
 }
 
 void StudyDesk::rearm() {

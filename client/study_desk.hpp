@@ -56,8 +56,8 @@ class StudyDesk {
   [[nodiscard]] TrialEnd play(const Condition& condition, std::uint64_t seed);
   /// Lets the force fade in again after a stop or a lost device.
   void rearm();
-  /// Plays `count` beeps, one after the other, in the views with sound.
-  void beep(int count);
+  /// Plays `count` beeps, one after the other, in the views with sound. Returns as wait().
+  [[nodiscard]] bool beep(int count);
 
   /// Returns the time since the start of the motion file, and that of the last interval's onset.
   [[nodiscard]] double now_s() const;

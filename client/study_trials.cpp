@@ -119,6 +119,13 @@ void StudyTrials::runTrial(const Trial& trial) {
     parts_.schedule.onVoid();
 }
 
+/// Announces an interval to the subject by its number of beeps. Returns false if the subject stops
+/// the force or the program ends.
+bool StudyTrials::announce(int interval) {
+  if (interval == 2 && !parts_.desk.wait(kBetweenIntervals_s)) return false;
+  return parts_.desk.beep(interval);
+}
+
 TrialEnd StudyTrials::playIntervals(const Trial& trial, TrialRow& row) {
   const Condition& condition = parts_.study.conditions[trial.condition];
   const int intervals = trial.level ? 2 : 1;
@@ -130,9 +137,8 @@ TrialEnd StudyTrials::playIntervals(const Trial& trial, TrialRow& row) {
       played = withVariable(condition, comparison.variable,
                             comparison.reference + (is_larger ? *trial.level : 0.0));
     }
-    if (interval == 2 && !parts_.desk.wait(kBetweenIntervals_s))
+    if (!parts_.observer && !announce(interval))
       return parts_.desk.ended() ? TrialEnd::kEnded : TrialEnd::kStopped;
-    parts_.desk.beep(interval);
     parts_.on_event(
         fmt::format("trial {} interval {} condition {}", trial.number, interval, row.condition));
     const TrialEnd end =

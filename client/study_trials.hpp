@@ -38,6 +38,7 @@ class StudyTrials {
 
  private:
   [[nodiscard]] bool prepare(const Trial& trial);
+  [[nodiscard]] bool announce(int interval);
   [[nodiscard]] TrialEnd playIntervals(const Trial& trial, TrialRow& row);
   [[nodiscard]] TrialEnd askQuestion(const Trial& trial, TrialRow& row);
   void runTrial(const Trial& trial);

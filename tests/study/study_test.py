@@ -59,10 +59,11 @@ class StudyTest(unittest.TestCase):
         study = {key: value for key, value in study.items() if value is not None}
         (self.folder / name).write_text(json.dumps(study, indent=1))
 
-    def command(self, out, *flags, subject="07", study="study.json", simulate="threshold=0.2,lapse=0.02"):
+    def command(self, out, *flags, subject="07", study="study.json", simulate="threshold=0.2,lapse=0.02",
+                device="virtual"):
         simulated = ["--simulate", simulate, "--view", "off"] if simulate else []
         return [CLIENT, "--study", self.folder / study, "--subject", subject, "--out", self.folder / out,
-                "--device", "virtual", *simulated, *flags]
+                "--device", device, *simulated, *flags]
 
     def run_client(self, *args, **named):
         return subprocess.run(self.command(*args, **named), capture_output=True, text=True, timeout=120)
@@ -80,21 +81,21 @@ class Run(StudyTest):
         keys = ["trial_type", "trial", "condition", "comparison_interval", "level", "answer", "status"]
         return [tuple(row[key] for key in keys) for row in rows]
 
-    def test_killed_in_50_moments_loses_repeats_and_swaps_no_trial(self):
-        self.write(make_study(blocks=22))
+    def test_killed_in_random_moments_loses_repeats_and_swaps_no_trial(self):
+        wanted = int(os.environ.get("STUDY_KILLS", "12"))
+        blocks = 2 + wanted // 3
+        self.write(make_study(blocks=blocks))
         whole = self.run_client("whole")
         self.assertEqual(whole.returncode, 0, whole.stderr)
         expected = self.plan(self.read_rows("whole"))
-        self.assertEqual(len(expected), 67)
-        self.assertEqual(self.plan(self.read_rows("whole")),
-                         self.plan(self.read_rows("whole")))
+        self.assertEqual(len(expected), 3 * blocks + 1)
         moments, kills = random.Random(20261129), 0
-        while kills < 50:
+        while kills < wanted:
             begun = (self.folder / "killed/sub-07/motion/sub-07_task-test_events.tsv").exists()
             client = subprocess.Popen(self.command("killed", *(["--resume"] if begun else [])),
                                       stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
             try:
-                _, errors = client.communicate(timeout=moments.uniform(0.1, 0.7))
+                _, errors = client.communicate(timeout=moments.uniform(0.2, 1.2))
                 self.assertEqual(client.returncode, 0, errors)
                 if begun:
                     break  # complete
@@ -106,7 +107,7 @@ class Run(StudyTest):
         self.assertEqual(rest.returncode, 0, rest.stderr)
         self.assertEqual(self.plan(self.read_rows("killed")), expected)
         print(f"{kills} kills, {len(expected)} trials: the same as without a kill", file=sys.stderr)
-        self.assertGreaterEqual(kills, 20)
+        self.assertGreaterEqual(2 * kills, wanted)
 
     def test_a_signal_ends_with_the_force_at_zero_and_the_rest_waits(self):
         self.write(make_study(**RATING, defaults={"recording": "ball.mcap", "seconds": 1}))
@@ -121,7 +122,7 @@ class Run(StudyTest):
         self.assertEqual([float(value) for value in last[4:7]], [0.0, 0.0, 0.0])
 
     def test_an_observer_with_a_small_jnd_gets_a_smaller_estimate(self):
-        self.write(make_study(blocks=25, conditions=[{"name": "still"}]))
+        self.write(make_study(blocks=15, conditions=[{"name": "still"}]))
         estimates = []
         for subject, threshold in (("1", 0.06), ("2", 0.5)):
             done = self.run_client("jnd", subject=subject, simulate=f"threshold={threshold}")
@@ -185,7 +186,7 @@ class Refusals(StudyTest):
 
     def test_before_the_first_subject(self):
         self.refuse(make_study(conditions=[{"name": "a", "recording": "none.mcap"}]),
-                    "study.json:25: the recording ")
+                    "study.json:23: the recording ")
         self.refuse(make_study(conditions=[{"name": "a"}, {"name": "a"}]), "two conditions have the name 'a'")
         self.refuse(make_study(blocks=4000), "at most 5000 are possible")
         self.refuse(make_study(), "cannot render", "--stiffness-limit", "0.3")
@@ -303,7 +304,7 @@ class Window(StudyTest):
         self.pictures.mkdir(parents=True, exist_ok=True)
 
     def start(self, out, *flags):
-        client = subprocess.Popen(self.command(out, "--view", "on", "--device", "mouse", *flags, simulate=None),
+        client = subprocess.Popen(self.command(out, "--view", "on", *flags, simulate=None, device="mouse"),
                                   stderr=subprocess.PIPE, text=True, env=self.environment)
         self.addCleanup(client.kill)
         self.xdo("search", "--sync", "--onlyvisible", "--name", "hapticast")

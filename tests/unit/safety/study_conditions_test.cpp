@@ -31,10 +31,16 @@ std::vector<UserControls> listConditions() {
 /// A hand in a study. It presses all the time.
 class StudyConditions : public ::testing::Test {
  protected:
-  StudyConditions() {
+  /// The plate moves up and down by 2 mm, once in a second.
+  void movePlate() {
     bench.scene = [this](PlayFrame& frame, double t_s) {
-      PlayObject& object = bench.add(frame, 1);
-      object.motion.acceleration_mm_s2.z() = 400.0 * std::sin(2.0 * M_PI * t_s);
+      constexpr double kRate = 2.0 * M_PI;
+      const double phase = kRate * t_s;
+      const double height_mm = PressBench::kPlate_mm + 2.0 * std::sin(phase);
+      // Rounded: the bench stores a surface for each height.
+      PlayObject& object = bench.add(frame, 1, 1e-3 * std::round(1e3 * height_mm));
+      object.motion.velocity_mm_s.z() = 2.0 * kRate * std::cos(phase);
+      object.motion.acceleration_mm_s2.z() = -2.0 * kRate * kRate * std::sin(phase);
     };
   }
   void run(double seconds) {
@@ -97,6 +103,20 @@ TEST_F(StudyConditions, NoChangeStepsOrDrivesThePressingHand) {
   std::printf("step excess %g N, most work on the hand at a change %.2f mJ\n", excess_N, most_mJ);
 }
 
+TEST_F(StudyConditions, NoChangeStepsOnAMovingObject) {
+  movePlate();
+  run(2.0);
+  for (int round = 0; round < 3; ++round) {
+    for (const UserControls& condition : listConditions()) {
+      endStream();
+      beginStream(condition);
+      run(kTrial_s);
+    }
+  }
+  EXPECT_EQ(excess_N, 0.0);
+  EXPECT_GT(force_N, 0.5);
+}
+
 TEST_F(StudyConditions, AChangeDuringContactStepsNeitherAndDrivesNoHand) {
   run(2.0);
   for (const UserControls& condition : listConditions()) {
@@ -129,6 +149,7 @@ TEST_F(StudyConditions, TheStopKeyZeroesTheForceUntilTheSubjectGoesOn) {
 }
 
 TEST_F(StudyConditions, TheMassOfAConditionReplacesTheAuthorsOne) {
+  movePlate();
   const auto measure = [this](double mass_kg) {
     bench.user.mass_kg = mass_kg;
     run(2.0);
