@@ -129,6 +129,13 @@ bool StudyDesk::beep(int count) {
   return true;
 }
 
+bool StudyDesk::waitForDevice() {
+  const LocalTime latest = clock_.now() + fromSeconds(kLongestStart_s);
+  while (!isInterrupted() && last_report_.device == DeviceStatus::kLost && clock_.now() < latest)
+    turn();
+  return last_report_.device != DeviceStatus::kLost;
+}
+
 void StudyDesk::rearm() {
   UserControls controls = ui_.userControls();
   ++controls.rearm;

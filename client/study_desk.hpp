@@ -54,6 +54,8 @@ class StudyDesk {
   /// Lets the subject touch `condition`, whose streams start with `seed`. Returns at the end of the
   /// interval, when the force is zero.
   [[nodiscard]] TrialEnd play(const Condition& condition, std::uint64_t seed);
+  /// Waits until the device answers, 10 s at most. Returns whether it does.
+  [[nodiscard]] bool waitForDevice();
   /// Lets the force fade in again after a stop or a lost device.
   void rearm();
   /// Plays `count` beeps, one after the other, in the views with sound. Returns as wait().

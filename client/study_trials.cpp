@@ -178,6 +178,9 @@ bool StudyTrials::recover() {
   const auto input = ask(
       {.text = why + " The trial comes again at the end.", .choices = {"go on", "end the study"}});
   if (!input || input->choice.value_or(0) != 0) return false;
+  // An observer does not ask for a stream again and again. A subject who goes on waits, too.
+  if (parts_.observer && last_end_ == TrialEnd::kStreamLost) return false;
+  if (!parts_.desk.waitForDevice()) return false;
   parts_.desk.rearm();
   return true;
 }

@@ -66,6 +66,32 @@ TEST_F(ProgramsDeviceTest, ADriverThatMisbehavesInContactEndsAtZeroWithOneLine) 
                      });
 }
 
+TEST_F(ProgramsDeviceTest, ADeviceLostInATrialOfAStudyMakesTheTrialVoidAndItComesAgain) {
+  const auto bake = start(HAPTICAST_SERVER_PROGRAM,
+                          {"bake", "synthetic:still", "--frames", "25", "-o", path("still.mcap")});
+  ASSERT_EQ(bake->wait(kStart), 0) << bake->output();
+  const std::string study = write("study.json", R"({"name": "lost", "consent": "Touch.",
+      "question": {"kind": "likert", "text": "How real?"},
+      "defaults": {"recording": "still.mcap", "seconds": 2},
+      "conditions": [{"name": "one"}, {"name": "two"}, {"name": "three"}]})");
+  const Trace trace(path("trace"));
+  const auto client =
+      startWith({"--study", study, "--subject", "1", "--out", path("out"), "--simulate",
+                 "threshold=1", "--view", "off", "--device", "standin", "--device-option",
+                 "trace=" + trace.file(), "--device-option", "fault=lost"});
+  ASSERT_TRUE(waitUntil(kSoon, [&] { return trace->force_N > 0.3; })) << client->output();
+  trace->go = 1;
+  ASSERT_TRUE(client->says("the device does not answer: no force", kSoon)) << client->output();
+  trace->go = 0;
+  EXPECT_EQ(client->wait(kSoon), 0) << client->output();
+  EXPECT_EQ(trace->force_N, 0.0);
+  std::ifstream in(path("out/sub-1/motion/sub-1_task-lost_events.tsv"));
+  std::ostringstream events;
+  events << in.rdbuf();
+  EXPECT_EQ(countOccurrences("\tdevice_lost\t", events.str()), 1U) << events.str();
+  EXPECT_EQ(countOccurrences("\tvalid\t", events.str()), 3U) << events.str();
+}
+
 TEST_F(ProgramsDeviceTest, AHaltSwitchesTheSignOfADeviceThatHasOne) {
   const auto server = startStillServer();
   for (const char* shape : {"", "no_sign"}) {

@@ -285,6 +285,41 @@ class Results(StudyTest):
             self.assertEqual(len(pandas.read_csv(file, sep="\t")), count)
 
 
+    def analyse(self, out, *flags):
+        program = pathlib.Path(__file__).resolve().parents[2] / "deploy/studies/analyse.py"
+        return subprocess.run([sys.executable, "-B", program, self.folder / out, *flags], capture_output=True,
+                              text=True, timeout=60)
+
+    def test_the_analysis_draws_curve_and_table(self):
+        self.write(make_study(blocks=8, conditions=[{"name": "still"}, {"name": "jitter", "jitter_ms": 30}]))
+        for subject in ("1", "2"):
+            self.assertEqual(self.run_client("analysis", subject=subject).returncode, 0)
+        done = self.analyse("analysis", "--figure", self.folder / "jnd.png", "--table", self.folder / "jnd.tsv")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        rows = [line.split("\t") for line in (self.folder / "jnd.tsv").read_text().splitlines()]
+        self.assertEqual(len(rows), 1 + 2 * (2 + 1))  # two subjects and all of them, for each condition
+        self.assertGreater((self.folder / "jnd.png").stat().st_size, 10000)
+        if "STUDY_PICTURES" in os.environ:
+            shutil.copy(self.folder / "jnd.png", os.environ["STUDY_PICTURES"])
+        self.assertEqual(self.analyse("nowhere").returncode, 2)
+
+    def test_the_fit_of_the_analysis_finds_the_threshold(self):
+        import numpy as np
+        sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "deploy/studies"))
+        import analyse
+        numbers = np.random.default_rng(20261129)
+        levels = np.tile([0.05, 0.1, 0.15, 0.2, 0.3, 0.45], 10)
+        for slope in (1.3, 2.5):
+            right = analyse.compute_correct(levels, 0.18, slope, 0.02)
+            fits = [analyse.fit_threshold(levels, numbers.random(60) < right, 0.02) for _ in range(200)]
+            ratio = np.median([fit.threshold for fit in fits]) / 0.18
+            inside = np.mean([(fit.low or 0.0) <= 0.18 <= (fit.high or 9.0) for fit in fits])
+            print(f"slope {slope}: median estimate / threshold {ratio:.3f}, in the interval {inside:.2f}",
+                  file=sys.stderr)
+            self.assertAlmostEqual(ratio, 1.0, delta=0.1)
+            self.assertGreater(inside, 0.85)
+
+
 class Window(StudyTest):
     """A subject at the window: xdotool presses the keys."""
 

@@ -38,13 +38,15 @@ void showStudyPrompt(const WindowLayout& layout, UiState& ui_state) {
   if (prompt.text.empty()) return;
   StudyInput& input = ui_state.study_input;
   const Vec2 middle = layout.corner + 0.5 * layout.room;
-  const auto width = static_cast<float>(0.7 * layout.room.x());
+  const auto width = static_cast<float>(0.8 * layout.room.x());
   ImGui::SetNextWindowPos({static_cast<float>(middle.x()), static_cast<float>(middle.y())},
                           ImGuiCond_Always, {0.5F, 0.5F});
   ImGui::SetNextWindowSize({width, 0.0F});
-  ImGui::Begin(
-      "study", nullptr,
-      ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings);
+  ImGui::SetNextWindowSizeConstraints({width, 0.0F}, {width, static_cast<float>(layout.room.y())});
+  ImGui::Begin("study", nullptr,
+               ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize |
+                   ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoMove |
+                   ImGuiWindowFlags_NoSavedSettings);
   ImGui::PushTextWrapPos(0.0F);
   ImGui::TextUnformatted(prompt.text.c_str());
   ImGui::PopTextWrapPos();

@@ -137,7 +137,8 @@ void ViewerWindow::draw(UiState& ui_state) {
   SDL_GetWindowSize(gui_->window, &width, &height);
   const auto panel_wanted = ui_state.study ? std::optional(false) : state_.panel;
   const WindowLayout layout = arrangeWindow(Vec2(width, height), panel_wanted);
-  gui_->gui_renderer->setTextHeight(layout.text_px);
+  // A prompt of a study is read from a distance, beside a device.
+  gui_->gui_renderer->setTextHeight(ui_state.study ? layout.text_px * 4 / 3 : layout.text_px);
   selectPicture();
   ImGui_ImplSDL2_NewFrame();
   ImGui::NewFrame();
