@@ -94,7 +94,8 @@ Views openViews(const Settings& settings) {
       views.push_back(std::make_unique<SoundView>(
           !is_study, [](const std::string& line) { spdlog::warn("--sound: {}", line); }));
     } catch (const std::runtime_error& error) {
-      spdlog::warn("--sound: the client continues without sound: {}", error.what());
+      spdlog::warn("{}: the client continues without sound: {}", is_study ? "--study" : "--sound",
+                   error.what());
     }
   }
 #endif

@@ -101,7 +101,7 @@ def make_choice_table(results, lapse):
         levels, correct = pool(answers, "levels"), pool(answers, "correct")
         fit = fit_threshold(levels, correct, lapse)
         found = (fit.threshold, fit.low, fit.high, fit.slope) if fit.is_measured else (None,) * 4
-        numbers = [np.mean(correct), results.reference, *found]
+        numbers = [np.mean(correct), results.base, *found]
         table.append([condition, subject, str(len(levels)), *map(format_number, numbers), results.unit])
         return fit
 
@@ -207,7 +207,7 @@ def finish_axes(axes, results, x):
     axes.xaxis.set_major_formatter("{x:g}")
     axes.xaxis.set_minor_formatter("")
     unit = "" if results.unit == "1" else f" [{results.unit}]"
-    reference = "" if results.reference is None else f" from the reference {results.reference:g}"
+    reference = "" if results.base is None else f" from the reference {results.base:g}"
     axes.set(xlabel=f"difference{reference}{unit}", ylabel="share of correct answers")
     axes.grid(alpha=0.3)
 

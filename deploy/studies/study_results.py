@@ -34,7 +34,7 @@ class Results:
     answers: list = dataclasses.field(default_factory=list)
     settings: dict = dataclasses.field(default_factory=dict)  # name -> (settings, file)
     unit: str = "1"
-    reference: float | None = None
+    base: float | None = None  # value of the reference interval
     question: dict = dataclasses.field(default_factory=dict)
 
     def of(self, condition):
@@ -124,7 +124,7 @@ def read_names(file, results):
         known, known_file = results.settings.setdefault(name, (facts, sidecar))
         if known != facts:
             raise WrongInput(f"{sidecar}: {name!r} is another condition than in {known_file}; use another --out")
-    results.reference = reference
+    results.base = reference
     results.conditions += [name for name, _ in names.values() if name not in results.conditions]
     return {code: name for code, (name, _) in names.items()}
 
