@@ -165,7 +165,12 @@ int SubjectRun::run() {
   begin();
   StudyTrials trials({study_, schedule_, *events_, desk_, observer_,
                       [this](const std::string& event) { onEvent(event); }});
-  return finish(trials.run());
+  try {
+    return finish(trials.run());
+  } catch (const std::exception& error) {  // such as a full disk
+    spdlog::error("{}", sanitizeUtf8(error.what()));
+    return kFailed;
+  }
 }
 
 int SubjectRun::finish(bool complete) {

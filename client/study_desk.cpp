@@ -196,6 +196,7 @@ TrialEnd StudyDesk::findTrialEnd() const {
   if (ended_) return TrialEnd::kEnded;
   if (stopped_) return TrialEnd::kStopped;
   if (device_lost_) return TrialEnd::kDeviceLost;
+  if (last_report_.halt == Halt::kTrustLost) return TrialEnd::kTrustLost;
   const bool lost = stream_ ? stream_->failed() : last_report_.lookup == Lookup::kStale;
   return lost && has_frame_ ? TrialEnd::kStreamLost : TrialEnd::kComplete;
 }

@@ -28,7 +28,14 @@
 namespace hapticast::client {
 
 /// Why a trial has no result. kEnded: the program has to end.
-enum class TrialEnd : std::uint8_t { kComplete, kStopped, kDeviceLost, kStreamLost, kEnded };
+enum class TrialEnd : std::uint8_t {
+  kComplete,
+  kStopped,  ///< by Esc
+  kDeviceLost,
+  kStreamLost,
+  kTrustLost,  ///< the safety chain has halted the force (safety/trust.hpp)
+  kEnded,
+};
 
 class StudyDesk {
  public:

@@ -4,7 +4,9 @@
 #include <fmt/core.h>
 #include <spdlog/spdlog.h>
 
+#include <chrono>
 #include <cmath>
+#include <string>
 
 #include "client/study/study_folder.hpp"
 
@@ -23,8 +25,23 @@ const char* toStatus(TrialEnd end) {
       return "device_lost";
     case TrialEnd::kStreamLost:
       return "stream_lost";
+    case TrialEnd::kTrustLost:
+      return "trust_lost";
     default:
       return "valid";
+  }
+}
+
+const char* describeInterruption(TrialEnd end) {
+  switch (end) {
+    case TrialEnd::kDeviceLost:
+      return "The device did not answer. Check its cable and its power.";
+    case TrialEnd::kStreamLost:
+      return "The stream was interrupted.";
+    case TrialEnd::kTrustLost:
+      return "The client switched the force off, because the stream is not safe.";
+    default:
+      return "The force is off.";
   }
 }
 
@@ -104,6 +121,8 @@ void StudyTrials::runTrial(const Trial& trial) {
                .trial = trial.number,
                .condition = parts_.schedule.code(trial.condition),
                .level = trial.level};
+  row.onset_s = parts_.desk.now_s();  // of a trial without an interval
+  row.wall_clock = formatIso8601(std::chrono::system_clock::now());
   if (trial.level) row.comparison_interval = trial.comparison_first ? 1 : 2;
   last_end_ = playIntervals(trial, row);
   if (last_end_ == TrialEnd::kComplete) last_end_ = askQuestion(trial, row);
@@ -165,22 +184,23 @@ TrialEnd StudyTrials::askQuestion(const Trial& trial, TrialRow& row) {
   return TrialEnd::kComplete;
 }
 
-/// After a stop or a lost device: goes on when the subject wants. Returns false if the study ends.
+/// After a stop or a void trial: goes on when the subject wants. Returns false if the study ends.
 bool StudyTrials::recover() {
-  if (!parts_.desk.stopped() && last_end_ != TrialEnd::kDeviceLost &&
-      last_end_ != TrialEnd::kStreamLost)
-    return true;
-  const std::string why = parts_.desk.stopped() ? "The force is off."
-                          : last_end_ == TrialEnd::kDeviceLost
-                              ? "The device did not answer. Check its cable and its power."
-                              : "The stream was interrupted.";
-  parts_.desk.clearStop();
-  const auto input = ask(
-      {.text = why + " The trial comes again at the end.", .choices = {"go on", "end the study"}});
-  if (!input || input->choice.value_or(0) != 0) return false;
-  // An observer does not ask for a stream again and again. A subject who goes on waits, too.
-  if (parts_.observer && last_end_ == TrialEnd::kStreamLost) return false;
-  if (!parts_.desk.waitForDevice()) return false;
+  const bool is_void = last_end_ != TrialEnd::kComplete;
+  if (!parts_.desk.stopped() && !is_void) return true;
+  std::string text = describeInterruption(last_end_);
+  if (is_void) text += " The trial comes again at the end.";
+  while (true) {
+    parts_.desk.clearStop();
+    const auto input = ask({.text = text, .choices = {"go on", "end the study"}});
+    if (!input || input->choice.value_or(0) != 0) return false;
+    // An observer does not ask for a broken stream again and again.
+    const bool is_stream = last_end_ == TrialEnd::kStreamLost || last_end_ == TrialEnd::kTrustLost;
+    if (parts_.observer && is_stream) return false;
+    if (parts_.desk.waitForDevice()) break;
+    if (parts_.observer || parts_.desk.ended()) return false;
+    text = "The device still does not answer.";
+  }
   parts_.desk.rearm();
   return true;
 }

@@ -87,7 +87,7 @@ const std::vector<EventColumn>& listEventColumns() {
       {"answer", "Answer: the interval, the step of the scale, or 0 to 100"},
       {"is_correct", "1: the answer names the interval with the larger value; 0: the other one"},
       {"response_time", "Time from the question to the answer"},
-      {"status", "valid, or why the trial is void: stopped, device_lost, stream_lost"},
+      {"status", "valid, or why the trial is void: stopped, device_lost, stream_lost, trust_lost"},
       {"wall_clock", "Time of the onset, UTC"}};
   return columns;
 }

@@ -19,7 +19,7 @@ class SoundMixerTest : public ::testing::Test {
     for (int i = 0; i < buffers; ++i) {
       std::vector<float> samples(512);
       if (news) ++tick_;
-      mixer_.fill(samples, {.force = trace, .tick = tick_});
+      mixer_.fill(samples, {.force = trace, .tick = tick_, .beeps = beeps});
       for (const float sample : samples) {
         loudest = std::max(loudest, std::abs(double{sample}));
         largest_step = std::max(largest_step, std::abs(double{sample} - last_));
@@ -29,6 +29,7 @@ class SoundMixerTest : public ::testing::Test {
     return loudest;
   }
   double largest_step = 0.0;
+  std::uint32_t beeps = 0;
 
  private:
   SoundMixer mixer_;
@@ -59,6 +60,16 @@ TEST_F(SoundMixerTest, ABlowIsAudibleBesideAPress) {
   EXPECT_GT(listen(2, {.sustained_N = 1.0, .transient_N = 1.0}), 1.5 * press);
   (void)listen(10, {.sustained_N = 1.0});
   EXPECT_NEAR(listen(20, {.sustained_N = 1.0}), press, 0.01);
+}
+
+TEST_F(SoundMixerTest, ABeepIsShortAndNeedsNoForce) {
+  ++beeps;
+  EXPECT_NEAR(listen(10, {}, false), 0.5 * SoundMixer::kLoudest, 0.01);
+  (void)listen(10, {}, false);  // 0.15 s of beep are over
+  EXPECT_LT(listen(10, {}, false), 0.001);
+  ++beeps;
+  EXPECT_LE(listen(10, {.sustained_N = 1e9, .transient_N = 1e9}), SoundMixer::kLoudest);
+  EXPECT_LT(largest_step, 0.2);
 }
 
 TEST_F(SoundMixerTest, NoChangeOfTheForceIsAStep) {
