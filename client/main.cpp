@@ -57,8 +57,6 @@ int runCommand(const hapticast::client::Settings& settings) {
     return runOrRefuse(
         [&] { return hapticast::client::controlServer(settings) ? kDone : kFailed; });
   }
-  if (!settings.replay_file.empty())
-    return runOrRefuse([&] { return hapticast::client::runReplay(settings); });
   if (!settings.study.file.empty()) {
     return runOrRefuse([&] {
       hapticast::client::requireVirtualHand(settings);
@@ -67,6 +65,8 @@ int runCommand(const hapticast::client::Settings& settings) {
                                          hapticast::client::openViews(settings));
     });
   }
+  if (!settings.replay_file.empty())
+    return runOrRefuse([&] { return hapticast::client::runReplay(settings); });
   if (settings.calibration_g > 0.0) return hapticast::client::runFalconCalibration(settings);
   if (!settings.check_device.empty()) return hapticast::client::runDeviceCheck(settings);
   return runClient(settings);

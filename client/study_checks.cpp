@@ -9,6 +9,7 @@
 #include <string>
 #include <system_error>
 
+#include "client/command_line.hpp"
 #include "client/haptics/dynamic_force.hpp"
 #include "client/study/motion_file.hpp"
 #include "common/playback/stream_reader.hpp"
@@ -28,10 +29,10 @@ constexpr double kRecordedTick_bytes = 500.0;
 /// What the checks need of a recording.
 struct RecordingFacts {
   StreamDescription description;
-  double stiffest_N_mm = 0.0;  // of the materials that the author has set
+  double stiffest_N_mm = 0.0;  // of all objects
 };
 
-RecordingFacts readFacts(const std::string& file, int line) {
+RecordingFacts readFacts(const std::string& file, int line, double usual_N_mm) {
   auto opened = StreamReader::open(file);
   if (!opened.ok())
     throw LocatedError(line,
@@ -43,16 +44,15 @@ RecordingFacts readFacts(const std::string& file, int line) {
     if (frame == nullptr) continue;
     for (const CodedObject& object : frame->objects)
       facts.stiffest_N_mm =
-          std::max(facts.stiffest_N_mm, object.material.stiffness_N_mm.value_or(0.0));
+          std::max(facts.stiffest_N_mm, object.material.stiffness_N_mm.value_or(usual_N_mm));
   }
   if (!reader.problem().empty())
     throw LocatedError(line, fmt::format("the recording {} {}", quote(file), reader.problem()));
   return facts;
 }
 
-void requireStiffness(const Condition& condition, const RecordingFacts& facts, double usual_N_mm,
-                      double limit_N_mm) {
-  const double stiffest_N_mm = facts.stiffest_N_mm > 0.0 ? facts.stiffest_N_mm : usual_N_mm;
+void requireStiffness(const Condition& condition, const RecordingFacts& facts, double limit_N_mm) {
+  const double stiffest_N_mm = facts.stiffest_N_mm;
   const double wanted_N_mm = condition.stiffness * stiffest_N_mm;
   if (wanted_N_mm <= limit_N_mm * (1.0 + 1e-9)) return;
   throw LocatedError(
@@ -79,6 +79,15 @@ void requireMass(const Condition& condition, const RecordingFacts& facts,
                                  quote(condition.name), rendered_kg, *condition.mass_kg));
 }
 
+void requireServer(const Condition& condition) {
+  try {
+    Settings settings;
+    setServer(settings, condition.server);
+  } catch (const std::exception& error) {
+    throw LocatedError(condition.line, error.what());
+  }
+}
+
 /// Returns the condition with the largest level, or as it is. The smallest value is the reference.
 Condition takeLargest(const Condition& condition, const std::optional<Comparison>& comparison) {
   if (!comparison) return condition;
@@ -96,17 +105,19 @@ void requireRenderable(const Study& study, const DeviceProfile& profile,
       stiffness_limit_N_mm > 0.0 ? stiffness_limit_N_mm : kStiffnessShare * profile.stiffness_N_mm;
   std::map<std::string, RecordingFacts> known;
   for (const Condition& condition : study.conditions) {
+    const Condition largest = takeLargest(condition, study.comparison);
     if (!condition.server.empty()) {
-      if (condition.delay_ms > 0.0 || condition.jitter_ms > 0.0)
+      requireServer(condition);
+      if (largest.delay_ms > 0.0 || condition.jitter_ms > 0.0)
         throw LocatedError(condition.line,
                            quote(condition.name) + ": a delay or a jitter needs a recording");
       continue;
     }
     if (!known.contains(condition.recording))
-      known.emplace(condition.recording, readFacts(condition.recording, condition.line));
+      known.emplace(condition.recording,
+                    readFacts(condition.recording, condition.line, profile.stiffness_N_mm));
     const RecordingFacts& facts = known.at(condition.recording);
-    const Condition largest = takeLargest(condition, study.comparison);
-    requireStiffness(largest, facts, profile.stiffness_N_mm, limit_N_mm);
+    requireStiffness(largest, facts, limit_N_mm);
     requireMass(largest, facts, profile);
     if (study.comparison && study.comparison->variable == Variable::kMass)
       requireMass(withVariable(condition, Variable::kMass, study.comparison->reference), facts,

@@ -60,6 +60,16 @@ Study readStudy(const std::string& text, const std::string& file) {
   return study;
 }
 
+/// Refuses flags that a study replaces.
+void requireOwnFlags(const Settings& settings) {
+  const std::pair<const char*, bool> flags[] = {
+      {"--replay", !settings.replay_file.empty()},   {"--record", !settings.outputs.record.empty()},
+      {"--summary", !settings.summary_file.empty()}, {"--seconds", settings.seconds > 0.0},
+      {"--method", settings.method_given},           {"--surface", settings.surface_given}};
+  for (const auto& [flag, is_given] : flags)
+    if (is_given) throw std::runtime_error(std::string(flag) + ": has no effect with --study");
+}
+
 void requireWindow(const StudySettings& study, const Views& views) {
   for (const auto& view : views)
     if (view->points()) return;
@@ -90,7 +100,7 @@ class SubjectRun {
   StudyDesk& desk_;
   StudyFolder folder_;
   TrialSchedule schedule_;
-  WallTime start_;  // of the motion file
+  std::optional<WallTime> start_;  // of the motion file
   std::optional<EventsFile> events_;
   std::optional<MotionFile> motion_;
   std::optional<MarkerSender> markers_;
@@ -113,7 +123,7 @@ SubjectRun::SubjectRun(const Settings& settings, const Study& study, const std::
     folder_.requireNew();
     return;
   }
-  start_ = folder_.resume(text);
+  start_ = folder_.resume(text, observer_.has_value());
   events_.emplace(folder_.eventsFile(), true);
   restore(events_->rows());
 }
@@ -123,7 +133,9 @@ void SubjectRun::restore(const std::vector<TrialRow>& rows) {
   for (const TrialRow& row : rows) {
     const auto trial = schedule_.findTrial();
     if (!trial || trial->number != row.trial || trial->is_training != row.is_training ||
-        trial->level != row.level || schedule_.code(trial->condition) != row.condition)
+        trial->level != row.level ||
+        (trial->level && row.comparison_interval != (trial->comparison_first ? 1 : 2)) ||
+        schedule_.code(trial->condition) != row.condition)
       throw std::runtime_error(
           fmt::format("{}: row {} is no trial of this study; was the file "
                       "changed?",
@@ -137,22 +149,18 @@ void SubjectRun::restore(const std::vector<TrialRow>& rows) {
 
 /// Creates the files of a new subject, and starts the loop.
 void SubjectRun::begin() {
-  const WallTime now = std::chrono::system_clock::now();
-  if (!settings_.resume) {
-    start_ = now;
-    folder_.create();
-    events_.emplace(folder_.eventsFile(), false);
-    std::vector<std::string> codes;
-    for (std::size_t i = 0; i < study_.conditions.size(); ++i) codes.push_back(schedule_.code(i));
-    folder_.begin({.study_text = text_,
-                   .codes = codes,
-                   .device = desk_.deviceName(),
-                   .is_simulated = observer_.has_value(),
-                   .start = start_});
-  }
+  if (!settings_.resume) folder_.create();
   motion_.emplace(folder_.motionFile());
-  desk_.start(folder_.nextRecording(), *motion_,
-              std::chrono::duration<double>(now - start_).count());
+  start_ = desk_.start(folder_.nextRecording(), *motion_, start_);
+  if (settings_.resume) return;
+  std::vector<std::string> codes;
+  for (std::size_t i = 0; i < study_.conditions.size(); ++i) codes.push_back(schedule_.code(i));
+  folder_.begin({.study_text = text_,
+                 .codes = codes,
+                 .device = desk_.deviceName(),
+                 .is_simulated = observer_.has_value(),
+                 .start = *start_});
+  events_.emplace(folder_.eventsFile(), false);  // last: from now on the subject has begun
 }
 
 int SubjectRun::run() {
@@ -178,6 +186,8 @@ int SubjectRun::finish(bool complete) {
   folder_.finish(desk_.now_s());
   spdlog::info("largest step of the force beyond the limits: {:g} N; work on the hand: {:.2f} mJ",
                loop.step_excess_max_N, loop.work.user_mJ());
+  if (desk_.droppedTicks() > 0)
+    spdlog::warn("{} ticks are missing in the results", desk_.droppedTicks());
   if (complete) {
     printThresholds();
     return kDone;
@@ -211,10 +221,14 @@ int runStudy(const Settings& settings, const Clock& clock, Views views) {
     return kWrongInput;
   };
   try {
+    requireOwnFlags(settings);
     requireWindow(own, views);
     const std::string text = readStudyText(own.file);
     const Study study = readStudy(text, own.file);
     StudyDesk desk(settings, clock, std::move(views));
+    if (own.simulate && desk.isAutoDetected())
+      throw std::runtime_error(
+          "--simulate: name the device (--device virtual); no person holds the one that was found");
     requireRenderable(study, desk.profile(), settings.stiffness_limit_N_mm);
     SubjectRun run(settings, study, text, desk);
     return desk.checkDevice() ? run.run() : kFailed;

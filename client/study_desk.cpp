@@ -37,6 +37,7 @@ StudyDesk::StudyDesk(const Settings& settings, const Clock& clock, Views views)
       local_(settings, clock, ui_),
       profile_(local_.device->profile()),
       reporter_({settings.log_file, settings.fault_folder, ""}) {
+  (void)applyStoredCheck(*local_.device, profile_);
   if (!sighupIgnored()) signals_.add(SIGHUP);
   signals_.async_wait([this](const boost::system::error_code& error, int) {
     if (!error) ended_ = true;
@@ -53,18 +54,20 @@ bool StudyDesk::checkDevice() {
          runFirstCheck(*local_.device, clock_, ended_, ui_, [this] { turn(); });
 }
 
-void StudyDesk::start(const std::filesystem::path& recording, MotionFile& motion, double offset_s) {
+WallTime StudyDesk::start(const std::filesystem::path& recording, MotionFile& motion,
+                          std::optional<WallTime> begin) {
   OutputSettings outputs = settings_.outputs;
   outputs.record = recording.string();
   recorder_ = std::make_unique<RunRecorder>(outputs, clock_);
   motion_ = &motion;
-  offset_s_ = offset_s;
   local_.createRenderer(settings_, ui_);
-  profile_ = local_.renderer_settings.profile;
   recorder_->onSettings(local_.renderer_settings);
   ui_.onControls([this](const UserControls& controls) { recorder_->onControls(controls); });
+  const WallTime now = std::chrono::system_clock::now();
+  offset_s_ = std::chrono::duration<double>(now - begin.value_or(now)).count();
   start_ = clock_.now();
   loop_ = std::make_unique<LoopThread>(*local_.device, *local_.renderer, clock_);
+  return begin.value_or(now);
 }
 
 double StudyDesk::now_s() const { return offset_s_ + toSeconds(clock_.now() - start_); }
@@ -92,7 +95,9 @@ void StudyDesk::onReport(TickReport report) {
   recorder_->onTick(report);
   motion_->append(report, offset_s_ + toSeconds(report.time - start_));
   last_report_ = report;
-  has_frame_ = has_frame_ || (report.lookup == Lookup::kInterpolated && hasStream());
+  // A tick with an earlier timing still had the stream before.
+  has_frame_ = has_frame_ || (report.lookup == Lookup::kInterpolated && hasStream() &&
+                              report.inputs.timing > last_timing_.number);
   device_lost_ = device_lost_ || report.device == DeviceStatus::kLost;
   warm_ = warm_ || (report.safety_actions & bit(SafetyAction::kThermal)) != 0;
   if (!hasStream()) report.lookup = Lookup::kInterpolated;  // no news: a trial has ended
@@ -133,19 +138,25 @@ bool StudyDesk::waitForDevice() {
   const LocalTime latest = clock_.now() + fromSeconds(kLongestStart_s);
   while (!isInterrupted() && last_report_.device == DeviceStatus::kLost && clock_.now() < latest)
     turn();
-  return last_report_.device != DeviceStatus::kLost;
+  return !isInterrupted() && last_report_.device != DeviceStatus::kLost;
 }
 
 void StudyDesk::rearm() {
   UserControls controls = ui_.userControls();
   ++controls.rearm;
   ui_.setControls(controls);
-  stopped_ = false;
+  stopped_ = device_lost_ = false;
+  constexpr int kMostTurns = 50;  // half a second; a stop or a loss meanwhile keeps the halt
+  for (int i = 0; i < kMostTurns && last_report_.halt != Halt::kNone && !isInterrupted(); ++i)
+    turn();
 }
 
 void StudyDesk::changeControls(const Condition& condition) {
-  UserControls controls = ui_.userControls();
-  controls.paused = false;
+  const UserControls& before = ui_.userControls();
+  UserControls controls;  // without what a user changed before the study
+  controls.stop = before.stop;
+  controls.rearm = before.rearm;
+  controls.rearm_by_itself = before.rearm_by_itself;
   controls.static_on = condition.static_on;
   controls.dynamic_on = condition.dynamic_on;
   controls.stiffness_factor = condition.stiffness;
@@ -153,6 +164,7 @@ void StudyDesk::changeControls(const Condition& condition) {
   controls.method = condition.method;
   controls.surface = condition.surface;
   ui_.setControls(controls);
+  ui_.setPictureAhead(fromSeconds(1e-3 * condition.delay_ms));
 }
 
 void StudyDesk::startStream(const Condition& condition, std::uint64_t seed) {
@@ -192,13 +204,18 @@ void StudyDesk::finishStream() {
   session_.reset();
 }
 
-TrialEnd StudyDesk::findTrialEnd() const {
+TrialEnd StudyDesk::findInterruption() const {
   if (ended_) return TrialEnd::kEnded;
   if (stopped_) return TrialEnd::kStopped;
-  if (device_lost_) return TrialEnd::kDeviceLost;
-  if (last_report_.halt == Halt::kTrustLost) return TrialEnd::kTrustLost;
+  if (device_lost_ || last_report_.halt == Halt::kDeviceLost) return TrialEnd::kDeviceLost;
+  return last_report_.halt == Halt::kTrustLost ? TrialEnd::kTrustLost : TrialEnd::kComplete;
+}
+
+TrialEnd StudyDesk::findTrialEnd() const {
+  const TrialEnd end = findInterruption();
+  if (end != TrialEnd::kComplete || !has_frame_) return end;
   const bool lost = stream_ ? stream_->failed() : last_report_.lookup == Lookup::kStale;
-  return lost && has_frame_ ? TrialEnd::kStreamLost : TrialEnd::kComplete;
+  return lost ? TrialEnd::kStreamLost : TrialEnd::kComplete;
 }
 
 TrialEnd StudyDesk::waitForFirstFrame() {
@@ -233,7 +250,7 @@ TrialEnd StudyDesk::play(const Condition& condition, std::uint64_t seed) {
          (last_report_.tick == last_tick || last_report_.force_N != Vec3::Zero()))
     turn();
   motion_->flush();
-  return end == TrialEnd::kComplete ? findTrialEnd() : end;
+  return end == TrialEnd::kComplete ? findInterruption() : end;
 }
 
 const LoopStats& StudyDesk::finish() {
@@ -241,6 +258,7 @@ const LoopStats& StudyDesk::finish() {
   loop_->stop();
   turn();
   motion_->flush();
+  ui_.finish();
   return loop_->stats();
 }
 

@@ -22,12 +22,13 @@
 #include "client/session.hpp"
 #include "client/study/motion_file.hpp"
 #include "client/study/study.hpp"
+#include "client/study/study_folder.hpp"
 #include "client/trial_stream.hpp"
 #include "common/transport/asio.hpp"
 
 namespace hapticast::client {
 
-/// Why a trial has no result. kEnded: the program has to end.
+/// How a trial ended. All but kComplete leave it without a result. kEnded: the program has to end.
 enum class TrialEnd : std::uint8_t {
   kComplete,
   kStopped,  ///< by Esc
@@ -49,17 +50,18 @@ class StudyDesk {
   [[nodiscard]] std::string deviceName() const { return local_.device->description(); }
   /// Checks a device that was never checked. Returns false if the user ends the program meanwhile.
   [[nodiscard]] bool checkDevice();
-  /// Starts the haptic loop. Records to `recording` and to `motion`, which began `offset_s` ago.
-  /// Throws std::runtime_error (one line).
-  void start(const std::filesystem::path& recording, MotionFile& motion, double offset_s);
+  /// Starts the haptic loop. Records to `recording` and to `motion`, which began at `begin`
+  /// (nullopt: now). Returns that time. Throws std::runtime_error (one line).
+  WallTime start(const std::filesystem::path& recording, MotionFile& motion,
+                 std::optional<WallTime> begin);
 
   /// Shows `prompt` and waits for its answer. Returns nullopt if the subject stops the force, or if
   /// the program has to end.
   [[nodiscard]] std::optional<StudyInput> ask(const StudyPrompt& prompt);
   /// Waits for `seconds` without a force. Returns false if ask() would return nullopt.
   [[nodiscard]] bool wait(double seconds, const StudyPrompt& prompt = {});
-  /// Lets the subject touch `condition`, whose streams start with `seed`. Returns at the end of the
-  /// interval, when the force is zero.
+  /// Lets the subject touch `condition`, whose streams start with `seed`. Returns after the
+  /// interval when the force is zero, at the latest after 2 s.
   [[nodiscard]] TrialEnd play(const Condition& condition, std::uint64_t seed);
   /// Waits until the device answers, 10 s at most. Returns whether it does.
   [[nodiscard]] bool waitForDevice();
@@ -71,7 +73,13 @@ class StudyDesk {
   /// Returns the time since the start of the motion file, and that of the last interval's onset.
   [[nodiscard]] double now_s() const;
   [[nodiscard]] double onset_s() const { return onset_s_; }
-  [[nodiscard]] std::chrono::system_clock::time_point onsetWall() const { return onset_wall_; }
+  [[nodiscard]] WallTime onsetWall() const { return onset_wall_; }
+  /// Returns why no force can act, such as a lost device or a loss of trust; kComplete: it can.
+  [[nodiscard]] TrialEnd findInterruption() const;
+  /// Returns whether the device was detected automatically, and is no simulation.
+  [[nodiscard]] bool isAutoDetected() const { return local_.is_auto_detected; }
+  /// Returns the number of ticks that are missing in the results. Call it after finish().
+  [[nodiscard]] std::uint64_t droppedTicks() const { return local_.renderer->droppedReports(); }
   /// Returns whether the program has to end: a signal, or the window is closed.
   [[nodiscard]] bool ended() const { return ended_; }
   /// Returns whether the subject has stopped the force since the last rearm().
@@ -113,7 +121,7 @@ class StudyDesk {
   std::unique_ptr<LoopThread> loop_;
   TickReport last_report_;
   double onset_s_ = 0.0;
-  std::chrono::system_clock::time_point onset_wall_;
+  WallTime onset_wall_;
   bool has_frame_ = false;  // of the present stream
   bool device_lost_ = false;
   bool warm_ = false;

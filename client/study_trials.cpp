@@ -84,11 +84,13 @@ std::optional<StudyInput> StudyTrials::ask(const StudyPrompt& prompt) {
 }
 
 bool StudyTrials::run() {
-  parts_.desk.rearm();  // the consent also confirms a device that was detected automatically
+  if (!parts_.observer) parts_.desk.rearm();  // the consent confirms an auto-detected device, too
   while (const auto trial = parts_.schedule.findTrial()) {
-    last_end_ = TrialEnd::kComplete;
-    if (prepare(*trial)) runTrial(*trial);
-    if (parts_.desk.ended() || !recover() || !restDevice()) return false;
+    is_void_ = false;
+    TrialEnd end = TrialEnd::kComplete;
+    if (prepare(*trial)) end = runTrial(*trial);
+    if (end == TrialEnd::kComplete) end = parts_.desk.findInterruption();
+    if (end == TrialEnd::kEnded || !recover(end) || !restDevice()) return false;
   }
   parts_.on_event("study end");
   (void)ask({.text = "That was the last trial. Thank you.", .needs_enter = true});
@@ -97,6 +99,7 @@ bool StudyTrials::run() {
 
 /// Asks the subject to begin. Returns false if the subject stops the force or the program ends.
 bool StudyTrials::prepare(const Trial& trial) {
+  if (parts_.desk.findInterruption() != TrialEnd::kComplete) return false;
   const std::size_t rest_every = parts_.study.rest_every;
   if (rest_every > 0 && since_rest_ >= rest_every) {
     since_rest_ = 0;
@@ -116,7 +119,7 @@ bool StudyTrials::prepare(const Trial& trial) {
       .has_value();
 }
 
-void StudyTrials::runTrial(const Trial& trial) {
+TrialEnd StudyTrials::runTrial(const Trial& trial) {
   TrialRow row{.is_training = trial.is_training,
                .trial = trial.number,
                .condition = parts_.schedule.code(trial.condition),
@@ -124,10 +127,10 @@ void StudyTrials::runTrial(const Trial& trial) {
   row.onset_s = parts_.desk.now_s();  // of a trial without an interval
   row.wall_clock = formatIso8601(std::chrono::system_clock::now());
   if (trial.level) row.comparison_interval = trial.comparison_first ? 1 : 2;
-  last_end_ = playIntervals(trial, row);
-  if (last_end_ == TrialEnd::kComplete) last_end_ = askQuestion(trial, row);
-  if (last_end_ == TrialEnd::kEnded) return;  // without a row: it comes first after --resume
-  row.status = toStatus(last_end_);
+  TrialEnd end = playIntervals(trial, row);
+  if (end == TrialEnd::kComplete) end = askQuestion(trial, row);
+  if (end == TrialEnd::kEnded) return end;  // without a row: it comes first after --resume
+  row.status = toStatus(end);
   row.duration_s = parts_.desk.now_s() - row.onset_s;
   parts_.events.append(row);
   parts_.on_event(fmt::format("trial {} end {}", trial.number, row.status));
@@ -136,6 +139,8 @@ void StudyTrials::runTrial(const Trial& trial) {
     parts_.schedule.onAnswer(row.is_correct.value_or(true));
   else
     parts_.schedule.onVoid();
+  is_void_ = !row.answer;
+  return end;
 }
 
 /// Announces an interval to the subject by its number of beeps. Returns false if the subject stops
@@ -184,22 +189,21 @@ TrialEnd StudyTrials::askQuestion(const Trial& trial, TrialRow& row) {
   return TrialEnd::kComplete;
 }
 
-/// After a stop or a void trial: goes on when the subject wants. Returns false if the study ends.
-bool StudyTrials::recover() {
-  const bool is_void = last_end_ != TrialEnd::kComplete;
-  if (!parts_.desk.stopped() && !is_void) return true;
-  std::string text = describeInterruption(last_end_);
-  if (is_void) text += " The trial comes again at the end.";
+/// After an interruption: goes on when the subject wants. Returns false if the study ends.
+bool StudyTrials::recover(TrialEnd end) {
+  if (end == TrialEnd::kComplete) return true;
+  // An observer gives no consent to go on, except after a lost device that answers again.
+  if (parts_.observer && end != TrialEnd::kDeviceLost) return false;
+  std::string text = describeInterruption(end);
+  if (is_void_) text += " The trial comes again at the end.";
   while (true) {
     parts_.desk.clearStop();
     const auto input = ask({.text = text, .choices = {"go on", "end the study"}});
-    if (!input || input->choice.value_or(0) != 0) return false;
-    // An observer does not ask for a broken stream again and again.
-    const bool is_stream = last_end_ == TrialEnd::kStreamLost || last_end_ == TrialEnd::kTrustLost;
-    if (parts_.observer && is_stream) return false;
+    if (parts_.desk.ended() || (input && input->choice.value_or(0) != 0)) return false;
+    if (!input) continue;  // Esc again: the force is off
     if (parts_.desk.waitForDevice()) break;
-    if (parts_.observer || parts_.desk.ended()) return false;
-    text = "The device still does not answer.";
+    if (parts_.observer) return false;
+    if (!parts_.desk.stopped()) text = "The device still does not answer.";
   }
   parts_.desk.rearm();
   return true;
@@ -211,9 +215,15 @@ bool StudyTrials::restDevice() {
   if (!parts_.desk.takeWarm()) return true;
   const double rest_s = kRestInTimeConstants * parts_.desk.profile().thermal_s;
   spdlog::info("the motors are warm: the device rests for {:.0f} s", rest_s);
-  return parts_.desk.wait(
-             rest_s, {.text = fmt::format("The device rests for {:.0f} s. Rest, too.", rest_s)}) ||
-         recover();
+  const double end_s = parts_.desk.now_s() + rest_s;
+  is_void_ = false;
+  while (parts_.desk.now_s() < end_s) {
+    const double left_s = end_s - parts_.desk.now_s();
+    const std::string text = fmt::format("The device rests for {:.0f} s. Rest, too.", left_s);
+    if (!parts_.desk.wait(left_s, {.text = text}) && !recover(parts_.desk.findInterruption()))
+      return false;
+  }
+  return true;
 }
 
 }  // namespace hapticast::client

@@ -41,14 +41,15 @@ class StudyTrials {
   [[nodiscard]] bool announce(int interval);
   [[nodiscard]] TrialEnd playIntervals(const Trial& trial, TrialRow& row);
   [[nodiscard]] TrialEnd askQuestion(const Trial& trial, TrialRow& row);
-  void runTrial(const Trial& trial);
-  [[nodiscard]] bool recover();
+  /// Runs a trial, and writes its row. Returns how it ended.
+  TrialEnd runTrial(const Trial& trial);
+  [[nodiscard]] bool recover(TrialEnd end);
   [[nodiscard]] bool restDevice();
   std::optional<StudyInput> ask(const StudyPrompt& prompt);
 
   Parts parts_;
   std::size_t since_rest_ = 0;
-  TrialEnd last_end_ = TrialEnd::kComplete;
+  bool is_void_ = false;  // the last trial
 };
 
 }  // namespace hapticast::client

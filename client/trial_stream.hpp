@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Plays a recorded stream to the haptic loop of this process, without a network. A thread passes
 // each frame to a Receiver when it is due, or later by a delay and a simulated network jitter:
-// frame n arrives at max(arrival of n - 1, due + delay + uniform random time). Pictures come when
+// frame n arrives at max(arrival of n - 1, reading + delay + random time). Pictures come when
 // due. Thread: the owner's, except where a function states another one.
 #pragma once
 

@@ -62,6 +62,8 @@ class UserInterface {
   void clearStop() { state_.study_input.stop = false; }
   /// Replaces the controls of the user, but not their number.
   void setControls(const UserControls& controls);
+  /// Sets how much earlier than the force the picture comes.
+  void setPictureAhead(Duration ahead) { state_.picture_ahead = ahead; }
   [[nodiscard]] const UserControls& userControls() const { return state_.user; }
   /// Plays a beep in the views with sound.
   void beep() { ++state_.beeps; }

@@ -177,11 +177,11 @@ HapticRenderer::Changes HapticRenderer::updateInputs(const StreamTiming& stream,
     mapping_ = DeviceMapping::fit(workspace_, settings_.profile.workspace_mm);
     changes.by_stream = true;
   }
-  if (std::exchange(stopped_, user.stop) != user.stop) safety_.stop();
   acknowledged_ = std::exchange(rearmed_, user.rearm) != user.rearm;
   const bool by_itself =
       std::exchange(rearmed_by_itself_, user.rearm_by_itself) != user.rearm_by_itself;
   if (acknowledged_ || by_itself) safety_.rearm();
+  if (std::exchange(stopped_, user.stop) != user.stop) safety_.stop();  // after it: a stop wins
   return changes;
 }
 

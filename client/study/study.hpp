@@ -60,7 +60,6 @@ struct Comparison {
   int down = 3;
   double factor = 1.2;
   double lapse = 0.02;  ///< assumed lapse rate of the subjects
-  int line = 0;         ///< in the study file
 };
 
 struct Study {
@@ -79,8 +78,6 @@ struct Study {
   [[nodiscard]] std::size_t countTrials() const { return training + blocks * conditions.size(); }
 };
 
-/// Returns the value of `variable` in `condition`; 0 for an unknown mass.
-[[nodiscard]] double readVariable(const Condition& condition, Variable variable);
 /// Returns `condition` with another value of `variable`.
 [[nodiscard]] Condition withVariable(Condition condition, Variable variable, double value);
 

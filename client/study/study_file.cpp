@@ -153,6 +153,7 @@ Condition readCondition(Members from, const Condition& base) {
   Condition to = base;
   to.line = from.line();
   to.name = from.text("name", kMostLabel_bytes);
+  if (to.name.find(':') != std::string::npos) from.refuse("name", "has a colon");
   if (from.has("recording")) to.server.clear();
   if (from.has("server")) to.recording.clear();
   to.recording = from.text("recording", kMostText_bytes, to.recording);
@@ -196,6 +197,11 @@ double findLargest(Variable variable) {
   return variable == Variable::kStiffness ? 3.0 : variable == Variable::kMass ? 5.0 : kMostDelay_ms;
 }
 
+/// Returns the smallest one. A mass of 0 stands for an unknown mass, so it is none.
+double findLeast(Variable variable) {
+  return variable == Variable::kStiffness ? 0.1 : variable == Variable::kMass ? 0.001 : 0.0;
+}
+
 std::vector<double> readLevels(Members& from) {
   const Json* const list = from.read("levels");
   std::vector<double> levels;
@@ -218,10 +224,9 @@ void readStaircase(Members& from, Comparison& to) {
 
 Comparison readComparison(Members from) {
   Comparison to;
-  to.line = from.line();
   to.variable = from.choice("variable", kVariables, to.variable);
   const double most = findLargest(to.variable);
-  const double least = to.variable == Variable::kStiffness ? 0.1 : 0.0;
+  const double least = findLeast(to.variable);
   to.reference = from.number("reference", least, most, least);
   to.selector = from.choice("selection", kSelectors, to.selector);
   if (to.selector == SelectorKind::kConstantStimuli) {
@@ -239,9 +244,9 @@ Comparison readComparison(Members from) {
   const double largest =
       to.levels.empty() ? to.range.most : *std::max_element(to.levels.begin(), to.levels.end());
   if (to.reference + largest > most)
-    throw LocatedError(to.line, fmt::format("the reference and the largest level are {:g}; the "
-                                            "client renders at most {:g}",
-                                            to.reference + largest, most));
+    throw LocatedError(from.line(), fmt::format("the reference and the largest level are {:g}; the "
+                                                "client renders at most {:g}",
+                                                to.reference + largest, most));
   from.refuseOthers();
   return to;
 }

@@ -47,12 +47,26 @@ std::string readText(const fs::path& file) {
   return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
 }
 
-/// Appends `row` to a table that begins with `header`, unless it has the row.
-void addRow(const fs::path& file, const std::string& header, const std::string& row) {
-  std::string table = readText(file);
-  if (table.empty()) table = header + "\n";
-  if (table.find("\n" + row + "\n") != std::string::npos) return;
-  writeText(file, table + row + "\n");
+std::string firstField(const std::string& row) { return row.substr(0, row.find('\t')); }
+
+/// Adds `row` to a table that begins with `header`, in place of a row with the same first field.
+/// Other columns of the table get "n/a". An interruption keeps the table as it was.
+void addRow(const fs::path& file, const std::string& header, std::string row) {
+  std::istringstream in(readText(file));
+  std::string table;
+  std::string line;
+  std::getline(in, line);
+  const std::string first = line.empty() ? header : line;
+  const auto columns = std::count(first.begin(), first.end(), '\t');
+  for (auto i = std::count(row.begin(), row.end(), '\t'); i < columns; ++i) row += "\tn/a";
+  table = first + "\n";
+  while (std::getline(in, line))
+    if (!line.empty() && firstField(line) != firstField(row)) table += line + "\n";
+  const fs::path next = file.string() + ".new";
+  writeText(next, table + row + "\n");
+  std::error_code error;
+  fs::rename(next, file, error);
+  if (error) refuse(file, "cannot be written (" + error.message() + ")");
 }
 
 void createFolder(const fs::path& folder) {
@@ -96,6 +110,7 @@ const char* describeUnit(const Study& study) {
   return "1";
 }
 
+constexpr const char* kSimulated = ". A simulated observer answered.";
 constexpr const char* kReadme =
     "Results of a study with hapticast-client --study. Each subject has a code and no other\n"
     "personal data. sourcedata/ has the study file and the recordings (MCAP) of each run.\n";
@@ -181,7 +196,11 @@ void StudyFolder::begin(const NewSubject& subject) {
   writeJson(trackedPath("_channels.json"), frames);
   describeMotion(0.0);
   describeEvents(subject);
-  addRow(out_ / "participants.tsv", "participant_id", subject_);
+  const std::string participants = readText(out_ / "participants.tsv");
+  if (("\n" + participants).find("\n" + subject_ + "\n") == std::string::npos &&
+      participants.find("\n" + subject_ + "\t") ==
+          std::string::npos)  // a lab may have added columns
+    addRow(out_ / "participants.tsv", "participant_id", subject_);
   addRow(
       out_ / subject_ / (subject_ + "_scans.tsv"), "filename\tacq_time",
       fmt::format("motion/{}\t{}", motionFile().filename().string(), formatIso8601(subject.start)));
@@ -228,19 +247,24 @@ void StudyFolder::describeEvents(const NewSubject& subject) const {
   events["level"]["Units"] = describeUnit(study_);
   if (subject.is_simulated)
     events["answer"]["Description"] =
-        events["answer"]["Description"].get<std::string>() + ". A simulated observer answered.";
+        events["answer"]["Description"].get<std::string>() + kSimulated;
   for (std::size_t i = 0; i < subject.codes.size(); ++i)
     events["condition"]["Levels"][subject.codes[i]] = describe(study_.conditions[i]);
   if (study_.comparison) events["level"]["Reference"] = study_.comparison->reference;
   writeJson(motionPath("_events.json"), events);
 }
 
-WallTime StudyFolder::resume(const std::string& study_text) const {
+WallTime StudyFolder::resume(const std::string& study_text, bool is_simulated) const {
   if (!fs::exists(eventsFile()))
     refuse(eventsFile(), "this subject has not begun the study; start without --resume");
   if (readText(sourcePath("_study.json")) != study_text)
     refuse(sourcePath("_study.json"),
            "this subject began with another study file; continue with that one");
+  const bool was_simulated =
+      readText(motionPath("_events.json")).find(kSimulated) != std::string::npos;
+  if (was_simulated != is_simulated)
+    refuse(eventsFile(), was_simulated ? "an observer began; continue with --simulate"
+                                       : "a person began; continue without --simulate");
   const std::string table = readText(out_ / subject_ / (subject_ + "_scans.tsv"));
   const std::string key = "motion/" + motionFile().filename().string() + "\t";
   const std::size_t row = table.find("\n" + key);

@@ -46,8 +46,9 @@ class StudyFolder {
   /// Writes the files of the dataset and of a new subject. Throws std::runtime_error with one line.
   void begin(const NewSubject& subject);
   /// Returns the start of the recording of a subject that is continued. Throws std::runtime_error
-  /// with one line if the subject has not begun, or if the study file was another one.
-  [[nodiscard]] WallTime resume(const std::string& study_text) const;
+  /// with one line if the subject has not begun, if the study file was another one, or if
+  /// `is_simulated` differs.
+  [[nodiscard]] WallTime resume(const std::string& study_text, bool is_simulated) const;
   /// Writes the duration of the recording.
   void finish(double duration_s);
 

@@ -15,7 +15,7 @@ namespace hapticast::client {
 namespace {
 
 // Distinguish the random numbers of a study, which all come from its seed.
-enum class Draw : std::uint8_t { kCode = 1, kSelector, kInterval };
+enum class Draw : std::uint8_t { kCode = 1, kSelector, kInterval, kTraining };
 
 std::mt19937_64 makeRandom(const Study& study, std::uint64_t subject, Draw draw,
                            std::size_t number) {
@@ -76,15 +76,19 @@ std::uint64_t toSubjectNumber(std::string_view subject) {
 TrialSchedule::TrialSchedule(const Study& study, std::string_view subject)
     : study_(study), subject_(toSubjectNumber(subject)) {
   const std::size_t conditions = study.conditions.size();
-  for (std::size_t i = 0; i < study.training; ++i) waiting_.push_back({i % conditions, true});
+  std::vector<std::size_t> letters(conditions);
+  std::iota(letters.begin(), letters.end(), std::size_t{0});
+  std::vector<std::size_t> training = letters;  // not in the order of the file, which has names
+  auto training_random = makeRandom(study, subject_, Draw::kTraining, 0);
+  shuffle(training, training_random);
+  for (std::size_t i = 0; i < study.training; ++i)
+    waiting_.push_back({training[i % conditions], true});
   for (const std::size_t each : makeTrialOrder({.order = study.order,
                                 .conditions = conditions,
                                 .blocks = study.blocks,
                                 .seed = study.seed,
                                 .subject = subject_}))
     waiting_.push_back({each, false});
-  std::vector<std::size_t> letters(conditions);
-  std::iota(letters.begin(), letters.end(), std::size_t{0});
   auto random = makeRandom(study, subject_, Draw::kCode, 0);
   shuffle(letters, random);
   for (const std::size_t each : letters) codes_.push_back(toLetters(each));

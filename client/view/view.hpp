@@ -54,6 +54,7 @@ struct UiState {
   std::string recording;   ///< name of that log file, or an error; empty before the first one
   std::optional<StudyPrompt> study;  ///< present: the client runs a study
   StudyInput study_input;            ///< a view sets it
+  Duration picture_ahead{0};         ///< of a study: how much earlier than the force it comes
   std::uint32_t beeps = 0;           ///< a new value: a view with sound plays a beep
 };
 

@@ -118,7 +118,10 @@ void SafetyChain::countTrust(std::uint32_t safety_actions, bool scene_jumped) no
 
 /// Determines the cause of a halt. Returns true if the halt begins in this tick.
 bool SafetyChain::halts(const SafetyInput& in, SafetyOutput& out) noexcept {
-  if (halt_ != Halt::kNone) return false;
+  if (halt_ != Halt::kNone) {
+    if (stop_requested_) halt_ = Halt::kStopped;
+    return false;
+  }
   const bool distrusts = links_.trust && trust_.lost();
   halt_ = stop_requested_  ? Halt::kStopped
           : distrusts      ? Halt::kTrustLost

@@ -48,7 +48,7 @@ void ViewerWindow::handleEvent(const SDL_Event& event, UiState& ui_state) {
     case SDL_KEYDOWN:
       if (ui_state.study) {
         if (event.key.keysym.sym == SDLK_F11 && event.key.repeat == 0) toggleFullscreen();
-        pressStudyKey(event.key.keysym.sym, ui_state);
+        pressStudyKey(event.key.keysym.sym, event.key.repeat != 0, ui_state);
         break;
       }
       if (io.WantTextInput || event.key.repeat != 0) break;

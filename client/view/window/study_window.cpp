@@ -59,8 +59,9 @@ void showStudyPrompt(const WindowLayout& layout, UiState& ui_state) {
   ImGui::End();
 }
 
-void pressStudyKey(int sdl_key, UiState& ui_state) {
+void pressStudyKey(int sdl_key, bool is_repeat, UiState& ui_state) {
   StudyInput& input = ui_state.study_input;
+  if (is_repeat && sdl_key != SDLK_LEFT && sdl_key != SDLK_RIGHT) return;
   switch (sdl_key) {
     case SDLK_ESCAPE:
       input.stop = true;
@@ -78,6 +79,8 @@ void pressStudyKey(int sdl_key, UiState& ui_state) {
     default:
       if (sdl_key >= SDLK_1 && sdl_key <= SDLK_9)
         input.choice = static_cast<std::size_t>(sdl_key - SDLK_1);
+      if (sdl_key >= SDLK_KP_1 && sdl_key <= SDLK_KP_9)
+        input.choice = static_cast<std::size_t>(sdl_key - SDLK_KP_1);
       break;
   }
 }

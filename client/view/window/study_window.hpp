@@ -12,7 +12,8 @@ namespace hapticast::client {
 void showStudyPrompt(const WindowLayout& layout, UiState& ui_state);
 
 /// Enters the key `sdl_key` in `ui_state.study_input`: Esc stops the force, Enter confirms, 1 to 9
-/// choose, left and right move the slider. No other key has a function in a study.
-void pressStudyKey(int sdl_key, UiState& ui_state);
+/// choose, left and right move the slider. No other key has a function in a study. `is_repeat`: the
+/// key is held down, which only moves the slider.
+void pressStudyKey(int sdl_key, bool is_repeat, UiState& ui_state);
 
 }  // namespace hapticast::client

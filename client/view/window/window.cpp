@@ -139,7 +139,7 @@ void ViewerWindow::draw(UiState& ui_state) {
   const WindowLayout layout = arrangeWindow(Vec2(width, height), panel_wanted);
   // A prompt of a study is read from a distance, beside a device.
   gui_->gui_renderer->setTextHeight(ui_state.study ? layout.text_px * 4 / 3 : layout.text_px);
-  selectPicture();
+  selectPicture(ui_state.picture_ahead);
   ImGui_ImplSDL2_NewFrame();
   ImGui::NewFrame();
   showScene(layout, ui_state);
@@ -170,8 +170,8 @@ void ViewerWindow::present() {
 }
 
 /// Decodes the picture of the rendered frame, if it is a new one.
-void ViewerWindow::selectPicture() {
-  const MediaTime play_time = ticks_.last().play_time;
+void ViewerWindow::selectPicture(Duration ahead) {
+  const MediaTime play_time = ticks_.last().play_time + ahead;
   const auto off = [play_time](const StreamPicture& picture) {
     return std::abs((picture.video.media_time - play_time).count());
   };

@@ -59,7 +59,7 @@ class ViewerWindow final : public View {
   /// Returns the part of the relief's box at `point`. It is kNone while the box is closed.
   [[nodiscard]] BoxPart findPart(const Vec2& point) const;
   void present();
-  void selectPicture();
+  void selectPicture(Duration ahead);
   [[nodiscard]] cv::Mat paintScene(const PointerTarget& pointer, bool is_study);
   void showScene(const WindowLayout& layout, const UiState& ui_state);
   void showTexts(const WindowLayout& layout, const UiState& ui_state);
