@@ -409,10 +409,30 @@ class Window(StudyTest):
         self.assertEqual([row["answer"] for row in self.read_rows("rating")], ["4", "2", "5"])
         self.assertNotEqual(consent.tobytes(), question.tobytes())
 
-    def test_a_scale_and_a_forced_choice(self):
+    def test_a_forced_choice_has_two_intervals_and_a_correct_answer(self):
+        self.write(make_study(blocks=2, training=0, defaults={"recording": "ball.mcap", "seconds": 0.5},
+                              conditions=[{"name": "still"}]))
+        client = self.start("choice")
+        self.press("1")
+        for rows, key in ((1, "1"), (2, "2")):
+            self.press("Return")
+            time.sleep(3.5)
+            if rows == 1:
+                self.save("choice")
+            self.press(key)
+            self.wait_for_rows("choice", rows)
+        self.finish(client)
+        for row, answer in zip(self.read_rows("choice"), "12"):
+            self.assertEqual(row["answer"], answer)
+            self.assertEqual(row["is_correct"], "1" if row["comparison_interval"] == answer else "0")
+            self.assertGreater(float(row["duration"]), 1.5)
+
+    def test_a_scale(self):
         self.study(comparison=None, question={"kind": "vas", "text": "How stiff?", "low": "soft", "high": "hard"})
         client = self.start("vas")
-        self.press("1")
+        self.xdo("mousemove", "640", "358")  # the answer "I agree"
+        time.sleep(0.3)
+        self.xdo("click", "1")
         self.answer("vas", 1, ["Right", "Right", "Right", "Return"])
         self.press("Return")
         time.sleep(2.0)
