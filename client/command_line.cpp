@@ -304,6 +304,7 @@ void addReplayOptions(CLI::App& app, Settings& settings) {
       throw CLI::ValidationError("--live", "--replay does not run in real time; record it");
     if (settings.replay_file.empty() && settings.stiffness_N_mm > 0.0)
       throw CLI::ValidationError("--stiffness", "needs --replay");
+    requireStudyOptions(settings.study);
     settings.method_given = parsed->count("--method") > 0;
     settings.surface_given = parsed->count("--surface") > 0;
   });

@@ -9,5 +9,7 @@ namespace hapticast::client {
 
 /// Adds --study and the flags that need it. They fill `study`, which must outlive `app`.
 void addStudyOptions(CLI::App& app, StudySettings& study);
+/// Throws CLI::ValidationError if a flag of `study` lacks another one.
+void requireStudyOptions(const StudySettings& study);
 
 }  // namespace hapticast::client

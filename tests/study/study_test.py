@@ -82,7 +82,7 @@ class Run(StudyTest):
         return [tuple(row[key] for key in keys) for row in rows]
 
     def test_killed_in_random_moments_loses_repeats_and_swaps_no_trial(self):
-        wanted = int(os.environ.get("STUDY_KILLS", "12"))
+        wanted = int(os.environ.get("STUDY_KILLS", "6"))
         blocks = 2 + wanted // 3
         self.write(make_study(blocks=blocks))
         whole = self.run_client("whole")
@@ -122,9 +122,9 @@ class Run(StudyTest):
         self.assertEqual([float(value) for value in last[4:7]], [0.0, 0.0, 0.0])
 
     def test_an_observer_with_a_small_jnd_gets_a_smaller_estimate(self):
-        self.write(make_study(blocks=15, conditions=[{"name": "still"}]))
+        self.write(make_study(blocks=10, conditions=[{"name": "still"}]))
         estimates = []
-        for subject, threshold in (("1", 0.06), ("2", 0.5)):
+        for subject, threshold in (("1", 0.04), ("2", 0.8)):
             done = self.run_client("jnd", subject=subject, simulate=f"threshold={threshold}")
             self.assertEqual(done.returncode, 0, done.stderr)
             estimates.append(float(done.stdout.split("JND ")[1].split(",")[0]))
