@@ -89,7 +89,8 @@ Views openViews(const Settings& settings) {
   }
 #if HAPTICAST_SDL2
   const bool is_study = !settings.study.file.empty();
-  if (settings.sound || is_study) {
+  const bool has_beeps = is_study && settings.view != ViewChoice::kOff;  // a subject needs a window
+  if (settings.sound || has_beeps) {
     try {
       views.push_back(std::make_unique<SoundView>(
           !is_study, [](const std::string& line) { spdlog::warn("--sound: {}", line); }));

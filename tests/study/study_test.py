@@ -337,9 +337,19 @@ class Window(StudyTest):
         self.addCleanup(self.display.kill)
         self.pictures = pathlib.Path(os.environ.get("STUDY_PICTURES", self.folder / "pictures"))
         self.pictures.mkdir(parents=True, exist_ok=True)
+        self.markers = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.markers.bind(("127.0.0.1", 0))
+        self.markers.settimeout(30)
+        self.addCleanup(self.markers.close)
 
-    def start(self, out, *flags):
-        client = subprocess.Popen(self.command(out, "--view", "on", *flags, simulate=None, device="mouse"),
+    def wait_for_marker(self, word):
+        """Waits for the next event with this word, such as question."""
+        while f" {word} " not in self.markers.recv(1000).decode():
+            pass
+
+    def start(self, out):
+        markers = ["--markers", f"127.0.0.1:{self.markers.getsockname()[1]}"]
+        client = subprocess.Popen(self.command(out, "--view", "on", *markers, simulate=None, device="mouse"),
                                   stderr=subprocess.PIPE, text=True, env=self.environment)
         self.addCleanup(client.kill)
         self.xdo("search", "--sync", "--onlyvisible", "--name", "hapticast")
@@ -378,16 +388,16 @@ class Window(StudyTest):
     def answer(self, out, rows, keys, picture=None):
         """Begins a trial, waits for its end and answers."""
         self.press("Return")
-        time.sleep(0.8)
         if picture:
+            self.wait_for_marker("interval")
             self.save(picture)
-        time.sleep(1.0)
+        self.wait_for_marker("question")
         self.press(*keys)
         self.wait_for_rows(out, rows)
 
     def study(self, **changes):
         self.write(make_study(blocks=1, training=0, rest_every=2,
-                              defaults={"recording": "ball.mcap", "seconds": 1}, **changes))
+                              defaults={"recording": "ball.mcap", "seconds": 0.8}, **changes))
 
     def test_a_rating_study_from_start_to_end(self):
         self.study(**RATING)
@@ -397,7 +407,7 @@ class Window(StudyTest):
         self.press("1")
         self.answer("rating", 1, ["4"], picture="trial")
         self.press("Return")
-        time.sleep(2.0)
+        self.wait_for_marker("question")
         question = self.save("question")
         self.press("8", "2")  # 8 is no step of this scale
         self.wait_for_rows("rating", 2)
@@ -416,7 +426,7 @@ class Window(StudyTest):
         self.press("1")
         for rows, key in ((1, "1"), (2, "2")):
             self.press("Return")
-            time.sleep(3.5)
+            self.wait_for_marker("question")
             if rows == 1:
                 self.save("choice")
             self.press(key)
@@ -435,7 +445,7 @@ class Window(StudyTest):
         self.xdo("click", "1")
         self.answer("vas", 1, ["Right", "Right", "Right", "Return"])
         self.press("Return")
-        time.sleep(2.0)
+        self.wait_for_marker("question")
         self.save("scale")
         self.press("Return")
         self.wait_for_rows("vas", 2)
@@ -448,7 +458,7 @@ class Window(StudyTest):
         self.study(**RATING)
         client = self.start("stop")
         self.press("1", "Return")
-        time.sleep(0.3)
+        self.wait_for_marker("interval")
         self.press("Escape")
         self.wait_for_rows("stop", 1)
         self.save("stopped")
