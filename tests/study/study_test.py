@@ -225,7 +225,7 @@ class Refusals(StudyTest):
 
 class Results(StudyTest):
     def test_is_a_dataset_of_bids(self):
-        self.write(make_study(blocks=2))
+        self.write(make_study(blocks=1))
         self.assertEqual(self.run_client("bids").returncode, 0)
         out = self.folder / "bids"
         names = sorted(str(file.relative_to(out)) for file in out.rglob("*")
@@ -262,14 +262,14 @@ class Results(StudyTest):
         described = json.loads((out / (start + "events.json")).read_text())
         self.assertLessEqual(set(COLUMNS), set(described))
         rows = self.read_rows("bids")
-        self.assertEqual(len(rows), 7)
+        self.assertEqual(len(rows), 4)
         self.assertEqual({row["condition"] for row in rows}, set(described["condition"]["Levels"]))
         for before, row in zip(rows, rows[1:]):
             self.assertGreater(float(row["onset"]), float(before["onset"]) + float(before["duration"]))
 
     def test_pandas_reads_all(self):
         import pandas
-        self.write(make_study(blocks=2))
+        self.write(make_study(blocks=1))
         self.assertEqual(self.run_client("pandas").returncode, 0)
         start = self.folder / "pandas/sub-07/motion/sub-07_task-test_"
         channels = pandas.read_csv(f"{start}tracksys-haptic_channels.tsv", sep="\t")
@@ -291,7 +291,7 @@ class Results(StudyTest):
                               text=True, timeout=60)
 
     def test_the_analysis_draws_curve_and_table(self):
-        self.write(make_study(blocks=8, conditions=[{"name": "still"}, {"name": "jitter", "jitter_ms": 30}]))
+        self.write(make_study(blocks=3, conditions=[{"name": "still"}, {"name": "jitter", "jitter_ms": 30}]))
         for subject in ("1", "2"):
             self.assertEqual(self.run_client("analysis", subject=subject).returncode, 0)
         done = self.analyse("analysis", "--figure", self.folder / "jnd.png", "--table", self.folder / "jnd.tsv")
