@@ -30,7 +30,7 @@ TrialRow makeRow(std::mt19937& random) {
 }
 
 std::string makeFile(const TempFolder& folder, const std::vector<TrialRow>& rows) {
-  const std::string file = (folder / "events.tsv").string();
+  std::string file = (folder / "events.tsv").string();
   EventsFile events(file, false);
   for (const TrialRow& row : rows) events.append(row);
   return file;
