@@ -91,10 +91,8 @@ void requireServer(const Condition& condition) {
 /// Returns the condition with the largest level, or as it is. The smallest value is the reference.
 Condition takeLargest(const Condition& condition, const std::optional<Comparison>& comparison) {
   if (!comparison) return condition;
-  const double level = comparison->levels.empty() ? comparison->range.most
-                                                  : *std::max_element(comparison->levels.begin(),
-                                                                      comparison->levels.end());
-  return withVariable(condition, comparison->variable, comparison->reference + level);
+  return withVariable(condition, comparison->variable,
+                      comparison->reference + comparison->findLargestLevel());
 }
 
 }  // namespace

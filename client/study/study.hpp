@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "client/haptics/user_controls.hpp"
@@ -60,6 +61,9 @@ struct Comparison {
   int down = 3;
   double factor = 1.2;
   double lapse = 0.02;  ///< assumed lapse rate of the subjects
+
+  /// Returns the largest level that a trial can have.
+  [[nodiscard]] double findLargestLevel() const;
 };
 
 struct Study {
@@ -78,6 +82,8 @@ struct Study {
   [[nodiscard]] std::size_t countTrials() const { return training + blocks * conditions.size(); }
 };
 
+/// Returns whether `text` is a label of BIDS: letters and digits, at least one.
+[[nodiscard]] bool isLabel(std::string_view text);
 /// Returns `condition` with another value of `variable`.
 [[nodiscard]] Condition withVariable(Condition condition, Variable variable, double value);
 

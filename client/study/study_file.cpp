@@ -4,7 +4,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <fstream>
 #include <map>
@@ -241,8 +240,7 @@ Comparison readComparison(Members from) {
   }
   if (to.selector == SelectorKind::kStaircase) readStaircase(from, to);
   to.lapse = from.number("lapse", 0.0, 0.2, to.lapse);
-  const double largest =
-      to.levels.empty() ? to.range.most : *std::max_element(to.levels.begin(), to.levels.end());
+  const double largest = to.findLargestLevel();
   if (to.reference + largest > most)
     throw LocatedError(from.line(), fmt::format("the reference and the largest level are {:g}; the "
                                                 "client renders at most {:g}",
@@ -292,9 +290,7 @@ Study parseStudy(std::string_view text) {
   Members from(json, "", lines);
   Study study;
   study.name = from.text("name", kMostLabel_bytes);
-  const auto is_label = [](unsigned char c) { return std::isalnum(c) != 0; };
-  if (study.name.empty() || !std::all_of(study.name.begin(), study.name.end(), is_label))
-    from.refuse("name", "is no text of letters and digits");
+  if (!isLabel(study.name)) from.refuse("name", "is no text of letters and digits");
   study.consent = from.text("consent", kMostText_bytes);
   if (study.consent.empty()) from.refuse("consent", "is missing: the text for the subject");
   study.seed = from.count("seed", 0, std::size_t{1} << 52U, 0);

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <ctime>
 #include <fstream>
 #include <iomanip>
@@ -141,9 +140,7 @@ std::string formatIso8601(WallTime time) {
 
 StudyFolder::StudyFolder(const fs::path& out, const Study& study, std::string subject)
     : out_(out), study_(study), subject_("sub-" + subject) {
-  const auto is_label = [](unsigned char c) { return std::isalnum(c) != 0; };
-  if (subject.empty() || subject.size() > 32 ||
-      !std::all_of(subject.begin(), subject.end(), is_label))
+  if (subject.size() > 32 || !isLabel(subject))
     throw std::runtime_error("--subject " + subject +
                              ": is no code of 1 to 32 letters and digits; use no name");
 }

@@ -56,12 +56,6 @@ std::unique_ptr<LevelSelector> makeSelector(const Comparison& comparison, std::u
   return makeQuest(comparison.range, assumeFunction(comparison));
 }
 
-/// Returns the level of a training trial: the largest one, which is the easiest.
-double selectTrainingLevel(const Comparison& comparison) {
-  if (comparison.levels.empty()) return comparison.range.most;
-  return *std::max_element(comparison.levels.begin(), comparison.levels.end());
-}
-
 }  // namespace
 
 std::uint64_t toSubjectNumber(std::string_view subject) {
@@ -105,7 +99,7 @@ std::optional<Trial> TrialSchedule::findTrial() const {
   const Waiting& now = waiting_.front();
   Trial trial{.number = number_, .is_training = now.is_training, .condition = now.condition};
   if (!study_.comparison) return trial;
-  trial.level = now.is_training ? selectTrainingLevel(*study_.comparison)
+  trial.level = now.is_training ? study_.comparison->findLargestLevel()  // the easiest
                                 : thresholds_[now.condition].selector->selectLevel();
   trial.comparison_first = makeRandom(study_, subject_, Draw::kInterval, number_)() % 2 == 0;
   return trial;
