@@ -65,7 +65,7 @@ set(rules
 )
 # One door per library: who may include it.
 set(doors
-  "^boost/"                          "^(common/transport/asio\\.hpp|client/device/inverse3/websocket\\.cpp|server/http/http_(request|response|server)\\.[ch]pp|server/page/page_responder\\.cpp|common/live/watcher\\.[ch]pp|tests/.*)$"
+  "^boost/"                          "^(common/transport/asio\\.hpp|client/device/inverse3/websocket\\.cpp|server/http/http_(request|response|server)\\.[ch]pp|server/page/page_responder\\.cpp|common/live/watcher\\.cpp|tests/.*)$"
   "^common/transport/asio\\.hpp$"              "^(server/library/publisher\\.cpp$|(common/(transport|live)|server/stream|server/recording|server/relay|server/http|client/net|client/discovery|tests)/|(server|client)/[^/]*$)"
   "\\.pb\\.h$"                       "^(common/protocol/(decode|encode|read_frame|write_frame|fragment|reassembly|relay|recorded)\\.[ch]pp|client/recording/run_codec\\.cpp|server/pipeline/plan_log\\.cpp)$"
   "^google/protobuf"                 "^common/protocol/decode\\.cpp$"

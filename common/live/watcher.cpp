@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "common/live/watcher.hpp"
 
+#include <boost/beast/core/basic_stream.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/core/rate_policy.hpp>
 #include <boost/beast/http.hpp>
+#include <boost/beast/websocket.hpp>
 #include <chrono>
 #include <utility>
 
@@ -72,9 +76,19 @@ bool isTrustedPage(std::string_view origin, std::string_view host) {
   return isAddress(page) && page == cutPort(host);
 }
 
+struct Watcher::Socket {
+  using Tcp = beast::basic_stream<asio::ip::tcp, asio::any_io_executor, beast::simple_rate_policy>;
+
+  explicit Socket(asio::ip::tcp::socket socket) : web(std::move(socket)) {}
+  Tcp& tcp() { return beast::get_lowest_layer(web); }
+
+  websocket::stream<Tcp> web;
+  beast::flat_buffer received{kMostRequestBytes};
+};
+
 Watcher::Watcher(asio::ip::tcp::socket socket, const Server& server)
-    : socket_(std::move(socket)), server_(server), buffer_(kMostRequestBytes) {
-  beast::get_lowest_layer(socket_).rate_policy().read_limit(kMostBytesPerSecond);
+    : socket_(std::make_unique<Socket>(std::move(socket))), server_(server) {
+  socket_->tcp().rate_policy().read_limit(kMostBytesPerSecond);
 }
 
 Watcher::~Watcher() {
@@ -89,10 +103,10 @@ asio::awaitable<void> Watcher::serve() {
   push({server_.advertisement, nullptr});
   for (;;) {
     boost::system::error_code ec;
-    buffer_.clear();
-    co_await socket_.async_read(buffer_, into(ec));
+    socket_->received.clear();
+    co_await socket_->web.async_read(socket_->received, into(ec));
     if (ec) break;
-    const auto bytes = buffer_.cdata();
+    const auto bytes = socket_->received.cdata();
     const auto request = decodeLiveRequest({static_cast<const char*>(bytes.data()), bytes.size()});
     if (request) {
       obey(*request);
@@ -104,12 +118,13 @@ asio::awaitable<void> Watcher::serve() {
 }
 
 asio::awaitable<bool> Watcher::accept() {
-  Stream& tcp = beast::get_lowest_layer(socket_);
+  auto& [web, received] = *socket_;
+  Socket::Tcp& tcp = socket_->tcp();
   tcp.expires_after(kHandshake);
   http::request_parser<http::empty_body> parser;
   parser.header_limit(kMostHead_bytes);
   boost::system::error_code ec;
-  co_await http::async_read_header(tcp, buffer_, parser, into(ec));
+  co_await http::async_read_header(tcp, received, parser, into(ec));
   if (ec) co_return false;
   if (const auto [status, text] = refuse(parser.get()); status != http::status::ok) {
     http::response<http::string_body> response(status, parser.get().version(), text);
@@ -120,14 +135,14 @@ asio::awaitable<bool> Watcher::accept() {
     co_return false;
   }
   tcp.expires_never();  // the WebSocket has limits of its own
-  socket_.set_option(websocket::stream_base::timeout{kHandshake, kSilence, true});
-  socket_.set_option(websocket::stream_base::decorator([](websocket::response_type& response) {
+  web.set_option(websocket::stream_base::timeout{kHandshake, kSilence, true});
+  web.set_option(websocket::stream_base::decorator([](websocket::response_type& response) {
     response.set(http::field::sec_websocket_protocol,
                  beast::string_view(kLiveProtocol.data(), kLiveProtocol.size()));
   }));
-  socket_.read_message_max(kMostRequestBytes);
-  socket_.auto_fragment(false);
-  co_await socket_.async_accept(parser.get(), into(ec));
+  web.read_message_max(kMostRequestBytes);
+  web.auto_fragment(false);
+  co_await web.async_accept(parser.get(), into(ec));
   co_return !ec;
 }
 
@@ -183,7 +198,7 @@ void Watcher::enqueue(Waiting waiting) {
   waiting_.push_back(std::move(waiting));
   if (std::exchange(writes_, true)) return;
   asio::co_spawn(
-      socket_.get_executor(), [self = shared_from_this()] { return self->writeAll(); },
+      socket_->web.get_executor(), [self = shared_from_this()] { return self->writeAll(); },
       asio::detached);
 }
 
@@ -193,13 +208,13 @@ asio::awaitable<void> Watcher::writeAll() {
     waiting_.pop_front();
     waiting_bytes_ -= next.size() + sizeof(Waiting);
     boost::system::error_code ec;
-    socket_.binary(next.message != nullptr);
+    socket_->web.binary(next.message != nullptr);
     if (next.message) {
       const auto head = makeDataHead(next.subscription, next.message->time_ns);
       const std::array both{asio::buffer(head), asio::buffer(next.message->data)};
-      co_await socket_.async_write(both, into(ec));
+      co_await socket_->web.async_write(both, into(ec));
     } else {
-      co_await socket_.async_write(asio::buffer(next.text), into(ec));
+      co_await socket_->web.async_write(asio::buffer(next.text), into(ec));
     }
     if (ec) close();
     if (is_open_ && waiting_.empty() && lost_ > 0) warnOfLost();
@@ -209,7 +224,7 @@ asio::awaitable<void> Watcher::writeAll() {
 
 void Watcher::close() {
   is_open_ = false;
-  beast::get_lowest_layer(socket_).close();
+  socket_->tcp().close();
 }
 
 }  // namespace hapticast

@@ -2,13 +2,10 @@
 // One watcher of a LiveServer: a WebSocket. A queue of limited size holds the messages that wait
 // for the network. When it is full, new messages are lost. The watcher gets a warning with their
 // number at once, then once a second, and when the queue is empty again. A limit of bytes in a
-// second bounds what a flood of requests or pings costs. Thread: the live server's.
+// second bounds what a flood of requests or pings costs. Only watcher.cpp has Beast's WebSocket,
+// which takes half a minute to compile. Thread: the live server's.
 #pragma once
 
-#include <boost/beast/core/basic_stream.hpp>
-#include <boost/beast/core/flat_buffer.hpp>
-#include <boost/beast/core/rate_policy.hpp>
-#include <boost/beast/websocket.hpp>
 #include <chrono>
 #include <cstdint>
 #include <deque>
@@ -64,8 +61,7 @@ class Watcher : public std::enable_shared_from_this<Watcher> {
   void close();
 
  private:
-  using Stream = boost::beast::basic_stream<asio::ip::tcp, asio::any_io_executor,
-                                            boost::beast::simple_rate_policy>;
+  struct Socket;
   /// A message in the queue: a text, or a LiveMessage for one subscription.
   struct Waiting {
     std::string text;
@@ -83,9 +79,8 @@ class Watcher : public std::enable_shared_from_this<Watcher> {
   void warnOfLost();
   asio::awaitable<void> writeAll();
 
-  boost::beast::websocket::stream<Stream> socket_;
+  std::unique_ptr<Socket> socket_;
   const Server& server_;
-  boost::beast::flat_buffer buffer_;
   std::map<std::uint32_t, std::size_t> subscriptions_;  // channels, by the watcher's number
   std::deque<Waiting> waiting_;
   std::size_t waiting_bytes_ = 0;

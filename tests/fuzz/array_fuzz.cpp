@@ -2,7 +2,6 @@
 // The depth of a clip in one array, NPY or NPZ: refused, or pictures of the size that it states,
 // the same ones when they are read again.
 #include <cstdint>
-#include <cstdlib>
 #include <memory>
 #include <opencv2/core.hpp>
 #include <span>
@@ -11,14 +10,12 @@
 
 #include "server/source/picture/npy_stack.hpp"
 #include "server/source/picture/npz_file.hpp"
+#include "tests/fuzz/target.hpp"
 
+namespace hapticast::fuzz::array {
 namespace {
 
 using namespace hapticast::server;
-
-void require(bool condition) {
-  if (!condition) std::abort();
-}
 
 std::unique_ptr<ByteStream> openBytes(std::span<const std::uint8_t> bytes) {
   if (!isZip(bytes)) return std::make_unique<MemoryStream>(bytes);
@@ -44,7 +41,7 @@ std::vector<bool> readPictures(NpyStack& stack) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+HAPTICAST_FUZZ_TARGET("array") {
   auto stream = openBytes({data, size});
   if (!stream) return 0;
   try {
@@ -61,3 +58,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   return 0;
 }
+
+}  // namespace hapticast::fuzz::array

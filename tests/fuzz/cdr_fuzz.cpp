@@ -2,19 +2,16 @@
 // Messages with images in recordings of ROS 2 (CDR) and Foxglove (protobuf): one byte with the
 // type, then the message. Whatever they are, a picture has a size that sources read, or a problem.
 #include <cstdint>
-#include <cstdlib>
 #include <span>
 
 #include "server/source/recording/image_message.hpp"
 #include "server/source/recording/message_picture.hpp"
+#include "tests/fuzz/target.hpp"
 
+namespace hapticast::fuzz::cdr {
 namespace {
 
 using namespace hapticast::server;
-
-void require(bool condition) {
-  if (!condition) std::abort();
-}
 
 void check(const ImageResult& result, bool right_type) {
   require(result.ok() != result.image.empty());
@@ -23,7 +20,7 @@ void check(const ImageResult& result, bool right_type) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+HAPTICAST_FUZZ_TARGET("cdr") {
   constexpr auto kTypes = static_cast<std::uint8_t>(MessageType::kFoxgloveCalibration) + 1;
   if (size == 0) return 0;
   const auto type = static_cast<MessageType>(data[0] % kTypes);
@@ -43,3 +40,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   check(depth, depth.image.type() == CV_16UC1 || depth.image.type() == CV_32FC1);
   return 0;
 }
+
+}  // namespace hapticast::fuzz::cdr

@@ -5,20 +5,17 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 
 #include "server/source/child/depth_task.hpp"
 #include "server/source/child/mask_task.hpp"
+#include "tests/fuzz/target.hpp"
 
+namespace hapticast::fuzz::child {
 namespace {
 
 using namespace hapticast::server;
-
-void require(bool condition) {
-  if (!condition) std::abort();
-}
 
 constexpr std::size_t kMostBytes = std::size_t{1} << 16U;  // larger answers cost time only
 
@@ -60,7 +57,7 @@ void loadDamaged(const std::uint8_t* data, std::size_t size) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+HAPTICAST_FUZZ_TARGET("child") {
   if (size == 0) return 0;
   const std::uint8_t* const end = data + size;
   const std::uint8_t* const line_end = std::find(data + 1, end, '\n');
@@ -80,3 +77,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (data[0] >= 128) loadDamaged(data + 1, size - 1);
   return 0;
 }
+
+}  // namespace hapticast::fuzz::child

@@ -5,7 +5,6 @@
 // here is opened unchanged.
 #include <algorithm>
 #include <cstdint>
-#include <cstdlib>
 #include <optional>
 #include <span>
 #include <utility>
@@ -13,15 +12,13 @@
 
 #include "common/protocol/fragment.hpp"
 #include "common/protocol/messages.hpp"
+#include "tests/fuzz/target.hpp"
 
+namespace hapticast::fuzz::datagram {
 namespace {
 
 using namespace hapticast;
 using Bytes = std::vector<std::uint8_t>;
-
-void require(bool holds) {
-  if (!holds) std::abort();
-}
 
 constexpr std::size_t kBeforePayload = kDatagramHeaderBytes - kTokenBytes;
 
@@ -75,7 +72,7 @@ void sendOn(CodedFrame frame) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+HAPTICAST_FUZZ_TARGET("datagram") {
   static SigningKey key(KeyBytes{});
   static const OpeningKey shut(SealKeyBytes{});
   static const VerifyingKey verifying = VerifyingKey::from(key.verifyingKey()).value();
@@ -107,3 +104,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   sendOn(joined->frame());
   return 0;
 }
+
+}  // namespace hapticast::fuzz::datagram

@@ -3,19 +3,16 @@
 // line, and what is taken is safe for the loop.
 #include <cmath>
 #include <cstdint>
-#include <cstdlib>
 #include <sstream>
 #include <stdexcept>
 #include <string>
 
 #include "client/device/device_profile.hpp"
 #include "client/device/virtual/hand_script.hpp"
+#include "tests/fuzz/target.hpp"
 
+namespace hapticast::fuzz::device_files {
 namespace {
-
-void require(bool condition) {
-  if (!condition) std::abort();
-}
 
 /// The error of `read` is one line that names the file.
 template <class Read>
@@ -50,9 +47,11 @@ void hand(std::istream& in) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+HAPTICAST_FUZZ_TARGET("device_files") {
   const std::string text(reinterpret_cast<const char*>(data), size);
   readOrRefuse(text, profile);
   readOrRefuse(text, hand);
   return 0;
 }
+
+}  // namespace hapticast::fuzz::device_files

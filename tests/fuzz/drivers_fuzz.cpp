@@ -4,7 +4,6 @@
 // line, or a finite position within the workspace.
 #include <algorithm>
 #include <cstdint>
-#include <cstdlib>
 #include <cstring>
 #include <string_view>
 
@@ -12,14 +11,12 @@
 #include "client/device/helper/messages.hpp"
 #include "client/device/helper/state_check.hpp"
 #include "client/device/inverse3/protocol.hpp"
+#include "tests/fuzz/target.hpp"
 
+namespace hapticast::fuzz::drivers {
 namespace {
 
 using namespace hapticast::client;
-
-void require(bool condition) {
-  if (!condition) std::abort();
-}
 
 bool isLine(const std::string& text) {
   return std::none_of(text.begin(), text.end(), [](char each) {
@@ -51,7 +48,7 @@ void checkReadings(std::string_view bytes) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+HAPTICAST_FUZZ_TARGET("drivers") {
   const std::string_view bytes(reinterpret_cast<const char*>(data), size);
   readMessage(bytes.substr(0, kLongestMessage_bytes));
   checkReadings(bytes);
@@ -61,3 +58,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   return 0;
 }
+
+}  // namespace hapticast::fuzz::drivers

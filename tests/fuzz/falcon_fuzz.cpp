@@ -2,20 +2,14 @@
 // Replies of a Falcon, or of another device in its place: any bytes are accepted, the result is
 // within its ranges, and whole frames behind any of them are read.
 #include <cstdint>
-#include <cstdlib>
 
 #include "client/device/falcon/kinematics.hpp"
+#include "tests/fuzz/target.hpp"
 #include "tests/support/falcon_bytes.hpp"
 
-namespace {
+namespace hapticast::fuzz::falcon {
 
-void require(bool condition) {
-  if (!condition) std::abort();
-}
-
-}  // namespace
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+HAPTICAST_FUZZ_TARGET("falcon") {
   using namespace hapticast::client;
   FalconParser parser;
   for (std::size_t i = 0; i < size; ++i) {
@@ -35,3 +29,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   require(found >= 1);
   return 0;
 }
+
+}  // namespace hapticast::fuzz::falcon

@@ -9,7 +9,9 @@
 #include <vector>
 
 #include "common/transport/framing.hpp"
+#include "tests/fuzz/target.hpp"
 
+namespace hapticast::fuzz::framing {
 namespace {
 
 struct Outcome {
@@ -41,7 +43,7 @@ Outcome read(std::span<const std::uint8_t> stream, std::size_t chunk) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+HAPTICAST_FUZZ_TARGET("framing") {
   const std::span stream(data, size);
   const Outcome whole = read(stream, std::max<std::size_t>(size, 1));
   for (const std::size_t chunk : {1U, 3U, 7U}) {
@@ -49,3 +51,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   return 0;
 }
+
+}  // namespace hapticast::fuzz::framing

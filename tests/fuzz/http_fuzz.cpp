@@ -5,21 +5,18 @@
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/http/write.hpp>
 #include <cstdint>
-#include <cstdlib>
 #include <span>
 #include <sstream>
 #include <string>
 #include <vector>
 
 #include "server/http/http_response.hpp"
+#include "tests/fuzz/target.hpp"
 
+namespace hapticast::fuzz::http {
 namespace {
 
 using namespace hapticast::server;
-
-void require(bool condition) {
-  if (!condition) std::abort();
-}
 
 constexpr std::size_t kMostChunks = 100;
 
@@ -78,7 +75,7 @@ Outcome read(std::span<const std::uint8_t> stream, std::size_t chunk) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+HAPTICAST_FUZZ_TARGET("http") {
   const std::span stream(data, size);
   const Outcome whole = read(stream, std::max<std::size_t>(size, 1));
   // Each chunk costs another parse, so long inputs have longer ones.
@@ -86,3 +83,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     require(read(stream, std::max(chunk, size / kMostChunks)) == whole);
   return 0;
 }
+
+}  // namespace hapticast::fuzz::http

@@ -3,7 +3,6 @@
 // calibration: any text is read or refused with a SourceError, and what is read is in its range.
 #include <cmath>
 #include <cstdint>
-#include <cstdlib>
 #include <string>
 #include <string_view>
 
@@ -11,14 +10,12 @@
 #include "server/source/folder/clip_files.hpp"
 #include "server/source/picture/kinect_calibration.hpp"
 #include "server/source/rgbd_source.hpp"
+#include "tests/fuzz/target.hpp"
 
+namespace hapticast::fuzz::json {
 namespace {
 
 using namespace hapticast::server;
-
-void require(bool condition) {
-  if (!condition) std::abort();
-}
 
 void readMeta(std::string_view text) {
   const ClipMeta meta = parseClipMeta(text, "file.json");
@@ -45,7 +42,7 @@ void readCalibration(std::string_view text) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+HAPTICAST_FUZZ_TARGET("json") {
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   for (const auto& read : {readMeta, readScene, readCalibration}) {
     try {
@@ -57,3 +54,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   return 0;
 }
+
+}  // namespace hapticast::fuzz::json

@@ -8,8 +8,11 @@
 
 #include "common/live/live_protocol.hpp"
 #include "common/live/watcher.hpp"
+#include "tests/fuzz/target.hpp"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+namespace hapticast::fuzz::live {
+
+HAPTICAST_FUZZ_TARGET("live") {
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   (void)hapticast::isTrustedPage(text, "127.0.0.1");
   const auto request = hapticast::decodeLiveRequest(text);
@@ -27,3 +30,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (text.size() < hapticast::kMostRequestBytes / 4 && again != request) std::abort();
   return 0;
 }
+
+}  // namespace hapticast::fuzz::live

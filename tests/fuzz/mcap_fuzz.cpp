@@ -8,8 +8,11 @@
 #include <string>
 
 #include "common/recording/mcap_reader.hpp"
+#include "tests/fuzz/target.hpp"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+namespace hapticast::fuzz::mcap {
+
+HAPTICAST_FUZZ_TARGET("mcap") {
   const int file = ::memfd_create("mcap", MFD_CLOEXEC);
   if (file < 0 || ::write(file, data, size) != static_cast<::ssize_t>(size)) std::abort();
   auto opened = hapticast::McapReader::open("/proc/self/fd/" + std::to_string(file));
@@ -25,3 +28,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   ::close(file);
   return 0;
 }
+
+}  // namespace hapticast::fuzz::mcap

@@ -10,13 +10,16 @@
 #include <vector>
 
 #include "common/protocol/messages.hpp"
+#include "tests/fuzz/target.hpp"
 
 namespace hapticast_page {
 std::optional<std::vector<std::uint8_t>> recode(std::span<const std::uint8_t> bytes,
                                                 std::string& error);
 }  // namespace hapticast_page
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+namespace hapticast::fuzz::messages {
+
+HAPTICAST_FUZZ_TARGET("messages") {
   const std::span bytes(data, size);
   const auto expected = hapticast::decode(bytes);
   std::string error;
@@ -29,3 +32,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                found ? "a message" : error.c_str());
   std::abort();
 }
+
+}  // namespace hapticast::fuzz::messages

@@ -4,20 +4,17 @@
 // WebSocket.
 #include <algorithm>
 #include <cstdint>
-#include <cstdlib>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "server/page/page_responder.hpp"
+#include "tests/fuzz/target.hpp"
 
+namespace hapticast::fuzz::page {
 namespace {
 
 using namespace hapticast;
-
-void require(bool condition) {
-  if (!condition) std::abort();
-}
 
 constexpr std::size_t kMostChunks = 100;
 
@@ -60,7 +57,7 @@ void check(const HttpAnswer& answer) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+HAPTICAST_FUZZ_TARGET("page") {
   // The content of the files does not matter: gzip of an empty text.
   static const std::vector<std::uint8_t> empty{0x1f, 0x8b, 8, 0, 0, 0, 0, 0, 2, 3,
                                                3,    0,    0, 0, 0, 0, 0, 0, 0, 0};
@@ -81,3 +78,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   for (const bool encrypted : {false, true}) check(page.respond(whole.head, encrypted));
   return 0;
 }
+
+}  // namespace hapticast::fuzz::page

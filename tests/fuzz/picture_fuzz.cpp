@@ -4,21 +4,15 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include <cstdint>
-#include <cstdlib>
 #include <span>
 
 #include "client/view/picture.hpp"
 #include "server/source/picture/image_file.hpp"
+#include "tests/fuzz/target.hpp"
 
-namespace {
+namespace hapticast::fuzz::picture {
 
-void require(bool condition) {
-  if (!condition) std::abort();
-}
-
-}  // namespace
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+HAPTICAST_FUZZ_TARGET("picture") {
   const std::span bytes(data, size);
   // The client decodes what its stream announced, here 32 x 16.
   const cv::Size expected(32, 16);
@@ -30,3 +24,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   require(!file.ok() || hapticast::server::sizeReadable(file.image.cols, file.image.rows));
   return 0;
 }
+
+}  // namespace hapticast::fuzz::picture

@@ -4,7 +4,6 @@
 // few bytes what is in it; or it is a message as it is, two bytes its length. Frames come whole or
 // as the parts of datagrams, which may lie in their headers.
 #include <cstdint>
-#include <cstdlib>
 #include <memory>
 #include <span>
 #include <vector>
@@ -12,18 +11,16 @@
 #include "client/net/decode_thread.hpp"
 #include "client/net/receiver.hpp"
 #include "common/protocol/fragment.hpp"
+#include "tests/fuzz/target.hpp"
 #include "tests/support/coded.hpp"
 #include "tests/support/flat_relief.hpp"
 #include "tests/support/manual_clock.hpp"
 
+namespace hapticast::fuzz::receiver {
 namespace {
 
 using namespace hapticast;
 using namespace hapticast::client;
-
-void require(bool condition) {
-  if (!condition) std::abort();
-}
 
 struct Script {
   std::span<const std::uint8_t> rest;
@@ -43,7 +40,11 @@ struct Script {
 };
 
 struct Client {
-  Client() { receiver.connected(stream, clock.now()); }
+  Client() {
+    stream.workspace.width_px = 64;
+    stream.workspace.height_px = 48;
+    receiver.connected(stream, clock.now());
+  }
 
   void take(Message message) {
     if (auto* const frame = std::get_if<CodedFrame>(&message)) {
@@ -137,8 +138,7 @@ struct Client {
   }
 
   ManualClock clock;
-  StreamDescription stream{
-      .name = "", .workspace = {.width_px = 64, .height_px = 48}, .mass_kg = {}};
+  StreamDescription stream;
   std::unique_ptr<FramePool> pool = std::make_unique<FramePool>();
   LatestValue<StreamTiming> state;
   DecodeThread decode_thread{*pool, clock, Method::kHapticast,
@@ -151,7 +151,7 @@ struct Client {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+HAPTICAST_FUZZ_TARGET("receiver") {
   Client client;
   Script script{{data, size}};
   std::uint64_t frames = 0;
@@ -202,3 +202,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   require(counts.lost <= frames * FrameAssembler::kLargestJump);
   return 0;
 }
+
+}  // namespace hapticast::fuzz::receiver

@@ -6,7 +6,9 @@
 
 #include "client/recording/run_codec.hpp"
 #include "common/protocol/recorded.hpp"
+#include "tests/fuzz/target.hpp"
 
+namespace hapticast::fuzz::recorded {
 namespace {
 
 /// What a decoder accepts, the encoder writes, and the decoder accepts again.
@@ -18,7 +20,7 @@ void check(std::span<const std::uint8_t> bytes, Decode decode, Encode encode) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+HAPTICAST_FUZZ_TARGET("recorded") {
   using namespace hapticast::client;
   if (size == 0) return 0;
   const std::span bytes(data + 1, size - 1);
@@ -52,3 +54,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   return 0;
 }
+
+}  // namespace hapticast::fuzz::recorded

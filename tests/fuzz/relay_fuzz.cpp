@@ -9,7 +9,9 @@
 #include <vector>
 
 #include "common/protocol/relay.hpp"
+#include "tests/fuzz/target.hpp"
 
+namespace hapticast::fuzz::relay {
 namespace {
 
 void readPieces(std::span<const std::uint8_t> bytes) {
@@ -38,7 +40,7 @@ void readWhole(std::span<const std::uint8_t> bytes) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+HAPTICAST_FUZZ_TARGET("relay") {
   if (size == 0) return 0;
   const std::span bytes(data + 1, size - 1);
   if (data[0] == 0) {
@@ -50,3 +52,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   return 0;
 }
+
+}  // namespace hapticast::fuzz::relay

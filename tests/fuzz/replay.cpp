@@ -1,52 +1,64 @@
 // SPDX-License-Identifier: MIT
-// Runs a fuzz target over files and over every file of corpus folders: what a fuzzer has found
-// stays found. Fails on an empty folder.
+// Runs a fuzz target over every file of a folder: what a fuzzer has found stays found.
+//   fuzz_replay TARGET FOLDER
+// Fails on an empty folder.
 #include <cstdint>
 #include <cstdio>
 #include <exception>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
+#include "tests/fuzz/target.hpp"
 
+namespace hapticast::fuzz {
 namespace {
 
-/// False where there is no such file.
-bool replayFile(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  if (!in) return false;
-  const std::vector<char> bytes{std::istreambuf_iterator<char>(in), {}};
-  LLVMFuzzerTestOneInput(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
-  return true;
+std::map<std::string, Target>& table() noexcept {
+  static std::map<std::string, Target> targets;
+  return targets;
 }
 
-/// Replays files and all files of folders; the exit code.
-int replay(const std::vector<std::filesystem::path>& paths) {
+std::vector<char> readFile(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in) throw std::runtime_error(path.string() + " cannot be read");
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// Returns the exit code.
+int replay(const std::string& name, const std::filesystem::path& folder) {
+  const auto target = table().find(name);
+  if (target == table().end()) throw std::runtime_error("there is no target " + name);
   int count = 0;
-  for (const auto& path : paths) {
-    std::vector<std::filesystem::path> files{path};
-    if (std::filesystem::is_directory(path)) {
-      files.assign(std::filesystem::directory_iterator(path), {});
-    }
-    for (const auto& file : files) {
-      if (!replayFile(file)) {
-        std::fprintf(stderr, "%s cannot be read\n", file.c_str());
-        return 2;
-      }
-      ++count;
-    }
+  for (const auto& file : std::filesystem::directory_iterator(folder)) {
+    const std::vector<char> bytes = readFile(file.path());
+    target->second(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
+    ++count;
   }
-  std::printf("%d inputs\n", count);
+  std::printf("%s: %d inputs\n", name.c_str(), count);
   return count > 0 ? 0 : 1;
 }
 
 }  // namespace
 
+bool addTarget(const char* name, Target target) noexcept {
+  table().emplace(name, target);
+  return true;
+}
+
+}  // namespace hapticast::fuzz
+
 int main(int argc, char** argv) {
+  if (argc != 3) {
+    std::fputs("usage: fuzz_replay TARGET FOLDER\n", stderr);
+    return 2;
+  }
   try {
-    return replay({argv + 1, argv + argc});
+    return hapticast::fuzz::replay(argv[1], argv[2]);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 2;

@@ -6,8 +6,11 @@
 #include <string_view>
 
 #include "server/author/scene_file.hpp"
+#include "tests/fuzz/target.hpp"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+namespace hapticast::fuzz::scene {
+
+HAPTICAST_FUZZ_TARGET("scene") {
   using namespace hapticast::server;
   Scene scene;
   try {
@@ -19,3 +22,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (parseScene(formatScene(scene)) != scene) std::abort();
   return 0;
 }
+
+}  // namespace hapticast::fuzz::scene

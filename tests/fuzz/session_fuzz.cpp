@@ -5,23 +5,20 @@
 #include <spdlog/spdlog.h>
 
 #include <cstdint>
-#include <cstdlib>
 #include <memory>
 #include <span>
 #include <vector>
 
 #include "server/stream/session.hpp"
+#include "tests/fuzz/target.hpp"
 #include "tests/support/flat_relief.hpp"
 #include "tests/support/manual_clock.hpp"
 #include "tests/support/memory_channel.hpp"
 
+namespace hapticast::fuzz::session {
 namespace {
 
 using namespace hapticast;
-
-void require(bool condition) {
-  if (!condition) std::abort();
-}
 
 struct Host final : server::SessionHost {
   Host() : media(manual) { spdlog::set_level(spdlog::level::off); }
@@ -116,7 +113,7 @@ server::EncodedFrame frameOf(std::uint64_t id, const MediaClock& clock) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+HAPTICAST_FUZZ_TARGET("session") {
   static const SharedBytes kHello = encodeShared(Hello{kProtocolVersion, "fuzz", true, true});
   static const SharedBytes kWrongToken =
       encodeShared(Hello{kProtocolVersion, "fuzz", true, true, "wrong"});
@@ -182,3 +179,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   io.poll();
   return 0;
 }
+
+}  // namespace hapticast::fuzz::session

@@ -2,7 +2,6 @@
 // Config files of both programs and the values of flags: any text is taken or refused with a
 // CLI::ParseError, and what is taken is within the limits that the flags promise.
 #include <cstdint>
-#include <cstdlib>
 #include <memory>
 #include <sstream>
 #include <string>
@@ -12,12 +11,10 @@
 #include "common/cli/parse.hpp"
 #include "common/wire_limits.hpp"
 #include "server/command_line.hpp"
+#include "tests/fuzz/target.hpp"
 
+namespace hapticast::fuzz::settings {
 namespace {
-
-void require(bool condition) {
-  if (!condition) std::abort();
-}
 
 /// A command line, which takes milliseconds to build, for many texts.
 template <class Settings, auto kCommandLine>
@@ -65,7 +62,7 @@ void client(const std::string& text) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+HAPTICAST_FUZZ_TARGET("settings") {
   const std::string text(reinterpret_cast<const char*>(data), size);
   server(text);
   client(text);
@@ -74,3 +71,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (const auto pair = hapticast::parsePair(text)) require(pair->allFinite());
   return 0;
 }
+
+}  // namespace hapticast::fuzz::settings

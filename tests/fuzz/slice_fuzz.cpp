@@ -3,20 +3,14 @@
 // relief can be sent on within the bound. The first two bytes are the rectangle's size.
 #include <cmath>
 #include <cstdint>
-#include <cstdlib>
 #include <span>
 
 #include "common/codec/height_codec.hpp"
+#include "tests/fuzz/target.hpp"
 
-namespace {
+namespace hapticast::fuzz::slice {
 
-void require(bool holds) {
-  if (!holds) std::abort();
-}
-
-}  // namespace
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+HAPTICAST_FUZZ_TARGET("slice") {
   if (size < 2) return 0;
   hapticast::Relief relief = hapticast::Relief::blank({0, 0, data[0] + 1, data[1] + 1});
   hapticast::HeightDecoder decoder;
@@ -34,3 +28,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     require(std::abs(again.height_mm[i] - relief.height_mm[i]) <= 0.0201F);
   return 0;
 }
+
+}  // namespace hapticast::fuzz::slice

@@ -11,7 +11,9 @@
 #include "client/study/located_json.hpp"
 #include "client/study/study_file.hpp"
 #include "client/study/trial_schedule.hpp"
+#include "tests/fuzz/target.hpp"
 
+namespace hapticast::fuzz::study {
 namespace {
 
 void checkStudy(std::string_view text) {
@@ -31,7 +33,7 @@ void checkStudy(std::string_view text) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+HAPTICAST_FUZZ_TARGET("study") {
   using namespace hapticast::client;
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   checkStudy(text);
@@ -43,3 +45,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (!again.ok() || toLine(again.value()) != line + "\n") std::abort();
   return 0;
 }
+
+}  // namespace hapticast::fuzz::study

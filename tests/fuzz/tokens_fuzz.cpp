@@ -5,8 +5,11 @@
 #include <string_view>
 
 #include "server/stream/access_list.hpp"
+#include "tests/fuzz/target.hpp"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+namespace hapticast::fuzz::tokens {
+
+HAPTICAST_FUZZ_TARGET("tokens") {
   using namespace hapticast::server;
   const std::string_view text{reinterpret_cast<const char*>(data), size};
   const auto list = AccessList::parse(text);
@@ -20,3 +23,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   return 0;
 }
+
+}  // namespace hapticast::fuzz::tokens

@@ -5,14 +5,15 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <string>
 
 #include "server/source/folder/clip_files.hpp"
 #include "server/source/rgbd_source.hpp"
+#include "tests/fuzz/target.hpp"
 
+namespace hapticast::fuzz::tum {
 namespace {
 
 /// Of this process, gone at its end.
@@ -29,13 +30,9 @@ struct Folder {
   std::filesystem::path path;
 };
 
-void require(bool condition) {
-  if (!condition) std::abort();
-}
-
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+HAPTICAST_FUZZ_TARGET("tum") {
   static const Folder kFolder;
   const std::uint8_t* const end = data + size;
   const std::uint8_t* const split = std::find(data, end, 0);
@@ -53,3 +50,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   return 0;
 }
+
+}  // namespace hapticast::fuzz::tum

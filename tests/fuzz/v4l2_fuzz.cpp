@@ -7,7 +7,9 @@
 #include <span>
 
 #include "server/source/live/v4l2_picture.hpp"
+#include "tests/fuzz/target.hpp"
 
+namespace hapticast::fuzz::v4l2 {
 namespace {
 
 void check(const hapticast::server::ImageResult& result, int type,
@@ -20,7 +22,7 @@ void check(const hapticast::server::ImageResult& result, int type,
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+HAPTICAST_FUZZ_TARGET("v4l2") {
   hapticast::server::V4l2Format format;
   static_assert(sizeof(format) == 16);
   if (size < sizeof(format)) return 0;
@@ -30,3 +32,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   check(readV4l2Depth(format, bytes), CV_32FC1, format);
   return 0;
 }
+
+}  // namespace hapticast::fuzz::v4l2

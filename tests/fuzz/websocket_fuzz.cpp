@@ -3,20 +3,17 @@
 // same error or close ends it, and no message or answer is larger than allowed.
 #include <algorithm>
 #include <cstdint>
-#include <cstdlib>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "common/transport/websocket_framing.hpp"
+#include "tests/fuzz/target.hpp"
 
+namespace hapticast::fuzz::websocket {
 namespace {
 
 constexpr std::size_t kLimit_bytes = 4096;
-
-void require(bool condition) {
-  if (!condition) std::abort();
-}
 
 struct Outcome {
   std::vector<std::vector<std::uint8_t>> messages;
@@ -60,9 +57,11 @@ Outcome read(std::span<const std::uint8_t> stream, std::size_t chunk) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+HAPTICAST_FUZZ_TARGET("websocket") {
   const std::span stream(data, size);
   const Outcome whole = read(stream, std::max<std::size_t>(size, 1));
   for (const std::size_t chunk : {1U, 3U, 7U}) require(read(stream, chunk) == whole);
   return 0;
 }
+
+}  // namespace hapticast::fuzz::websocket

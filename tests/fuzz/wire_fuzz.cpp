@@ -6,8 +6,11 @@
 #include <span>
 
 #include "common/protocol/messages.hpp"
+#include "tests/fuzz/target.hpp"
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+namespace hapticast::fuzz::wire {
+
+HAPTICAST_FUZZ_TARGET("wire") {
   const auto message = hapticast::decode(std::span(data, size));
   if (!message.ok()) return 0;
   const auto bytes = hapticast::encode(message.value());
@@ -16,3 +19,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (again.value().index() != message.value().index()) std::abort();
   return 0;
 }
+
+}  // namespace hapticast::fuzz::wire

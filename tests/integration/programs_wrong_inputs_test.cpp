@@ -41,7 +41,11 @@ std::string formatLines(const std::string& output) {
   return std::regex_replace(output, kFront, "");
 }
 
-class ProgramsWrongInputsTest : public ProgramsTest {
+constexpr std::size_t kShards = 4;  // that run side by side
+
+/// The parameter: every record whose number has this rest when divided by kShards.
+class ProgramsWrongInputsTest : public ProgramsTest,
+                                public ::testing::WithParamInterface<std::size_t> {
  protected:
   /// The table; its files are made.
   [[nodiscard]] std::vector<WrongInput> readTable() const {
@@ -69,13 +73,14 @@ class ProgramsWrongInputsTest : public ProgramsTest {
   }
 };
 
-TEST_F(ProgramsWrongInputsTest, EachGetsExactlyItsLine) {
+TEST_P(ProgramsWrongInputsTest, EachGetsExactlyItsLine) {
   const auto table = readTable();
   EXPECT_GE(table.size(), 60U);
   const auto other = startServer({"--source", makeClip("clip"), "--loop"});
   const std::string used = addressOf(*other);
   const std::string folder = path("").substr(0, path("").size() - 1);
-  for (const WrongInput& each : table) {
+  for (std::size_t i = GetParam(); i < table.size(); i += kShards) {
+    const WrongInput& each = table[i];
     const bool of_a_name = each.arguments.find("--announce") != std::string::npos ||
                            each.arguments.find("mdns:") != std::string::npos;
     if (of_a_name && !kHasDiscovery) continue;
@@ -91,6 +96,8 @@ TEST_F(ProgramsWrongInputsTest, EachGetsExactlyItsLine) {
   }
   interrupt(*other);
 }
+INSTANTIATE_TEST_SUITE_P(Shards, ProgramsWrongInputsTest,
+                         ::testing::Range<std::size_t>(0, kShards));
 
 }  // namespace
 }  // namespace hapticast::testing

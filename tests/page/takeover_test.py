@@ -45,7 +45,12 @@ class Takeover(support.PageTest):
         page.wait_for_force()
         page.driver.execute_script(
             "window.seen = [];"
-            "setInterval(() => { if (seen.at(-1) !== hapticast.status.state) seen.push(hapticast.status.state) }, 5)")
+            "window.contradictions = [];"
+            "setInterval(() => {"
+            "  if (seen.at(-1) !== hapticast.status.state) seen.push(hapticast.status.state);"
+            "  const {lookup, advice} = hapticast.report;"
+            "  if (lookup !== 'faded' && advice.includes('no fresh frames')) contradictions.push([lookup, advice]);"
+            "}, 5)")
         origin.end(signal.SIGKILL)
         page.wait(f"hapticast.stream.key !== '{key}' && hapticast.stream.signature === 'signed'",
                   "no frame of the standby")
@@ -56,6 +61,7 @@ class Takeover(support.PageTest):
         page.wheel(at, support.DEEP)
         page.wait_for_force()
         self.assertEqual(page.get("seen"), ["connected"], standby.output())
+        self.assertEqual(page.get("contradictions"), [], "a sentence contradicts the numbers of its report")
 
 
 if __name__ == "__main__":

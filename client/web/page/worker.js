@@ -9,7 +9,6 @@ import {PlayerLink} from './player_link.js';
 
 const kMostTicks = 20;       // in one call; a longer gap is a late tick, and its ticks are left out
 const kReportEvery_ms = 16;  // chosen: once for each picture of a screen
-const kLinesEvery_ms = 100;  // chosen: faster than anybody reads
 const kAskEvery_ms = 2000;   // chosen: an operator sees viewers come and go
 const kSilence_ms = 3000;    // as the native client: no message for so long counts as a loss
 const kWelcome_ms = 5000;    // as the native client
@@ -245,8 +244,6 @@ const stats = {
 };
 let last_ms = 0;  // time of the last tick
 let reported_ms = 0;
-let lines_ms = 0;
-let lines = {advice: '', hint: '', states: ''};
 let problem = '';      // of a recording
 const lateAt_ms = [];  // late ticks of the last moments
 
@@ -297,24 +294,22 @@ function sendReliefs() {
       {type: 'reliefs', ...reliefs}, reliefs.objects.map((object) => object.heights.buffer));
 }
 
+/// Sends the numbers and the sentences of one moment.
 function sendTicks(begin_ms) {
   reported_ms = begin_ms;
-  if (begin_ms - lines_ms >= kLinesEvery_ms) {
-    lines_ms = begin_ms;
-    lines = core.lines();
-    while (lateAt_ms.length > 0 && begin_ms - lateAt_ms[0] > kLateWithin_ms) lateAt_ms.shift();
-    const busy = lateAt_ms.length >= kManyLate ?
-        'this browser is busy: the page misses its milliseconds' :
-        '';
-    lines.states = [lines.states, problem, busy].filter(Boolean).join('\n');
-  }
+  while (lateAt_ms.length > 0 && begin_ms - lateAt_ms[0] > kLateWithin_ms) lateAt_ms.shift();
+  const busy = lateAt_ms.length >= kManyLate ?
+      'this browser is busy: the page misses its milliseconds' :
+      '';
+  const lines = core.lines();
+  const states = [lines.states, problem, busy].filter(Boolean).join('\n');
   const {frames_received, frames_lost, frames_late, media_now_ms, ...report} =
       core.report(begin_ms);
   const history = core.history();
   postMessage(
       {
         type: 'ticks',
-        report: {...report, ...lines},
+        report: {...report, ...lines, states},
         history,
         stats: {...stats, frames_received, frames_lost, frames_late, media_now_ms}
       },

@@ -140,7 +140,8 @@ TEST(SimulatedObserver, ReadsItsFunction) {
 
 TEST(SimulatedObserver, AnswersByItsFunctionAndWithinTheScale) {
   const SimulatedObserver observer({.threshold = 0.2, .slope = 2.0, .lapse = 0.02}, 7);
-  Question question{.kind = QuestionKind::kForcedChoice, .text = ""};
+  Question question;
+  question.kind = QuestionKind::kForcedChoice;
   int correct = 0;
   for (std::size_t number = 1; number <= 4000; ++number) {
     const Trial trial{.number = number, .level = 0.2, .comparison_first = number % 2 == 0};
