@@ -55,7 +55,7 @@ set(CPACK_DEBIAN_SERVER_PACKAGE_RECOMMENDS avahi-daemon)
 set(CPACK_DEBIAN_SERVER_PACKAGE_SUGGESTS "hapticast-client, nats-server")
 
 hapticast_package(client 1 "touch a video that hapticast-server streams")
-install(TARGETS hapticast-device DESTINATION usr/lib/hapticast COMPONENT client)
+install(TARGETS hapticast-device hapticast-media DESTINATION usr/lib/hapticast COMPONENT client)
 install(FILES ${PROJECT_SOURCE_DIR}/client/device/hapticast_device.h DESTINATION usr/include COMPONENT client)
 install(FILES ${PROJECT_SOURCE_DIR}/deploy/70-hapticast-falcon.rules DESTINATION usr/lib/udev/rules.d COMPONENT client)
 install(FILES ${source}/hapticast-limits.conf DESTINATION etc/security/limits.d RENAME hapticast.conf COMPONENT client)

@@ -1,27 +1,21 @@
 // SPDX-License-Identifier: MIT
 #include "client/view/film.hpp"
 
-#include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <cstdio>
-#include <cstdlib>
-#include <filesystem>
 #include <stdexcept>
-#include <system_error>
 #include <utility>
 
 #include "client/view/picture.hpp"
 #include "client/view/status.hpp"
 #include "client/view/touch_picture.hpp"
+#include "common/media/load_media_module.hpp"
 
 namespace hapticast::client {
 
 namespace {
 
-// A disk with more free bytes is not full. Chosen.
-constexpr std::uintmax_t kPlenty_bytes = std::uintmax_t{1} << 20U;
 // A larger step of play time in a tick is a jump.
 constexpr double kJump_s = 0.05;
 
@@ -32,11 +26,18 @@ double computeElapsed_s(const TickReport& before, const TickReport& now) {
   return play_s > 0.0 && play_s < kJump_s ? play_s : toSeconds(now.time - before.time);
 }
 
+/// Opens the media module for the film `file`. Throws like FilmView's constructor.
+const MediaModule& loadModule(const std::string& file) {
+  try {
+    return loadMediaModule();
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error("--film " + file + ": " + error.what());
+  }
+}
+
 }  // namespace
 
-FilmView::FilmView(std::string file) : file_(std::move(file)) {
-  // FFmpeg's own lines are no log of the client. -8: AV_LOG_QUIET.
-  ::setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);
+FilmView::FilmView(std::string file) : file_(std::move(file)), media_(loadModule(file_)) {
   thread_ = std::thread([this] { run(); });
 }
 
@@ -64,7 +65,7 @@ void FilmView::onReport(const TickReport& report) {
 void FilmView::pushShot(Shot shot) {
   {
     const std::lock_guard lock(mutex_);
-    if (failed_) return;
+    if (!error_.empty()) return;
     if (waiting_.size() < kMostWaiting) {
       waiting_.push_back(std::move(shot));
     } else {
@@ -82,13 +83,13 @@ bool FilmView::update(UiState& ui_state) {
 
 bool FilmView::isBusy() {
   const std::lock_guard lock(mutex_);
-  return !failed_ && waiting_.size() > kMostWaiting / 2;
+  return error_.empty() && waiting_.size() > kMostWaiting / 2;
 }
 
 void FilmView::finish() {
   stop();
-  if (failed_) std::rethrow_exception(failed_);
-  if (!begun_)
+  if (!error_.empty()) throw std::runtime_error("--film " + error_);
+  if (!encoder_)
     throw std::runtime_error("--film " + file_ + ": no picture arrived, so the film is empty");
 }
 
@@ -116,10 +117,10 @@ void FilmView::run() {
       }
       write(shot);
     }
-    close();
-  } catch (const std::exception&) {
+    if (encoder_) encoder_->close();
+  } catch (const std::exception& error) {
     const std::lock_guard lock(mutex_);
-    failed_ = std::current_exception();
+    error_ = error.what();
   }
 }
 
@@ -135,37 +136,8 @@ void FilmView::write(const Shot& shot) {
   const cv::Mat plot = drawRecentPlot(history_, top_N_, "N", kForceCurves, kTouchPlot_px);
   const cv::Mat drawing =
       drawTouchPicture(picture, shot.ticks.back(), workspace, shot.caption, plot);
-  if (!writer_.isOpened()) open(shot.fps);
-  for (int i = 0; i < shot.repeats; ++i) writer_.write(drawing);
-  pictures_written_ += shot.repeats;
-}
-
-/// Ends the file. The encoder reports no errors, so the thread reads the file's table of pictures.
-void FilmView::close() {
-  writer_.release();
-  if (!begun_) return;
-  cv::VideoCapture film(file_, cv::CAP_FFMPEG);
-  if (film.isOpened() && film.get(cv::CAP_PROP_FRAME_COUNT) >= pictures_written_) return;
-  std::error_code error;
-  const auto folder = std::filesystem::absolute(file_, error).parent_path();
-  const auto free_bytes = std::filesystem::space(folder, error).available;
-  if (!film.isOpened() && !error && free_bytes > kPlenty_bytes) {
-    spdlog::warn("--film {}: OpenCV cannot read the film that it wrote; check it", file_);
-    return;
-  }
-  std::remove(file_.c_str());
-  throw std::runtime_error("--film " + file_ + ": not written completely; is the disk full?");
-}
-
-/// Opens the file: H.264 if available, else MPEG-4.
-void FilmView::open(double fps) {
-  for (const int codec :
-       {cv::VideoWriter::fourcc('a', 'v', 'c', '1'), cv::VideoWriter::fourcc('m', 'p', '4', 'v')}) {
-    if (!writer_.open(file_, cv::CAP_FFMPEG, codec, fps, kTouchPicture_px)) continue;
-    begun_ = true;
-    return;
-  }
-  throw std::runtime_error("--film " + file_ + ": OpenCV has no encoder for it");
+  if (!encoder_) encoder_ = media_.openFilm(file_, {drawing.cols, drawing.rows, shot.fps});
+  for (int i = 0; i < shot.repeats; ++i) encoder_->write(viewPixels(drawing));
 }
 
 }  // namespace hapticast::client

@@ -6,10 +6,8 @@
 
 #include <condition_variable>
 #include <deque>
-#include <exception>
 #include <memory>
 #include <mutex>
-#include <opencv2/videoio.hpp>
 #include <string>
 #include <thread>
 #include <vector>
@@ -17,6 +15,7 @@
 #include "client/view/force_plot.hpp"
 #include "client/view/picture.hpp"
 #include "client/view/view.hpp"
+#include "common/media/media_module.hpp"
 
 namespace hapticast::client {
 
@@ -26,7 +25,8 @@ class FilmView final : public View {
   /// its last drawing. The value is a choice: ten seconds.
   static constexpr std::size_t kMostWaiting = 256;
 
-  /// Starts the thread that writes `file`.
+  /// Opens the media module, and starts the thread that writes `file`. Throws std::runtime_error
+  /// (one line) if the module cannot be opened.
   explicit FilmView(std::string file);
   FilmView(const FilmView&) = delete;
   FilmView& operator=(const FilmView&) = delete;
@@ -53,10 +53,9 @@ class FilmView final : public View {
   // In the film's thread:
   void run();
   void write(const Shot& shot);
-  void open(double fps);
-  void close();
 
   std::string file_;
+  const MediaModule& media_;
   PictureBuffer pictures_;
   Shot next_;  // under construction
   UserControls user_;
@@ -65,15 +64,13 @@ class FilmView final : public View {
 
   std::mutex mutex_;
   std::condition_variable something_waits_;
-  std::deque<Shot> waiting_;   // guarded by mutex_
-  bool over_ = false;          // guarded by mutex_
-  std::exception_ptr failed_;  // written by the film's thread, read by main after its end
+  std::deque<Shot> waiting_;  // guarded by mutex_
+  bool over_ = false;         // guarded by mutex_
+  std::string error_;         // guarded by mutex_; not empty: the film has failed
 
   // For the film's thread only:
-  cv::VideoWriter writer_;
-  bool begun_ = false;
-  int pictures_written_ = 0;
-  double top_N_ = 4.0;  // end of the force axis; it only grows
+  std::unique_ptr<FilmEncoder> encoder_;  // null before the first picture
+  double top_N_ = 4.0;                    // end of the force axis; it only grows
   ForceHistory history_;
   std::thread thread_;  // last member: the thread uses all members above
 };

@@ -4,9 +4,10 @@
 #include <turbojpeg.h>
 #include <algorithm>
 #include <memory>
-#include <opencv2/imgcodecs.hpp>
+#include <stdexcept>
 #include <utility>
 
+#include "common/media/load_media_module.hpp"
 #include "common/write_file.hpp"
 
 namespace hapticast::client {
@@ -16,6 +17,10 @@ namespace {
 using Decompressor = std::unique_ptr<void, decltype(&tjDestroy)>;
 
 }  // namespace
+
+BgrPixels viewPixels(const cv::Mat& picture) {
+  return {picture.data, picture.cols, picture.rows, static_cast<std::ptrdiff_t>(picture.step[0])};
+}
 
 cv::Mat decodeJpeg(std::span<const std::uint8_t> jpeg, cv::Size expected) {
   if (expected.empty() || jpeg.empty()) return {};
@@ -40,9 +45,12 @@ cv::Mat decodeJpeg(std::span<const std::uint8_t> jpeg, cv::Size expected) {
 }
 
 std::optional<Error> writePicture(const std::string& file, const cv::Mat& picture) {
-  std::vector<unsigned char> png;
-  if (picture.empty() || !cv::imencode(".png", picture, png)) return Error{"no picture to write"};
-  return writeFile(file, png);
+  if (picture.empty()) return Error{"no picture to write"};
+  try {
+    return writeFile(file, loadMediaModule().encodePng(viewPixels(picture)));
+  } catch (const std::runtime_error& error) {
+    return Error{error.what()};
+  }
 }
 
 void PictureBuffer::add(VideoFrame video, const Workspace& workspace) {

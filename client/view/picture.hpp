@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // JPEG decoder for the pictures of the stream, and PNG writer for drawings.
-// Thread: any (pure function).
+// Thread: any, but not the haptic loop.
 #pragma once
 
 #include <cstddef>
@@ -14,6 +14,7 @@
 #include <string>
 
 #include "common/haptic_frame.hpp"
+#include "common/media/media_module.hpp"
 #include "common/result.hpp"
 
 namespace hapticast::client {
@@ -23,8 +24,11 @@ namespace hapticast::client {
 /// the header of a JPEG determines how much memory its decoder allocates.
 [[nodiscard]] cv::Mat decodeJpeg(std::span<const std::uint8_t> jpeg, cv::Size expected);
 
-/// Writes `picture` to the PNG file `file`. Returns an error without the file's name ("cannot be
-/// written (...)"), or nullopt.
+/// Returns the pixels of `picture`, CV_8UC3 (BGR), without a copy.
+[[nodiscard]] BgrPixels viewPixels(const cv::Mat& picture);
+
+/// Writes `picture`, CV_8UC3 (BGR), to the PNG file `file`. Opens the media module for it. Returns
+/// an error without the file's name ("cannot be written (...)"), or nullopt.
 [[nodiscard]] std::optional<Error> writePicture(const std::string& file, const cv::Mat& picture);
 
 /// A JPEG picture and the workspace of its stream.

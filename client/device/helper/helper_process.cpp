@@ -12,11 +12,12 @@
 #include <chrono>
 #include <csignal>
 #include <cstring>
-#include <filesystem>
 #include <stdexcept>
 #include <thread>
 #include <utility>
 #include <vector>
+
+#include "common/installed_file.hpp"
 
 namespace hapticast::client {
 
@@ -25,8 +26,6 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr auto kEndPatience = std::chrono::seconds(5);
-constexpr const char* kHelperName = "hapticast-device";
-constexpr const char* kInstalledFolder = "/usr/lib/hapticast";
 
 [[noreturn]] void failStart(const std::string& program, int error) {
   throw std::runtime_error(program + ": cannot be started: " + std::strerror(error) +
@@ -82,15 +81,7 @@ int moveUp(int file_descriptor) {
 
 }  // namespace
 
-std::string findHelperProgram() {
-  namespace fs = std::filesystem;
-  std::error_code error;
-  const fs::path own = fs::read_symlink("/proc/self/exe", error).parent_path() / kHelperName;
-  for (const fs::path& path : {own, fs::path(kInstalledFolder) / kHelperName}) {
-    if (fs::is_regular_file(path, error)) return path.string();
-  }
-  return own.string();
-}
+std::string findHelperProgram() { return findInstalledFile("hapticast-device"); }
 
 HelperProcess::HelperProcess(const std::string& program, const std::string& driver,
                              const char* task, const std::map<std::string, std::string>& options,

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/videoio.hpp>
 #include <stdexcept>
 
 #include "tests/support/temp_folder.hpp"
@@ -51,7 +52,7 @@ class FilmTest : public ::testing::Test {
     return greys;
   }
   const TempFolder folder;
-  const std::string file = (folder / "film.mp4").string();
+  std::string file = (folder / "film.mp4").string();
 };
 
 TEST_F(FilmTest, HasOnePictureForEachOfTheVideo) {
@@ -70,6 +71,17 @@ TEST_F(FilmTest, GoesOnWhilePlayTimeStandsOrJumps) {
 TEST_F(FilmTest, FollowsPlayTimeThatIsSlewed) {
   run(1000, [](int tick) { return 1.02e-3 * tick; });
   EXPECT_NEAR(static_cast<double>(greys().size()), 1.02 * kFps, 1.0);
+}
+
+TEST_F(FilmTest, ReportsAFullDisk) {
+  file = "/dev/full";
+  try {
+    run(200, [](int tick) { return 1e-3 * tick; });
+    ADD_FAILURE() << "a film on a full disk";
+  } catch (const std::runtime_error& error) {
+    EXPECT_EQ(std::string(error.what()),
+              "--film /dev/full: not written completely; is the disk full?");
+  }
 }
 
 TEST_F(FilmTest, WithoutAPictureItReportsSo) {
