@@ -109,10 +109,8 @@ TEST_F(ProgramsRecordingTest, AKilledServerLeavesARecordingThatPlays) {
   const auto server = startServer({"--source", "synthetic:bounce", "--map-range", "520,620",
                                    "--loop", "--http", "127.0.0.1:0", "--record", path("a.mcap")});
   ASSERT_TRUE(server->says("streaming synthetic:bounce", kStart)) << server->output();
-  const auto deadline = std::chrono::steady_clock::now() + kSoon;
-  while (std::filesystem::file_size(path("a.mcap")) < 1'000'000 &&
-         std::chrono::steady_clock::now() < deadline)
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  EXPECT_TRUE(waitUntil(
+      kSoon, [&] { return std::filesystem::file_size(path("a.mcap")) >= 1'000'000; }));
   server->signal(SIGKILL);
   (void)server->wait(kSoon);
   const auto player = startServer({"--source", path("a.mcap"), "--frames", "10"});
