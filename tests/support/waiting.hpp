@@ -6,7 +6,7 @@
 #include <functional>
 #include <thread>
 
-namespace hapticast::testing {
+namespace hapticast {
 
 /// Asks `done` every 20 ms until it says yes; false when it has not by the deadline. A deadline
 /// only ends a test that has failed: it is at least ten times what an idle machine needs.
@@ -25,4 +25,4 @@ inline void restBetweenTurns(std::chrono::milliseconds time = std::chrono::milli
   std::this_thread::sleep_for(time);
 }
 
-}  // namespace hapticast::testing
+}  // namespace hapticast
