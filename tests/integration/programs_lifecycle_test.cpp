@@ -161,6 +161,7 @@ TEST_F(ProgramsLifeTest, AKilledAndAStoppedViewerDoNotDisturbTheOthers) {
 }
 
 TEST_F(ProgramsLifeTest, AServerThatDiesAndComesBackIsTouchedAgain) {
+  keepPorts();
   const std::string clip = stillClip();
   auto server = startServer({"--source", clip, "--loop"});
   const std::string address = addressOf(*server);
@@ -195,6 +196,7 @@ TEST_F(ProgramsLifeTest, AServerThatDiesAndComesBackIsTouchedAgain) {
 }
 
 TEST_F(ProgramsLifeTest, AClientStartedBeforeItsServerWaitsForIt) {
+  keepPorts();
   const std::string clip = makeClip("clip");
   std::string address;
   {

@@ -31,12 +31,7 @@ class ProgramsRecordingTest : public ProgramsTest {
   }
   /// Ends it after so many ticks with a force.
   void endAfter(std::ptrdiff_t touched, Process& client) const {
-    EXPECT_TRUE(waitUntil(kSoon, [&] {
-      const auto rows = readLog(path("log.csv"));
-      return std::count_if(rows.begin(), rows.end(), [](const LogRow& row) {
-               return row.force_N.norm() > kTouched_N;
-             }) > touched;
-    })) << client.output();
+    EXPECT_TRUE(touchesFor(touched)) << client.output();
     interrupt(client);
   }
   [[nodiscard]] nlohmann::json readSummary(const std::string& name) const {
