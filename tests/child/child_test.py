@@ -65,7 +65,7 @@ class ChildTest(unittest.TestCase):
         each request in the file NAME.log. Returns its command."""
         file = self.folder / f"{name}.py"
         file.write_text(textwrap.dedent("""
-            import hashlib, os, pathlib, sys, time
+            import hashlib, os, pathlib, signal, sys, time
             import numpy as np
             import hapticast_child as child
             answers = child.claim_stdout()
@@ -270,14 +270,14 @@ class WrongPrograms(ChildTest):
     """One line and exit code 2."""
     PROGRAMS = {
         "ends at once": ("sys.exit('has no weights')", "ended with exit code 1: has no weights"),
-        "prints text": ("os.write(answers.fileno(), b'Loading the model\\n'); time.sleep(60)",
+        "prints text": ("os.write(answers.fileno(), b'Loading the model\\n'); signal.pause()",
                         "'Loading the model', which is no header"),
         "other shape": ("next(counted(child.read_ppm))\n"
-                        "child.write_depth(answers, np.ones((100, 100)), 'metric_mm'); time.sleep(60)",
+                        "child.write_depth(answers, np.ones((100, 100)), 'metric_mm'); signal.pause()",
                         "100x100 for a picture of 320x208"),
-        "unknown kind": ("child.write_depth(answers, np.ones((208, 320)), 'metres'); time.sleep(60)",
+        "unknown kind": ("child.write_depth(answers, np.ones((208, 320)), 'metres'); signal.pause()",
                          "'320 208 metres', which is no header"),
-        "too large": ("os.write(answers.fileno(), b'5000 5000 metric_mm\\n'); time.sleep(60)",
+        "too large": ("os.write(answers.fileno(), b'5000 5000 metric_mm\\n'); signal.pause()",
                       "'5000 5000 metric_mm', which is no header"),
         "half an answer": ("os.write(answers.fileno(), b'320 208 metric_mm\\nabc')",
                            "ended with exit code 0"),
@@ -303,7 +303,7 @@ class WrongPrograms(ChildTest):
             next(counted(child.read_ppm))
             answer = b"20 13 metric_mm\\n" + np.full((13, 20), 700, "<f4").tobytes()
             os.write(answers.fileno(), 20 * answer)
-            time.sleep(60)
+            signal.pause()
             """)
         run = self.run_server("--source", self.copy_clip(), "--depth-from", wrong)
         said = [each for each in run.warnings + run.errors if "more answers than it received pictures" in each]
@@ -311,7 +311,7 @@ class WrongPrograms(ChildTest):
         self.assertIn("--depth-from", said[0])
 
     def test_a_closed_stdout(self):
-        wrong = self.write_program("wrong", "answers.close(); time.sleep(60)")
+        wrong = self.write_program("wrong", "answers.close(); signal.pause()")
         run = self.run_server("--source", self.copy_clip(), "--depth-from", f"exec {wrong}")
         self.assert_refused(run, "--depth-from", "mend")
 
@@ -480,12 +480,12 @@ class Masks(ChildTest):
         for name, (code, problem) in {
                 "ends at once": ("sys.exit('has no weights')", "ended with exit code 1: has no weights"),
                 "other size": ("next(counted(child.read_mask_request))\n"
-                               "child.write_mask(answers, np.ones((100, 100))); time.sleep(60)",
+                               "child.write_mask(answers, np.ones((100, 100))); signal.pause()",
                                "100x100 for a picture of 320x208"),
                 "too many objects": ("next(counted(child.read_mask_request))\n"
-                                     "child.write_mask(answers, np.full((208, 320), 200)); time.sleep(60)",
+                                     "child.write_mask(answers, np.full((208, 320), 200)); signal.pause()",
                                      "the value 200"),
-                "depth instead": ("child.write_depth(answers, np.ones((208, 320)), 'inverse'); time.sleep(60)",
+                "depth instead": ("child.write_depth(answers, np.ones((208, 320)), 'inverse'); signal.pause()",
                                   "'320 208 inverse', which is no header")}.items():
             with self.subTest(name):
                 run = self.segment(clip, self.write_program("wrong", code))

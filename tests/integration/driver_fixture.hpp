@@ -6,7 +6,6 @@
 #include <memory>
 #include <span>
 #include <string>
-#include <thread>
 
 #include "tests/integration/programs_fixture.hpp"
 #include "tests/support/device/trace.hpp"
@@ -40,7 +39,10 @@ class ProgramsWithDriverTest : public ProgramsTest {
       ASSERT_TRUE(waitUntil(kSoon, [&] { return trace->force_N > 0.3; })) << client->output();
       trace->go = 1;
       EXPECT_TRUE(client->says(fault.line, kSoon)) << client->output();
-      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+      // A fault without a line is there for many exchanges.
+      EXPECT_TRUE(waitUntil(kSoon, [&, from = trace->exchanges] {
+        return *fault.line != '\0' || trace->exchanges > from + 100;
+      })) << client->output();
       interrupt(*client);
       EXPECT_EQ(trace->force_N, 0.0) << client->output();
       EXPECT_LE(trace->most_N, 3.3 + 1e-9) << "no watchdog of its own";

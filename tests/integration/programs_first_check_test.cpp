@@ -93,6 +93,15 @@ class ProgramsFirstCheckTest : public ProgramsWithDriverTest {
                                  "--device-option", "fault=" + fault},
         input);
   }
+  /// Presses Enter until the check begins: what the user typed before the request counts as
+  /// nothing, also what comes at the same moment.
+  void confirm(Process& client) const {
+    EXPECT_TRUE(waitUntil(kSoon, [&] {
+      if (trace_->most_N > 0.0 || !client.running()) return true;
+      terminal_.type("\n");
+      return false;
+    })) << client.output();
+  }
 
   const Trace trace_{path("trace")};
   const Terminal terminal_;
@@ -101,10 +110,9 @@ class ProgramsFirstCheckTest : public ProgramsWithDriverTest {
 TEST_F(ProgramsFirstCheckTest, ATerminalIsAskedOnceAndTheForceIsSmall) {
   const auto client = startWith(terminal_.name());
   ASSERT_TRUE(client->says("let go of the grip, then press Enter", kSoon)) << client->output();
-  std::this_thread::sleep_for(std::chrono::milliseconds(300));
   EXPECT_EQ(trace_->most_N, 0.0) << "before Enter";
   EXPECT_EQ(client->output().find("connecting to"), std::string::npos);
-  terminal_.type("\n");
+  confirm(*client);
   EXPECT_TRUE(client->says("check: the device follows in sign and axis", kSoon))
       << client->output();
   EXPECT_TRUE(client->says("connecting to", kSoon)) << client->output();
@@ -122,7 +130,7 @@ TEST_F(ProgramsFirstCheckTest, ASignalEndsTheRequestAndTheCheck) {
     const auto client = startWith(terminal_.name());
     ASSERT_TRUE(client->says("press Enter", kSoon)) << client->output();
     if (confirmed) {
-      terminal_.type("\n");
+      confirm(*client);
       EXPECT_TRUE(waitUntil(kSoon, [&] { return trace_->force_N > 0.2; })) << client->output();
     }
     interrupt(*client);
@@ -153,7 +161,7 @@ TEST_F(ProgramsFirstCheckTest, AVirtualDevicePasses) {
 TEST_F(ProgramsFirstCheckTest, ATurnedAxisIsRefusedAndIsNotStored) {
   const auto client = startWith(terminal_.name(), "turned");
   ASSERT_TRUE(client->says("press Enter", kSoon)) << client->output();
-  terminal_.type("\n");
+  confirm(*client);
   EXPECT_EQ(client->wait(kSoon), 1) << client->output();
   EXPECT_NE(client->output().find("the client refuses the device standin S1: a push of 0.3 N along "
                                   "y (up) moved the grip by"),

@@ -21,6 +21,7 @@
 
 #include "common/geometry.hpp"
 #include "tests/support/checked_devices.hpp"
+#include "tests/support/own_network.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/temp_folder.hpp"
 
@@ -116,6 +117,10 @@ class ProgramsTest : public ::testing::Test {
     return path(name);
   }
 
+  /// For servers that come back at their port: nobody else gets it meanwhile. Where the system
+  /// allows no network namespace, somebody could.
+  static void keepPorts() { (void)enterOwnNetwork(); }
+
   static std::unique_ptr<Process> start(const char* program, std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), program);
     return std::make_unique<Process>(std::move(arguments));
@@ -136,6 +141,15 @@ class ProgramsTest : public ::testing::Test {
     if (at == std::string::npos) return "";
     const std::size_t begin = at + std::string("listening on ").size();
     return text.substr(begin, text.find(';', begin) - begin);
+  }
+  /// Waits until log.csv has more than so many ticks with a force.
+  [[nodiscard]] bool touchesFor(std::ptrdiff_t ticks) const {
+    return waitUntil(kSoon, [&] {
+      const std::vector<LogRow> rows = readLog(path("log.csv"));
+      return std::count_if(rows.begin(), rows.end(), [](const LogRow& row) {
+               return row.force_N.norm() > kTouched_N;
+             }) > ticks;
+    });
   }
   /// Waits until the force of a later time than now in log.csv is there, or is zero.
   [[nodiscard]] bool forceIs(bool force) const {

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Answers of the programs to inputs that need files or a second program; wrong_inputs.txt has those
 // of a command line alone.
-#include <thread>
-
 #include "tests/integration/programs_fixture.hpp"
 
 namespace hapticast::testing {
@@ -92,13 +90,12 @@ TEST_F(ProgramsInputTest, AServerThatSkipsFramesStillStartsEachRoundWithTheFirst
   }
   const auto server = startServer({"--source", clip, "--object", "30,48", "--loop"});
   (void)addressOf(*server);
-  // Stopped for some frames again and again, at any place of the clip: what is due is skipped.
-  for (int i = 0; i < 12 && server->running(); ++i) {
-    server->signal(SIGSTOP);
-    std::this_thread::sleep_for(std::chrono::milliseconds(130));
-    server->signal(SIGCONT);
-    std::this_thread::sleep_for(std::chrono::milliseconds(100));
-  }
+  // Stopped for some frames again and again, at any place of the clip: what is due is skipped. It
+  // is stopped in seven of twelve turns of the wait.
+  EXPECT_TRUE(waitUntil(kSoon, [&, turn = 0]() mutable {
+    server->signal(++turn % 12 > 4 ? SIGSTOP : SIGCONT);
+    return turn == 12 * 12 || !server->running();
+  }));
   EXPECT_TRUE(server->running()) << server->output();
   EXPECT_TRUE(server->says("frames skipped", kSoon)) << server->output();
   interrupt(*server);

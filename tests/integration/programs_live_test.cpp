@@ -6,8 +6,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "common/transport/asio.hpp"
 #include "tests/integration/programs_fixture.hpp"
+#include "tests/support/own_network.hpp"
 
 namespace hapticast::testing {
 namespace {
@@ -28,17 +28,11 @@ constexpr Way kHttp{"Http", "http://127.0.0.1:PORT/cam",
                     "http://me:secret@127.0.0.1:PORT/cam?token=secret", "/proc/net/tcp"};
 constexpr Way kRtsp{"Rtsp", "", "rtsp://127.0.0.1:PORT/cam", "/proc/net/tcp"};
 
-std::string withPort(std::string text, std::uint16_t port) {
-  return text.replace(text.find("PORT"), 4, std::to_string(port));
-}
+/// Of the senders, which need a number, in a network of the test's own.
+constexpr std::uint16_t kPort = 7470;
 
-/// Returns a port that is free for TCP and for UDP.
-std::uint16_t freePort() {
-  asio::io_context io;
-  const asio::ip::tcp::acceptor tcp(io, {asio::ip::address_v4::loopback(), 0});
-  const std::uint16_t port = tcp.local_endpoint().port();
-  const asio::ip::udp::socket udp(io, {asio::ip::address_v4::loopback(), port});
-  return port;
+std::string withPort(std::string text) {
+  return text.replace(text.find("PORT"), 4, std::to_string(kPort));
 }
 
 /// Returns whether `table` of the kernel has a socket that waits at `port`.
@@ -59,6 +53,7 @@ class ProgramsLiveTest : public ProgramsTest {
  protected:
   void SetUp() override {
     if (std::system("ffmpeg -version >/dev/null 2>&1") != 0) GTEST_SKIP() << "needs ffmpeg";
+    if (!enterOwnNetwork()) GTEST_SKIP() << "network namespaces are not allowed here";
     drawVideo();
   }
   /// A near ball on a far wall, beside its depth: two minutes of H.264.
@@ -76,30 +71,30 @@ class ProgramsLiveTest : public ProgramsTest {
     ASSERT_EQ(std::system(command.c_str()), 0);
   }
   /// Starts the sender, and waits until it can be reached.
-  [[nodiscard]] std::unique_ptr<Process> send(const Way& way, std::uint16_t port) const {
-    auto sender = std::make_unique<Process>(sendCommand(way, port));
-    EXPECT_TRUE(waitUntil(kSoon, [&] { return isOpen(way.port_table, port); })) << sender->output();
+  [[nodiscard]] std::unique_ptr<Process> send(const Way& way) const {
+    auto sender = std::make_unique<Process>(sendCommand(way));
+    EXPECT_TRUE(waitUntil(kSoon, [&] { return isOpen(way.port_table, kPort); }))
+        << sender->output();
     return sender;
   }
-  [[nodiscard]] std::vector<std::string> sendCommand(const Way& way, std::uint16_t port) const {
+  [[nodiscard]] std::vector<std::string> sendCommand(const Way& way) const {
 #ifdef HAPTICAST_RTSP_SENDER
-    if (*way.sent_to == 0) return {HAPTICAST_RTSP_SENDER, path("video.mp4"), std::to_string(port)};
+    if (*way.sent_to == 0) return {HAPTICAST_RTSP_SENDER, path("video.mp4"), std::to_string(kPort)};
 #endif
     std::vector<std::string> command{"/usr/bin/env", "ffmpeg", "-loglevel",       "error",
                                      "-re",          "-i",     path("video.mp4"), "-c",
                                      "copy",         "-f",     "mpegts"};
     if (std::string(way.sent_to).starts_with("http"))
       command.insert(command.end(), {"-listen", "1"});
-    command.push_back(withPort(way.sent_to, port));
+    command.push_back(withPort(way.sent_to));
     return command;
   }
   /// Touches the stream while `disturb` stops its sender and `mend` mends it.
   void touchThrough(const Way& way, const std::function<void(std::unique_ptr<Process>&)>& disturb,
-                    const std::function<void(std::unique_ptr<Process>&, std::uint16_t)>& mend) {
-    const std::uint16_t port = freePort();
-    auto sender = send(way, port);
-    const auto server = startServer({"--source", withPort(way.read_from, port), "--layout",
-                                     "side-by-side", "--object", "64,48"});
+                    const std::function<void(std::unique_ptr<Process>&)>& mend) {
+    auto sender = send(way);
+    const auto server = startServer(
+        {"--source", withPort(way.read_from), "--layout", "side-by-side", "--object", "64,48"});
     const std::string address = addressOf(*server);
     ASSERT_FALSE(address.empty()) << server->output() << sender->output();
     const auto client = startClient(
@@ -108,7 +103,7 @@ class ProgramsLiveTest : public ProgramsTest {
     disturb(sender);
     EXPECT_TRUE(server->says("no frames from ", kSoon)) << server->output();
     EXPECT_TRUE(forceIs(false)) << client->output();
-    mend(sender, port);
+    mend(sender);
     EXPECT_TRUE(server->says(" are back after ", kSoon)) << server->output();
     EXPECT_TRUE(forceIs(true)) << client->output() << server->output();
     interrupt(*client);
@@ -124,13 +119,12 @@ class ProgramsLiveTest : public ProgramsTest {
 TEST_F(ProgramsLiveTest, AStalledSrtStreamComesBack) {
   touchThrough(
       kSrt, [](auto& sender) { sender->signal(SIGSTOP); },
-      [](auto& sender, std::uint16_t) { sender->signal(SIGCONT); });
+      [](auto& sender) { sender->signal(SIGCONT); });
 }
 
 TEST_F(ProgramsLiveTest, AnHttpSenderThatDiesComesBack) {
   touchThrough(
-      kHttp, [](auto& sender) { sender.reset(); },
-      [this](auto& sender, std::uint16_t port) { sender = send(kHttp, port); });
+      kHttp, [](auto& sender) { sender.reset(); }, [this](auto& sender) { sender = send(kHttp); });
 }
 
 TEST_F(ProgramsLiveTest, AnRtspSenderThatDiesComesBack) {
@@ -138,8 +132,7 @@ TEST_F(ProgramsLiveTest, AnRtspSenderThatDiesComesBack) {
   GTEST_SKIP() << "needs libgstrtspserver-1.0-dev";
 #endif
   touchThrough(
-      kRtsp, [](auto& sender) { sender.reset(); },
-      [this](auto& sender, std::uint16_t port) { sender = send(kRtsp, port); });
+      kRtsp, [](auto& sender) { sender.reset(); }, [this](auto& sender) { sender = send(kRtsp); });
 }
 
 }  // namespace

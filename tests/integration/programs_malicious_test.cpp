@@ -37,7 +37,7 @@ class MaliciousListener {
       asio::ip::tcp::socket socket(io_);
       acceptor_.accept(socket, none);
       if (none) {
-        pause();
+        restBetweenTurns();
         continue;
       }
       RawPeer viewer(std::move(socket));
@@ -47,7 +47,7 @@ class MaliciousListener {
   void talk(RawPeer& viewer, const std::stop_token& stop) {
     while (viewer.all<Hello>().empty() && !viewer.closed && !stop.stop_requested()) {
       viewer.poll();
-      pause();
+      restBetweenTurns();
     }
     viewer.got.clear();
     viewer.send(framed(server_.welcome()));
@@ -61,7 +61,7 @@ class MaliciousListener {
       viewer.got.clear();
       for (const Bytes& message : server_.messages(now_s)) viewer.send(framed(message));
       if (server_.byDatagrams()) sendDatagrams();
-      pause();
+      restBetweenTurns();
     }
   }
   /// To whoever echoes, and to the group; a probe now and then as an honest server sends it.
@@ -85,7 +85,6 @@ class MaliciousListener {
   [[nodiscard]] double secondsSince(LocalTime begin) const {
     return toSeconds(clock_.now() - begin);
   }
-  static void pause() { std::this_thread::sleep_for(std::chrono::milliseconds(2)); }
 
   SteadyClock clock_;
   asio::io_context io_;

@@ -33,7 +33,7 @@ class MaliciousOrigin {
     thread_ = std::jthread([this](const std::stop_token& stop) {
       while (!stop.stop_requested()) {
         send();
-        std::this_thread::sleep_for(std::chrono::milliseconds(2));
+        restBetweenTurns();
       }
     });
   }

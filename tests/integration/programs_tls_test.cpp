@@ -54,6 +54,7 @@ class ProgramsTlsTest : public ProgramsTest {
 };
 
 TEST_F(ProgramsTlsTest, TheKeyOfTheFirstConnectionCounts) {
+  keepPorts();
   auto server = startTlsServer({"--tls", "auto"});
   const std::string address = addressOf(*server);
   for (int round = 0; round < 2; ++round) {

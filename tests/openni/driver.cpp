@@ -23,6 +23,8 @@
 #define XN_DELETE(pointer) delete (pointer)
 #include <Driver/OniDriverAPI.h>
 
+#include "tests/support/waiting.hpp"
+
 namespace {
 
 using oni::driver::DeviceBase;
@@ -77,8 +79,6 @@ void note(const std::string& call) {
   const std::lock_guard lock(mutex);
   std::ofstream(ordersFile() + ".calls", std::ios::app) << call << "\n";
 }
-
-void sleepFor_ms(int ms) { std::this_thread::sleep_for(std::chrono::milliseconds(ms)); }
 
 /// Depth of a near dome on a far wall, mm.
 std::uint16_t depthAt(int x, int y, int width, int height) {
@@ -168,9 +168,14 @@ class Stream final : public StreamBase {
     frame->cropOriginX = frame->cropOriginY = 0;
     frame->dataSize = frame->stride * frame->height;
     draw(*frame);
-    if (orders["lie_width"] != 0) frame->width = orders["lie_width"];
-    if (orders["lie_bytes"] != 0) frame->dataSize = orders["lie_bytes"];
-    if (orders["lie_stride"] != 0) frame->stride = orders["lie_stride"];
+    const auto lie = [&](const char* key, int& value) {
+      if (orders[key] == 0) return;
+      value = orders[key];
+      note(key);
+    };
+    lie("lie_width", frame->width);
+    lie("lie_bytes", frame->dataSize);
+    lie("lie_stride", frame->stride);
     raiseNewFrame(frame);
     getServices().releaseFrame(frame);
   }
@@ -295,7 +300,7 @@ class Driver final : public DriverBase {
  private:
   void watch() {
     while (!ends_) {
-      sleepFor_ms(10);
+      hapticast::restBetweenTurns(std::chrono::milliseconds(10));
       if (const bool now = Orders()["plugged"] != 0; now != plugged_) {
         plugged_ = now;
         if (now)

@@ -7,6 +7,7 @@ import http.server
 import os
 import pathlib
 import shutil
+import socket
 import subprocess
 import tempfile
 import threading
@@ -74,12 +75,17 @@ class Folder(support.PageTest):
         """Starts nginx; returns its link and the file of its requests."""
         work = tempfile.TemporaryDirectory(prefix="hapticast-nginx-")
         self.addCleanup(work.cleanup)
-        port = support.find_port()
+        # nginx listens at no port of the kernel's choice, but takes over a socket, as from a nginx before it.
+        listener = socket.create_server(("127.0.0.1", 0))
+        self.addCleanup(listener.close)
+        port = listener.getsockname()[1]
         config = pathlib.Path(work.name, "nginx.conf")
         config.write_text(NGINX.format(
             folder=work.name, root=self.folder, port=port, user="user root;" if os.geteuid() == 0 else ""), encoding="utf-8")
         # pylint: disable-next=consider-using-with
-        process = subprocess.Popen(["/usr/sbin/nginx", "-c", str(config)], stderr=subprocess.DEVNULL)
+        process = subprocess.Popen(
+            ["/usr/sbin/nginx", "-c", str(config)], stderr=subprocess.DEVNULL, pass_fds=[listener.fileno()],
+            env={**os.environ, "NGINX": f"{listener.fileno()};"})
         self.addCleanup(process.wait)
         self.addCleanup(process.terminate)
         support.wait_until(lambda: pathlib.Path(work.name, "pid").exists(), "nginx does not start")

@@ -12,11 +12,9 @@ import pathlib
 import re
 import shutil
 import signal
-import socket
 import subprocess
 import sys
 import tempfile
-import time
 import unittest
 
 try:
@@ -25,10 +23,12 @@ try:
 except ImportError:
     webdriver = None
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "support"))
+from waiting import SOON_S, wait_until  # pylint: disable=wrong-import-position
+
 SERVER = os.environ.get("HAPTICAST_SERVER", "build/release/server/hapticast-server")
 SHOTS = os.environ.get("HAPTICAST_PAGE_SHOTS")  # a folder for screenshots; without it there are none
 AXE = os.environ.get("HAPTICAST_AXE", "build/npm/node_modules/axe-core/axe.min.js")
-SOON_S = 30
 STILL = ["--source", "synthetic:still", "--loop", "--map-range", "520,620"]
 DEEP = 21  # notches of the wheel from the start (35 mm) to 10 mm below the top of this ball (24 mm)
 SKIPPED = 77  # ctest's code for a test that was left out
@@ -52,24 +52,6 @@ def main(missing=""):
         sys.exit(SKIPPED)
     signal.signal(signal.SIGTERM, lambda *_: sys.exit("the test took too long"))
     unittest.main(verbosity=2)
-
-
-def wait_until(condition, what, seconds=SOON_S):
-    """Returns the first true value of `condition()`; fails with `what` after a deadline."""
-    deadline = time.monotonic() + seconds
-    while True:
-        value = condition()
-        if value:
-            return value
-        if time.monotonic() > deadline:
-            raise AssertionError(f"{what()} after {seconds} s" if callable(what) else what)
-        time.sleep(0.02)
-
-
-def find_port():
-    """Returns a port that is free now."""
-    with socket.create_server(("127.0.0.1", 0)) as listener:
-        return listener.getsockname()[1]
 
 
 class Server:

@@ -11,12 +11,14 @@ import subprocess
 import sys
 import tempfile
 import threading
-import time
 import unittest
 
 import numpy as np
 
 import hapticast
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "support"))
+from waiting import SOON_S, wait_until  # pylint: disable=wrong-import-position
 
 
 def make_disc(height_mm=20.0):
@@ -33,6 +35,13 @@ def make_frames(count=60, fps=25.0):
 def press(ticks=1000):
     z = np.maximum(18.0, 40.0 - 0.05 * np.arange(ticks))
     return np.c_[np.zeros(ticks), np.zeros(ticks), z]
+
+
+def is_touched(log):
+    """Returns whether a client's log has 3000 ticks, 600 of them with a force."""
+    lines = log.read_text().splitlines()[1:-1] if log.exists() else []
+    forces = sum(any(float(force) for force in line.split(",")[5:8]) for line in lines)
+    return len(lines) > 3000 and forces > 600
 
 
 def count_files():
@@ -147,7 +156,7 @@ class Publishing(unittest.TestCase):
             publisher.publish(heights, inside, left_px=270, top_px=190, id=7,
                               velocity_mm_s=(1, 2, 3), impacts=[(0.5, (0, 0, 9))],
                               material={"stiffness_N_mm": 0.25})
-            frame = stream.next(timeout=10)
+            frame = stream.next(timeout=SOON_S)
             (disc,) = frame.objects
             self.assertEqual((disc.id, disc.rect[:2]), (7, (270, 190)))
             self.assertLessEqual(np.abs(disc.height_mm - heights)[inside].max(), 0.0201)
@@ -165,7 +174,7 @@ class Publishing(unittest.TestCase):
         with hapticast.Publisher(0, host="127.0.0.1") as publisher:
             stream = hapticast.Stream(f"127.0.0.1:{publisher.port}")
             publisher.publish(*make_disc())
-            heights = stream.next(timeout=10).objects[0].height_mm
+            heights = stream.next(timeout=SOON_S).objects[0].height_mm
             stream.close()
             del stream
             gc.collect()
@@ -177,11 +186,9 @@ class Publishing(unittest.TestCase):
             reader = hapticast.Stream(f"127.0.0.1:{publisher.port}")
             for _ in range(20):
                 publisher.publish(*make_disc())
-                self.assertIsNotNone(reader.next(timeout=10))
-            deadline = time.monotonic() + 10
-            while stream.dropped < 10 and time.monotonic() < deadline:
-                self.assertIsNone(reader.next(timeout=0.01))
-            self.assertGreaterEqual(stream.dropped, 10)
+                self.assertIsNotNone(reader.next(timeout=SOON_S))
+            wait_until(lambda: stream.dropped >= 10, lambda: f"{stream.dropped} are dropped")
+            self.assertIsNone(reader.next(timeout=0.01))
 
     def test_stream_in_real_time(self):
         with hapticast.Publisher(0, host="127.0.0.1") as publisher:
@@ -246,7 +253,7 @@ class Publishing(unittest.TestCase):
                 os._exit(code)
             self.assertEqual(os.waitpid(child, 0)[1], 0)
             publisher.publish(*make_disc())
-            self.assertIsNotNone(stream.next(timeout=10))
+            self.assertIsNotNone(stream.next(timeout=SOON_S))
 
     def test_close_wakes_a_reader(self):
         with hapticast.Publisher(0, host="127.0.0.1") as publisher:
@@ -264,7 +271,7 @@ class Publishing(unittest.TestCase):
                               stderr=subprocess.PIPE) as child:
             self.assertEqual(child.stdout.readline(), b"ready\n")
             child.send_signal(signal.SIGINT)
-            error = child.communicate(timeout=20)[1]
+            error = child.communicate(timeout=SOON_S)[1]
         self.assertIn(b"KeyboardInterrupt", error)
 
     def test_opens_leak_nothing(self):
@@ -273,26 +280,24 @@ class Publishing(unittest.TestCase):
             def open_once():
                 with hapticast.Stream(f"127.0.0.1:{publisher.port}", max_waiting=2) as stream:
                     publisher.publish(*make_disc())
-                    self.assertIsNotNone(stream.next(timeout=10))
+                    self.assertIsNotNone(stream.next(timeout=SOON_S))
                 hapticast.Publisher(0, host="127.0.0.1").close()
 
+            files = count_files()
             for _ in range(50):
                 open_once()
-            files, memory_kB = self.count_files(), self.memory_kB()
+            self.wait_for_files(files)
+            memory_kB = self.memory_kB()
             for _ in range(1000):
                 open_once()
-            self.assertLessEqual(self.count_files(), files + 2)
+            self.wait_for_files(files)
             if "ASAN_OPTIONS" not in os.environ:  # ASan keeps freed memory
                 self.assertLess(self.memory_kB() - memory_kB, 5_000)
 
     @staticmethod
-    def count_files():
+    def wait_for_files(most):
         """Waits until the publisher has closed the connections that their viewers have left."""
-        least = count_files()
-        for _ in range(30):
-            time.sleep(0.1)
-            least = min(least, count_files())
-        return least
+        wait_until(lambda: count_files() <= most + 2, lambda: f"{count_files()} files are open")
 
     @staticmethod
     def memory_kB():
@@ -304,7 +309,7 @@ class Publishing(unittest.TestCase):
 class Recordings(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        """Records a server and a client that touches it for 3 s."""
+        """Records a server and a client that touches it for 3000 ticks."""
         cls.folder = tempfile.TemporaryDirectory()
         own = {name: text for name, text in os.environ.items() if name != "LD_PRELOAD"}
         cls.server, cls.client = (os.path.join(cls.folder.name, name)
@@ -315,12 +320,17 @@ class Recordings(unittest.TestCase):
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=own)
         address = next(line.split("listening on ")[1].split(";")[0] for line in server.stdout
                        if "listening on " in line)
-        subprocess.run(
+        log = pathlib.Path(cls.folder.name, "log.csv")
+        client = subprocess.Popen(
             [os.environ["HAPTICAST_CLIENT"], address, "--device", "virtual", "--hand", "press",
-             "--view", "off", "--seconds", "3", "--record", cls.client],
-            check=True, env=own, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+             "--view", "off", "--log", log, "--record", cls.client],
+            env=own, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        wait_until(lambda: is_touched(log), lambda: "the client touches nothing")
+        client.send_signal(signal.SIGINT)
+        if client.wait(SOON_S) != 0:
+            raise AssertionError(f"the client ended with {client.returncode}")
         server.send_signal(signal.SIGINT)
-        server.communicate(timeout=60)
+        server.communicate(timeout=SOON_S)
 
     @classmethod
     def tearDownClass(cls):

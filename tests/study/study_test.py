@@ -12,8 +12,10 @@ import socket
 import subprocess
 import sys
 import tempfile
-import time
 import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "support"))
+from waiting import SOON_S, wait_until  # pylint: disable=wrong-import-position
 
 CLIENT = os.environ["HAPTICAST_CLIENT"]
 SERVER = os.environ["HAPTICAST_SERVER"]
@@ -44,6 +46,31 @@ RATING = {"comparison": None, "question": {"kind": "likert", "text": "How real w
                                            "low": "not at all", "high": "very"}}
 
 
+class Markers:
+    """Receives the lines of --markers."""
+
+    def __init__(self):
+        self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.socket.bind(("127.0.0.1", 0))
+        self.socket.settimeout(SOON_S)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.socket.close()
+
+    def flags(self):
+        return ["--markers", f"127.0.0.1:{self.socket.getsockname()[1]}"]
+
+    def wait_for(self, words):
+        """Waits for the next event with these words, such as question; returns all lines until then."""
+        lines = []
+        while not lines or f" {words} " not in lines[-1]:
+            lines.append(self.socket.recv(1000).decode())
+        return lines
+
+
 class StudyTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -66,7 +93,7 @@ class StudyTest(unittest.TestCase):
                 "--device", device, *simulated, *flags]
 
     def run_client(self, *args, **named):
-        return subprocess.run(self.command(*args, **named), capture_output=True, text=True, timeout=120)
+        return subprocess.run(self.command(*args, **named), capture_output=True, text=True, timeout=10 * SOON_S)
 
     def read_rows(self, out, subject="07"):
         file = self.folder / out / f"sub-{subject}/motion/sub-{subject}_task-test_events.tsv"
@@ -111,10 +138,11 @@ class Run(StudyTest):
 
     def test_a_signal_ends_with_the_force_at_zero_and_the_rest_waits(self):
         self.write(make_study(**RATING, defaults={"recording": "ball.mcap", "seconds": 1}))
-        client = subprocess.Popen(self.command("signal"), stderr=subprocess.PIPE, text=True)
-        time.sleep(1.5)
+        with Markers() as markers:
+            client = subprocess.Popen(self.command("signal", *markers.flags()), stderr=subprocess.PIPE, text=True)
+            markers.wait_for("trial 2 interval")
         client.send_signal(signal.SIGINT)
-        _, errors = client.communicate(timeout=20)
+        _, errors = client.communicate(timeout=SOON_S)
         self.assertEqual(client.returncode, 1)
         self.assertIn("trials are left: continue with --resume", errors)
         motion = self.folder / "signal/sub-07/motion/sub-07_task-test_tracksys-haptic_motion.tsv"
@@ -132,14 +160,10 @@ class Run(StudyTest):
 
     def test_sends_markers_with_the_time(self):
         self.write(make_study(**RATING, blocks=1))
-        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as receiver:
-            receiver.bind(("127.0.0.1", 0))
-            receiver.settimeout(5)
-            done = self.run_client("marker", "--markers", f"127.0.0.1:{receiver.getsockname()[1]}")
+        with Markers() as markers:
+            done = self.run_client("marker", *markers.flags())
             self.assertEqual(done.returncode, 0, done.stderr)
-            lines = []
-            while not lines or " study end " not in lines[-1]:
-                lines.append(receiver.recv(1000).decode())
+            lines = markers.wait_for("study end")
         self.assertEqual(len(lines), 4 * 3 + 1)
         for line in lines:
             self.assertRegex(line, r"^hapticast sub-07 task-test .* \d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{6}Z\n$")
@@ -288,7 +312,7 @@ class Results(StudyTest):
     def analyse(self, out, *flags):
         program = pathlib.Path(__file__).resolve().parents[2] / "deploy/studies/analyse.py"
         return subprocess.run([sys.executable, "-B", program, self.folder / out, *flags], capture_output=True,
-                              text=True, timeout=60)
+                              text=True, timeout=10 * SOON_S)
 
     def test_the_analysis_draws_curve_and_table(self):
         self.write(make_study(blocks=3, conditions=[{"name": "still"}, {"name": "jitter", "jitter_ms": 30}]))
@@ -337,61 +361,78 @@ class Window(StudyTest):
         self.addCleanup(self.display.kill)
         self.pictures = pathlib.Path(os.environ.get("STUDY_PICTURES", self.folder / "pictures"))
         self.pictures.mkdir(parents=True, exist_ok=True)
-        self.markers = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        self.markers.bind(("127.0.0.1", 0))
-        self.markers.settimeout(30)
-        self.addCleanup(self.markers.close)
-
-    def wait_for_marker(self, word):
-        """Waits for the next event with this word, such as question."""
-        while f" {word} " not in self.markers.recv(1000).decode():
-            pass
+        self.markers = Markers()
+        self.addCleanup(self.markers.socket.close)
+        self.prompt = b""  # the last one
 
     def start(self, out):
-        markers = ["--markers", f"127.0.0.1:{self.markers.getsockname()[1]}"]
-        client = subprocess.Popen(self.command(out, "--view", "on", *markers, simulate=None, device="mouse"),
-                                  stderr=subprocess.PIPE, text=True, env=self.environment)
+        """Starts the client, and waits for the consent."""
+        client = subprocess.Popen(
+            self.command(out, "--view", "on", *self.markers.flags(), simulate=None, device="mouse"),
+            stderr=subprocess.PIPE, text=True, env=self.environment)
         self.addCleanup(client.kill)
-        self.xdo("search", "--sync", "--onlyvisible", "--name", "hapticast")
-        time.sleep(0.5)
+        self.wait_for_prompt()
         return client
 
     def xdo(self, *words):
-        subprocess.run(["xdotool", *words], env=self.environment, check=True, timeout=30, capture_output=True)
+        subprocess.run(["xdotool", *words], env=self.environment, check=True, timeout=SOON_S, capture_output=True)
 
     def press(self, *keys):
         for key in keys:
-            time.sleep(0.25)
             self.xdo("key", key)
 
-    def save(self, name):
+    def grab(self):
         from PIL import ImageGrab
-        time.sleep(0.3)
-        picture = ImageGrab.grab(xdisplay=self.environment["DISPLAY"])
+        return ImageGrab.grab(xdisplay=self.environment["DISPLAY"])
+
+    def read_prompt(self):
+        """Returns the pixels of the text of the prompt; nothing in a trial, which has no grey text."""
+        import numpy
+        pixels = numpy.asarray(self.grab().crop((128, 200, 1152, 520)))
+        grey, white = ((pixels == value).all(axis=2) for value in (128, 255))
+        return (grey | white).tobytes() if numpy.count_nonzero(grey) > 50 else b""
+
+    def wait_for_prompt(self):
+        """Waits until a prompt is shown, another one than the last: keys before it have no effect."""
+        def is_new():
+            seen = self.read_prompt()
+            return seen if seen != self.prompt and seen == self.read_prompt() else b""
+        self.prompt = wait_until(is_new, "no other prompt is shown")
+
+    def save(self, name):
+        picture = self.grab()
         picture.save(self.pictures / (name + ".png"))
         return picture
 
     def wait_for_rows(self, out, count):
-        end = time.monotonic() + 20
-        while time.monotonic() < end:
-            file = self.folder / out / "sub-07/motion/sub-07_task-test_events.tsv"
-            if file.exists() and len(self.read_rows(out)) >= count:
-                return
-            time.sleep(0.1)
-        self.fail(f"{count} rows did not arrive")
+        file = self.folder / out / "sub-07/motion/sub-07_task-test_events.tsv"
+        wait_until(lambda: file.exists() and len(self.read_rows(out)) >= count, f"{count} rows did not arrive")
 
-    def finish(self, client):
-        self.press("Return")  # after the thanks
-        _, errors = client.communicate(timeout=20)
+    def finish(self, client, picture=None):
+        self.go_on(picture)  # after the thanks
+        _, errors = client.communicate(timeout=SOON_S)
         self.assertEqual(client.returncode, 0, errors)
+
+    def go_on(self, picture=None):
+        """Waits for the next prompt and confirms it."""
+        self.wait_for_prompt()
+        if picture:
+            self.save(picture)
+        self.press("Return")
+
+    def begin(self, picture=None):
+        """Begins a trial, and waits for its question."""
+        self.go_on()
+        if picture:
+            self.markers.wait_for("interval")
+            wait_until(lambda: not self.read_prompt(), "the prompt stays")
+            self.save(picture)
+        self.markers.wait_for("question")
+        self.wait_for_prompt()
 
     def answer(self, out, rows, keys, picture=None):
         """Begins a trial, waits for its end and answers."""
-        self.press("Return")
-        if picture:
-            self.wait_for_marker("interval")
-            self.save(picture)
-        self.wait_for_marker("question")
+        self.begin(picture)
         self.press(*keys)
         self.wait_for_rows(out, rows)
 
@@ -406,16 +447,13 @@ class Window(StudyTest):
         self.press("space", "d", "s", "m")  # keys of the normal window: no function in a study
         self.press("1")
         self.answer("rating", 1, ["4"], picture="trial")
-        self.press("Return")
-        self.wait_for_marker("question")
+        self.begin()
         question = self.save("question")
         self.press("8", "2")  # 8 is no step of this scale
         self.wait_for_rows("rating", 2)
-        self.save("pause")
-        self.press("Return")
+        self.go_on("pause")
         self.answer("rating", 3, ["5"])
-        self.save("thanks")
-        self.finish(client)
+        self.finish(client, "thanks")
         self.assertEqual([row["answer"] for row in self.read_rows("rating")], ["4", "2", "5"])
         self.assertNotEqual(consent.tobytes(), question.tobytes())
 
@@ -425,8 +463,7 @@ class Window(StudyTest):
         client = self.start("choice")
         self.press("1")
         for rows, key in ((1, "1"), (2, "2")):
-            self.press("Return")
-            self.wait_for_marker("question")
+            self.begin()
             if rows == 1:
                 self.save("choice")
             self.press(key)
@@ -441,15 +478,14 @@ class Window(StudyTest):
         self.study(comparison=None, question={"kind": "vas", "text": "How stiff?", "low": "soft", "high": "hard"})
         client = self.start("vas")
         self.xdo("mousemove", "640", "358")  # the answer "I agree"
-        time.sleep(0.3)
+        wait_until(lambda: self.grab().getpixel((200, 358))[2] == 250, "the answer is not lit under the mouse")
         self.xdo("click", "1")
         self.answer("vas", 1, ["Right", "Right", "Right", "Return"])
-        self.press("Return")
-        self.wait_for_marker("question")
+        self.begin()
         self.save("scale")
         self.press("Return")
         self.wait_for_rows("vas", 2)
-        self.press("Return")
+        self.go_on()  # the pause
         self.answer("vas", 3, ["Left", "Return"])
         self.finish(client)
         self.assertEqual([row["answer"] for row in self.read_rows("vas")], ["56", "50", "48"])
@@ -457,16 +493,18 @@ class Window(StudyTest):
     def test_the_stop_key_makes_the_trial_void_and_it_comes_again(self):
         self.study(**RATING)
         client = self.start("stop")
-        self.press("1", "Return")
-        self.wait_for_marker("interval")
+        self.press("1")
+        self.go_on()
+        self.markers.wait_for("interval")
         self.press("Escape")
+        self.wait_for_prompt()
         self.wait_for_rows("stop", 1)
         self.save("stopped")
         self.press("1")
         for rows in range(2, 4):
             self.answer("stop", rows, ["3"])
             if rows == 2:
-                self.press("Return")  # the pause
+                self.go_on()  # the pause
         self.answer("stop", 4, ["3"])
         self.finish(client)
         rows = self.read_rows("stop")
@@ -478,9 +516,9 @@ class Window(StudyTest):
         self.study(**RATING)
         client = self.start("closed")
         self.press("1")
-        time.sleep(0.3)
+        self.wait_for_prompt()
         client.terminate()
-        _, errors = client.communicate(timeout=20)
+        _, errors = client.communicate(timeout=SOON_S)
         self.assertEqual(client.returncode, 1)
         self.assertIn("3 trials are left", errors)
 

@@ -8,9 +8,9 @@
 
 namespace hapticast::testing {
 
-/// Returns the next frame of a live source; nullopt if none comes for about 20 s.
+/// Returns the next frame of a live source; nullopt if none comes for about 60 s.
 inline std::optional<server::RgbdFrame> readLive(server::RgbdSource& source) {
-  constexpr int kMostReads = 400;  // of 50 ms
+  constexpr int kMostReads = 1200;  // of 50 ms
   for (int i = 0; i < kMostReads; ++i) {
     if (auto frame = source.read()) return frame;
   }

@@ -13,7 +13,6 @@
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
-#include <thread>
 
 namespace hapticast::testing {
 
@@ -103,15 +102,6 @@ long Process::residentMemory_kB() const {
     if (line.starts_with("VmRSS:")) return std::stol(line.substr(6));
   }
   return 0;
-}
-
-bool waitUntil(std::chrono::seconds deadline, const std::function<bool()>& done) {
-  const auto give_up = std::chrono::steady_clock::now() + deadline;
-  while (!done()) {
-    if (std::chrono::steady_clock::now() > give_up) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
-  }
-  return true;
 }
 
 std::size_t countOccurrences(const std::string& text, const std::string& where) {

@@ -6,11 +6,12 @@
 #include <sys/types.h>
 
 #include <chrono>
-#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "tests/support/waiting.hpp"
 
 namespace hapticast::testing {
 
@@ -43,9 +44,6 @@ class Process {
   std::optional<int> exit_code_;
   std::string output_file_;
 };
-
-/// Asks `done` every 20 ms until it says yes; false when it has not by the deadline.
-bool waitUntil(std::chrono::seconds deadline, const std::function<bool()>& done);
 
 /// How often `text` stands in `where`.
 std::size_t countOccurrences(const std::string& text, const std::string& where);

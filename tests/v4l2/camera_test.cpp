@@ -7,7 +7,6 @@
 #include <cmath>
 #include <future>
 #include <string>
-#include <thread>
 
 #include "server/source/live/v4l2_picture.hpp"
 #include "tests/support/live_source.hpp"
@@ -69,7 +68,9 @@ TEST_F(V4l2Camera, ColourAndDepthAreOfOneMoment) {
 TEST_F(V4l2Camera, ASlowReaderGetsTheNewestFrame) {
   const auto source = openSource(kSpec, 0.0);
   for (int i = 0; i < 3; ++i) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(150));  // more frames than buffers
+    // More frames than buffers.
+    EXPECT_TRUE(waitUntil(
+        kSoon, [last = testing::nodeFrames()] { return testing::nodeFrames() > last + 7; }));
     const auto frame = testing::readLive(*source);
     ASSERT_TRUE(frame);
     expectWhole(*frame);
@@ -128,7 +129,7 @@ TEST_F(V4l2Camera, AnUnpluggedOneComesBack) {
       if (!frame || frame->epoch == 1) return frame;
     }
   });
-  ASSERT_TRUE(testing::waitUntil(kSoon, [&] {
+  ASSERT_TRUE(waitUntil(kSoon, [&] {
     return log.text().find("was unplugged (No such device)") != std::string::npos;
   }));
   color_.plugged = depth_.plugged = true;

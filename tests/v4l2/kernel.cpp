@@ -19,7 +19,8 @@
 #include <map>
 #include <mutex>
 #include <string_view>
-#include <thread>
+
+#include "tests/support/waiting.hpp"
 
 namespace hapticast::testing {
 namespace {
@@ -41,10 +42,6 @@ std::mutex mutex;  // of all below
 std::array<NodeOrders, 2> orders;
 std::map<int, OpenNode> open_nodes;  // by file descriptor; entries of closed files are replaced
 
-std::uint64_t numberNow() {
-  return static_cast<std::uint64_t>(std::chrono::steady_clock::now().time_since_epoch() / kPeriod);
-}
-
 std::uint32_t rowBytes(const NodeOrders& node) { return 2 * node.width_px + node.gap_bytes; }
 std::uint32_t imageBytes(const NodeOrders& node) { return rowBytes(node) * node.height_px; }
 std::uint32_t bufferBytes(const NodeOrders& node) { return (imageBytes(node) + 4095U) & ~4095U; }
@@ -64,7 +61,7 @@ std::vector<std::uint8_t> draw(const NodeOrders& node, bool is_depth, std::uint6
 /// Fills buffers with the frames that are due; without a free buffer a frame is lost.
 void advance(int fd, OpenNode& node) {
   const NodeOrders& order = orders.at(node.is_depth ? 1 : 0);
-  for (; node.streams && !node.gone && node.number < numberNow(); ++node.number) {
+  for (; node.streams && !node.gone && node.number < nodeFrames(); ++node.number) {
     if (!order.delivers || node.queued.empty()) continue;
     v4l2_buffer buffer{};
     buffer.index = node.queued.front();
@@ -139,7 +136,7 @@ int answer(int fd, OpenNode& node, unsigned long request, void* argument) {
       return dequeue(fd, node, buffer);
     case VIDIOC_STREAMON:
       node.streams = true;
-      node.number = numberNow();
+      node.number = nodeFrames();
       return 0;
     default:
       return fail(ENOTTY);
@@ -171,6 +168,10 @@ int countReady(pollfd* files, nfds_t count) {
 }
 
 }  // namespace
+
+std::uint64_t nodeFrames() {
+  return static_cast<std::uint64_t>(std::chrono::steady_clock::now().time_since_epoch() / kPeriod);
+}
 
 void orderNodes(const NodeOrders& color, const NodeOrders& depth) {
   const std::lock_guard lock(mutex);
@@ -213,6 +214,6 @@ extern "C" int poll(pollfd* files, nfds_t count, int timeout_ms) {
     const int ready = countReady(files, count);
     if (ready < 0) return static_cast<int>(::syscall(SYS_poll, files, count, timeout_ms));
     if (ready > 0 || std::chrono::steady_clock::now() >= end) return ready;
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    hapticast::restBetweenTurns(std::chrono::milliseconds(1));
   }
 }

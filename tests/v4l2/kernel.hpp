@@ -29,6 +29,9 @@ inline constexpr int kNodeFps = 50;
 /// it open.
 void orderNodes(const NodeOrders& color, const NodeOrders& depth);
 
+/// Number of the frame that the nodes are at.
+std::uint64_t nodeFrames();
+
 /// Depth of every pixel of frame `number`, mm; and the brightness (Y of YUV) of its colour.
 constexpr int depthOf_mm(std::uint64_t number) { return 1000 + static_cast<int>(number % 100); }
 constexpr int brightnessOf(std::uint64_t number) { return 16 + 2 * static_cast<int>(number % 100); }

@@ -10,7 +10,7 @@
 
 #include "tests/support/device/light_device.h"
 
-enum { DEVICES = 2, ERROR = -1, TIMEGUARD = 1, SATURATED = 2, LONG_TIME_MS = 600000 };
+enum { DEVICES = 2, ERROR = -1, TIMEGUARD = 1, SATURATED = 2 };
 
 #ifdef WITHOUT_POSITION
 #define dhdGetPosition dhdGetAnotherPosition
@@ -79,7 +79,7 @@ int dhdSetForce(double x_N, double y_N, double z_N, char number) {
 int dhdGetPosition(double* x_m, double* y_m, double* z_m, char number) {
   if (!is_open[(int)number] || has("position_fails") || fails()) return ERROR;
   if (has("slow")) sleep_ms(5);
-  if (has("hang")) sleep_ms(LONG_TIME_MS);
+  if (has("hang")) hang();
   if (has("segv")) raise(SIGSEGV);
   if (has("timeguard")) return TIMEGUARD;
   move_light_device(&light, now_ns());

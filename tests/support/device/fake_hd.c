@@ -10,7 +10,7 @@
 
 #include "tests/support/device/light_device.h"
 
-enum { LONG_TIME_MS = 600000, HANDLE = 7 };
+enum { HANDLE = 7 };
 enum { INVALID_VALUE = 0x101, WARM_MOTORS = 0x200, EXCEEDED_FORCE = 0x201, FAULT = 0x300,
        COMMUNICATION = 0x302, BUTTONS = 0x2000, POSITION = 0x2050, SERIAL_NUMBER = 0x2504,
        CALIBRATION_STYLE = 0x2555, FORCE = 0x2700, FORCE_OUTPUT = 0x4000, CALIBRATED = 0x5000,
@@ -98,7 +98,7 @@ void hdDisable(unsigned capability) {
 
 void hdBeginFrame(unsigned device) {
   if (has("slow")) sleep_ms(5);
-  if (has("hang")) sleep_ms(LONG_TIME_MS);
+  if (has("hang")) hang();
   if (has("segv") && light.trace->opened == 1) raise(SIGSEGV);
   move_light_device(&light, now_ns());
   if (!has("frozen")) frozen_mm = light.position_mm[2];

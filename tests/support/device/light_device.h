@@ -35,6 +35,11 @@ static inline void sleep_ms(long ms) {
   nanosleep(&time, NULL);
 }
 
+/* Does not return any more. */
+static inline void hang(void) {
+  for (;;) pause();
+}
+
 /* Maps the trace `file` and lifts the hand. Returns 0 if there is no such file. */
 static inline int begin_light_device(struct light_device* device, const char* file) {
   const int descriptor = open(file == NULL ? "" : file, O_RDWR | O_CLOEXEC);

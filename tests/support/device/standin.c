@@ -38,7 +38,7 @@ static int list(const hapticast_host* host, void (*found)(void*, const char*, co
                 void* to, char why[256]) {
   const char* const fault = option(host, "fault");
   int count = strcmp(fault, "crowd") == 0 ? 10000 : 1;
-  if (strcmp(fault, "list_hangs") == 0) sleep_ms(60000);
+  if (strcmp(fault, "list_hangs") == 0) hang();
   if (strcmp(fault, "list_fails") == 0) {
     snprintf(why, 256, "the bus \033[31mis\007 off");
     return HAPTICAST_LOST;
@@ -59,7 +59,7 @@ static hapticast_device* open_device(const hapticast_host* host, const char* id,
     free(device);
     return NULL;
   }
-  if (strcmp(device->fault, "open_hangs") == 0) sleep_ms(600000);
+  if (strcmp(device->fault, "open_hangs") == 0) hang();
   ++device->light.trace->opened;
   host->log(host->self, "standin: \033[31mopened\007");
   profile->delay_ticks = 1;
@@ -76,7 +76,7 @@ static hapticast_device* open_device(const hapticast_host* host, const char* id,
 
 static int wait(hapticast_device* device, int64_t until) {
   const struct timespec time = {(time_t)(until / 1000000000), (long)(until % 1000000000)};
-  if (has(device, "wait_hangs")) sleep_ms(600000);
+  if (has(device, "wait_hangs")) hang();
   clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &time, NULL);
   return HAPTICAST_OK;
 }
@@ -94,7 +94,7 @@ static void misbehave(hapticast_device* device, int64_t now) {
   if (has(device, "lost")) state->status = HAPTICAST_LOST;
   if (has(device, "chatter")) device->host->log(device->host->self, "standin: chatter");
   if (has(device, "slow")) sleep_ms(5);
-  if (has(device, "exchange_hangs")) sleep_ms(600000);
+  if (has(device, "exchange_hangs")) hang();
   if (has(device, "segv")) raise(SIGSEGV);
   if (has(device, "abort")) abort();
   if (has(device, "exit")) exit(0);

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/waiting.hpp"
+
 namespace hapticast {
 namespace {
 
@@ -110,9 +112,13 @@ struct TcpServerEndTest : TcpChannelTest {
     for (const std::string& piece : pieces) {
       asio::write(peer, asio::buffer(piece));
       io.restart();
-      io.run_for(std::chrono::milliseconds(20));
+      io.poll();
     }
-    EXPECT_TRUE(done);
+    EXPECT_TRUE(waitUntil(std::chrono::seconds(60), [&] {
+      io.restart();
+      io.poll();
+      return done;
+    }));
     return result;
   }
   void sendAnswer() {

@@ -9,6 +9,7 @@
 #include "server/source/child/mask_task.hpp"
 #include "tests/scenes/drawn_source.hpp"
 #include "tests/support/temp_folder.hpp"
+#include "tests/support/waiting.hpp"
 
 namespace hapticast::server {
 namespace {
@@ -121,8 +122,8 @@ TEST(ChildSource, ASlowReaderGetsEachFrameAfterItsChildDied) {
       "        os._exit(3)\n";
   const auto source = openDepth(depthChild(folder, dies), 20);
   for (std::uint64_t i = 0; i < 20; ++i) {
-    // The pause before the next child is over when the frames are read.
-    if (i == 2) std::this_thread::sleep_for(std::chrono::milliseconds(1500));
+    // The pause before the next child (1 s) is over when the frames are read.
+    if (i == 2) restBetweenTurns(std::chrono::milliseconds(1500));
     const auto frame = source->read();
     ASSERT_TRUE(frame);
     EXPECT_EQ(frame->index, i);
@@ -149,7 +150,7 @@ class LiveColors final : public RgbdSource {
   LiveColors() : info_(makeColors(1)->info()) { info_.live = true; }
   [[nodiscard]] const SourceInfo& info() const override { return info_; }
   std::optional<RgbdFrame> read() override {
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    restBetweenTurns(std::chrono::milliseconds(5));
     RgbdFrame frame;
     frame.index = next_++;
     frame.clip_time_s = double(frame.index) / 200.0;
@@ -174,14 +175,15 @@ TEST(ChildSource, ALiveSourceGoesOnInANewEpochAfterItsChildDied) {
         std::make_unique<DepthTask>(depthChild(folder, dies, late), kRelativeRange, nullptr),
         nullptr);
     std::uint32_t epoch = 0;
-    for (int i = 0; i < 2000 && epoch == 0; ++i) {  // about 2 s: the pause before a new child
+    EXPECT_TRUE(waitUntil(std::chrono::seconds(60), [&] {
       const auto frame = source.read();
-      if (!frame) continue;
+      if (!frame) return false;
       EXPECT_EQ(frame->depth.at<float>(1, 1), 1000.0F + float(frame->index % 200));
       EXPECT_LT(frame->age, std::chrono::seconds(1));
       epoch = frame->epoch;
       EXPECT_TRUE(epoch == 0 || frame->clip_time_s < 0.5);
-    }
+      return epoch > 0;
+    }));
     EXPECT_EQ(epoch, 1U) << late;
   }
 }
@@ -202,15 +204,15 @@ TEST(ChildSource, AWrongCommandIsOneLine) {
   EXPECT_THAT(describeProblem("echo hello"), HasSubstr("writes 'hello', which is no header"));
   EXPECT_THAT(describeProblem("yes | tr -d '\\n'"), HasSubstr("writes no line with a header"));
   EXPECT_THAT(describeProblem("echo 4097 4 metric_mm"), HasSubstr("no header"));
-  EXPECT_THAT(describeProblem("exec >&-; sleep 5"), HasSubstr("closes its stdout"));
+  EXPECT_THAT(describeProblem("exec >&-; cat >/dev/null"), HasSubstr("closes its stdout"));
   EXPECT_THAT(describeProblem("printf '1 4 inverse\\n%16s'"), HasSubstr("another shape"));
   EXPECT_THAT(describeProblem("command false"), HasSubstr("ended with exit code 1"));
 }
 
 TEST(ChildSource, AnswersBeyondThePicturesEndTheChild) {
-  ChildPipe pipe("printf '0 0\\n0 0\\n'; sleep 5",
+  ChildPipe pipe("printf '0 0\\n0 0\\n'; cat >/dev/null",
                  [](const std::string&) { return std::optional<std::size_t>(0); });
-  EXPECT_FALSE(pipe.pop(std::chrono::seconds(10)));
+  EXPECT_FALSE(pipe.pop(std::chrono::seconds(60)));
   EXPECT_EQ(pipe.problem(), "writes more answers than it received pictures");
 }
 

@@ -22,6 +22,7 @@
 
 #include "common/transport/asio.hpp"
 #include "server/source/video/video_file.hpp"
+#include "tests/support/waiting.hpp"
 #include "tests/unit/server/source_files.hpp"
 
 namespace hapticast::server {
@@ -34,7 +35,7 @@ using testing::Not;
 
 constexpr const char* kHttpStart = "HTTP/1.0 200 OK\r\nContent-Type: video/mp2t\r\n\r\n";
 const VideoLayout kBeside{Layout::kSideBySide, DepthCode::kGrey};
-constexpr int kLongest_ms = 20'000;  // for what takes moments on an idle machine
+constexpr int kLongest_ms = 60'000;  // for what takes moments on an idle machine
 
 /// Serves HTTP on a port of this machine, one connection after the other.
 class HttpSender {
@@ -76,7 +77,7 @@ class HttpSender {
     for (std::size_t i = 0; i < steps; ++i) {
       const std::size_t from = bytes.size() * i / steps;
       if (!send(bytes.substr(from, bytes.size() * (i + 1) / steps - from))) return false;
-      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+      restBetweenTurns(std::chrono::milliseconds(20));
     }
     return true;
   }
