@@ -1,6 +1,6 @@
 # A program starts fast, and its process stays small, if it loads few libraries at its start. The client opens libav with
 # hapticast-media.so when it needs it. Usage: cmake -DPROGRAM=hapticast-client -P loaded_libraries.cmake
-set(most 190)
+set(most 120)
 execute_process(COMMAND ldd ${PROGRAM} OUTPUT_VARIABLE listing RESULT_VARIABLE failed)
 if(failed)
   message(FATAL_ERROR "ldd ${PROGRAM} failed")
