@@ -59,12 +59,18 @@ constexpr ContactFault kRunFaults[] = {
     {"exchange_hangs", "its driver does not return from a call; the helper ends it"},
 };
 
-TEST_F(ProgramsDeviceTest, ADriverThatMisbehavesInContactEndsAtZeroWithOneLine) {
-  misbehaveInContact(kRunFaults, 5,
+/// The parameter: what the driver does while a force acts.
+class ProgramsFaultyDriverTest : public ProgramsDeviceTest,
+                                 public ::testing::WithParamInterface<ContactFault> {};
+
+TEST_P(ProgramsFaultyDriverTest, EndsAtZeroWithOneLine) {
+  misbehaveInContact(std::span(&GetParam(), 1), 5,
                      [this](const auto& address, const Trace& trace, const auto& fault) {
                        return touchWith(address, trace, fault);
                      });
 }
+INSTANTIATE_TEST_SUITE_P(Faults, ProgramsFaultyDriverTest, ::testing::ValuesIn(kRunFaults),
+                         [](const auto& fault) { return std::string(fault.param.name); });
 
 TEST_F(ProgramsDeviceTest, ADeviceLostInATrialOfAStudyMakesTheTrialVoidAndItComesAgain) {
   const auto bake = start(HAPTICAST_SERVER_PROGRAM,
