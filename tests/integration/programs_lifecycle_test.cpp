@@ -125,7 +125,7 @@ TEST_F(ProgramsLifeTest, AKilledAndAStoppedViewerDoNotDisturbTheOthers) {
   EXPECT_EQ(killed.wait(kSoon), 128 + SIGKILL);
   stopped.signal(SIGSTOP);
   // Dropped, when it has taken nothing or said nothing for long.
-  EXPECT_TRUE(waitUntil(kSoon, [&] {
+  EXPECT_TRUE(waitUntil(kStart, [&] {
     (void)lastId();
     return countOccurrences("closing 127.0.0.1", server->output()) == 1;
   })) << server->output();

@@ -2,6 +2,7 @@
 """A study as a lab runs it: start, answers, results. HAPTICAST_SERVER and HAPTICAST_CLIENT are the
 programs. The group `window` needs Xvfb and xdotool; it stores its screenshots in STUDY_PICTURES."""
 
+import contextlib
 import json
 import os
 import pathlib
@@ -63,6 +64,18 @@ class Markers:
     def flags(self):
         return ["--markers", f"127.0.0.1:{self.socket.getsockname()[1]}"]
 
+    def count(self, events, client):
+        """Waits until a number of events has come, or the client has ended."""
+        left = events
+
+        def is_done():
+            nonlocal left
+            with contextlib.suppress(BlockingIOError):
+                while left > 0 and self.socket.recv(1000, socket.MSG_DONTWAIT):
+                    left -= 1
+            return left == 0 or client.poll() is not None
+        wait_until(is_done, lambda: f"{left} of {events} events did not come")
+
     def wait_for(self, words):
         """Waits for the next event with these words, such as question; returns all lines until then."""
         lines = []
@@ -119,17 +132,19 @@ class Run(StudyTest):
         moments, kills = random.Random(20261129), 0
         while kills < wanted:
             begun = (self.folder / "killed/sub-07/motion/sub-07_task-test_events.tsv").exists()
-            client = subprocess.Popen(self.command("killed", *(["--resume"] if begun else [])),
-                                      stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-            try:
-                _, errors = client.communicate(timeout=moments.uniform(0.2, 1.2))
+            with Markers() as markers:
+                flags = [*(["--resume"] if begun else []), *markers.flags()]
+                client = subprocess.Popen(self.command("killed", *flags),
+                                          stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+                # A trial has four events. The pauses of the wait make the moment between two of them random.
+                markers.count(moments.randrange(8), client)
+            if begun and client.poll() is not None:
+                _, errors = client.communicate()
                 self.assertEqual(client.returncode, 0, errors)
-                if begun:
-                    break  # complete
-            except subprocess.TimeoutExpired:
-                client.kill()
-                client.communicate()
-                kills += 1
+                break  # complete
+            client.kill()
+            client.communicate()
+            kills += 1
         rest = self.run_client("killed", "--resume")
         self.assertEqual(rest.returncode, 0, rest.stderr)
         self.assertEqual(self.plan(self.read_rows("killed")), expected)

@@ -204,13 +204,13 @@ TEST(ChildSource, AWrongCommandIsOneLine) {
   EXPECT_THAT(describeProblem("echo hello"), HasSubstr("writes 'hello', which is no header"));
   EXPECT_THAT(describeProblem("yes | tr -d '\\n'"), HasSubstr("writes no line with a header"));
   EXPECT_THAT(describeProblem("echo 4097 4 metric_mm"), HasSubstr("no header"));
-  EXPECT_THAT(describeProblem("exec >&-; cat >/dev/null"), HasSubstr("closes its stdout"));
+  EXPECT_THAT(describeProblem("exec >&-; kill -STOP $$"), HasSubstr("closes its stdout"));
   EXPECT_THAT(describeProblem("printf '1 4 inverse\\n%16s'"), HasSubstr("another shape"));
   EXPECT_THAT(describeProblem("command false"), HasSubstr("ended with exit code 1"));
 }
 
 TEST(ChildSource, AnswersBeyondThePicturesEndTheChild) {
-  ChildPipe pipe("printf '0 0\\n0 0\\n'; cat >/dev/null",
+  ChildPipe pipe("printf '0 0\\n0 0\\n'; kill -STOP $$",
                  [](const std::string&) { return std::optional<std::size_t>(0); });
   EXPECT_FALSE(pipe.pop(std::chrono::seconds(60)));
   EXPECT_EQ(pipe.problem(), "writes more answers than it received pictures");
