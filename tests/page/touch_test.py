@@ -135,6 +135,16 @@ class Touch(support.BallTest):
         self.page.wait_for_force(most=True)
         self.assertEqual(self.page.get("hapticast.stats.target_mm[2]"), 35)
 
+    def test_a_warning_moves_no_picture(self):
+        place = "JSON.stringify(document.getElementById('flat').getBoundingClientRect())"
+        before = self.page.get(place)
+        self.page.driver.execute_script(
+            "const states = document.getElementById('states').cloneNode();"
+            "Object.assign(states, {hidden: false, innerText: 'the page misses its milliseconds'});"
+            "document.getElementById('states').after(states)")
+        self.addCleanup(self.page.driver.refresh)
+        self.assertEqual(self.page.get(place), before)
+
     def test_the_relief_is_touched_and_turned(self):
         body = self.page.driver.find_element("id", "flat")
         body.send_keys("v")

@@ -50,11 +50,11 @@ class Trust(support.PageTest):
         wrong = key[::-1]
         self.check_failure(f"{server.link}#origin-key={wrong}", "key")
         page.shoot("wrong-key")
-        connections = server.output().count("web page")
+        connections = server.output().count(" joined")
         page.touchable(f"{server.link}#origin-key={wrong}&origin-key={key}")
         page.wait("hapticast.stream.signature === 'signed'", "the frames are not signed")
         self.assertIn(f"origin-key={key}", page.driver.current_url)
-        self.assertLessEqual(server.output().count("web page"), connections + 1)
+        self.assertLessEqual(server.output().count(" joined"), connections + 1)
         self.check_failure(f"{server.link}#origin-key=0123", "key")
         self.check_failure(f"{server.link}#origin-key=", "key")  # a link that was cut
 
