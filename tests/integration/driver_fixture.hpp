@@ -4,7 +4,6 @@
 
 #include <functional>
 #include <memory>
-#include <span>
 #include <string>
 
 #include "tests/integration/programs_fixture.hpp"
@@ -26,30 +25,26 @@ class ProgramsWithDriverTest : public ProgramsTest {
   /// Starts a client for a server's address; its device does what `trace` and `fault` say.
   using Touch = std::function<std::unique_ptr<Process>(
       const std::string& address, const Trace& trace, const std::string& fault)>;
-  /// Starts a client for each fault. The fault begins when a force acts: the force ends at zero, it
-  /// was within the limits, and the user gets the line at most `most_lines` times.
-  void misbehaveInContact(std::span<const ContactFault> faults, std::size_t most_lines,
+  /// Starts a client. The fault begins when a force acts: the force ends at zero, it was within the
+  /// limits, and the user gets the line at most `most_lines` times.
+  void misbehaveInContact(const ContactFault& fault, std::size_t most_lines,
                           const Touch& touch) const {
     const auto server = startStillServer();
-    const std::string address = addressOf(*server);
-    for (const ContactFault& fault : faults) {
-      SCOPED_TRACE(fault.name);
-      const Trace trace(path(std::string(fault.name) + ".trace"));
-      const auto client = touch(address, trace, fault.name);
-      ASSERT_TRUE(waitUntil(kSoon, [&] { return trace->force_N > 0.3; })) << client->output();
-      trace->go = 1;
-      EXPECT_TRUE(client->says(fault.line, kSoon)) << client->output();
-      // A fault without a line is there for many exchanges.
-      EXPECT_TRUE(waitUntil(kSoon, [&, from = trace->exchanges] {
-        return *fault.line != '\0' || trace->exchanges > from + 100;
-      })) << client->output();
-      interrupt(*client);
-      EXPECT_EQ(trace->force_N, 0.0) << client->output();
-      EXPECT_LE(trace->most_N, 3.3 + 1e-9) << "no watchdog of its own";
-      EXPECT_EQ(client->output().find('\x1b'), std::string::npos);
-      if (*fault.line != '\0') {
-        EXPECT_LE(countOccurrences(fault.line, client->output()), most_lines) << client->output();
-      }
+    const Trace trace(path("trace"));
+    const auto client = touch(addressOf(*server), trace, fault.name);
+    ASSERT_TRUE(waitUntil(kSoon, [&] { return trace->force_N > 0.3; })) << client->output();
+    trace->go = 1;
+    EXPECT_TRUE(client->says(fault.line, kSoon)) << client->output();
+    // A fault without a line is there for many exchanges.
+    EXPECT_TRUE(waitUntil(kSoon, [&, from = trace->exchanges] {
+      return *fault.line != '\0' || trace->exchanges > from + 100;
+    })) << client->output();
+    interrupt(*client);
+    EXPECT_EQ(trace->force_N, 0.0) << client->output();
+    EXPECT_LE(trace->most_N, 3.3 + 1e-9) << "no watchdog of its own";
+    EXPECT_EQ(client->output().find('\x1b'), std::string::npos);
+    if (*fault.line != '\0') {
+      EXPECT_LE(countOccurrences(fault.line, client->output()), most_lines) << client->output();
     }
     interrupt(*server);
   }

@@ -64,7 +64,7 @@ class ProgramsFaultyDriverTest : public ProgramsDeviceTest,
                                  public ::testing::WithParamInterface<ContactFault> {};
 
 TEST_P(ProgramsFaultyDriverTest, EndsAtZeroWithOneLine) {
-  misbehaveInContact(std::span(&GetParam(), 1), 5,
+  misbehaveInContact(GetParam(), 5,
                      [this](const auto& address, const Trace& trace, const auto& fault) {
                        return touchWith(address, trace, fault);
                      });

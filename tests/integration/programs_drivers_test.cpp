@@ -115,15 +115,6 @@ class ProgramsDriversTest : public ProgramsWithDriverTest {
     return client->output();
   }
   void touchAndCompare(const std::string& device, const std::string& library) const;
-  void misbehaveInContact(const std::string& device, const std::string& library,
-                          std::span<const ContactFault> faults) const {
-    ProgramsWithDriverTest::misbehaveInContact(
-        faults, 4, [&](const auto& address, const Trace& trace, const std::string& fault) {
-          return startBeside(library, fault, trace,
-                             {address, "--view", "off", "--device", device, "--fault-dir",
-                              path("faults"), "--summary", path(fault + ".json")});
-        });
-  }
   nlohmann::json readSummary(const std::string& file) const {
     std::ifstream in(path(file));
     return nlohmann::json::parse(in);
@@ -172,11 +163,6 @@ constexpr ContactFault kDhdFaults[] = {
     {"hang", "its driver does not return from a call; the helper ends it"},
 };
 
-TEST_F(ProgramsDriversTest, ADhdLibraryThatMisbehavesInContactEndsAtZeroWithOneLine) {
-  ASSERT_NO_FATAL_FAILURE(misbehaveInContact("dhd", "fake_dhd", kDhdFaults));
-  EXPECT_GT(readSummary("saturated.json").at("device").at("saturated"), 0);
-}
-
 TEST_F(ProgramsDriversTest, ATouchRendersTheForcesOfTheLog) { touchAndCompare("touch", "fake_hd"); }
 
 constexpr ContactFault kHdFaults[] = {
@@ -191,10 +177,33 @@ constexpr ContactFault kHdFaults[] = {
     {"hang", "touch: its library does not call back; the motors are off"},
 };
 
-TEST_F(ProgramsDriversTest, AnHdLibraryThatMisbehavesInContactEndsAtZeroWithOneLine) {
-  ASSERT_NO_FATAL_FAILURE(misbehaveInContact("touch", "fake_hd", kHdFaults));
-  EXPECT_GT(readSummary("limited.json").at("device").at("saturated"), 0);
-}
+/// The parameter: what the library does while a force acts.
+class ProgramsFaultyLibraryTest : public ProgramsDriversTest,
+                                  public ::testing::WithParamInterface<ContactFault> {
+ protected:
+  void misbehaveInContact(const char* device, const char* library) const {
+    const auto touch = [&](const auto& address, const Trace& trace, const std::string& fault) {
+      return startBeside(library, fault, trace,
+                         {address, "--view", "off", "--device", device, "--fault-dir",
+                          path("faults"), "--summary", path("summary.json")});
+    };
+    ASSERT_NO_FATAL_FAILURE(ProgramsDriversTest::misbehaveInContact(GetParam(), 4, touch));
+    const std::string fault = GetParam().name;
+    if (fault == "saturated" || fault == "limited") {
+      EXPECT_GT(readSummary("summary.json").at("device").at("saturated"), 0);
+    }
+  }
+};
+
+class ProgramsFaultyDhdTest : public ProgramsFaultyLibraryTest {};
+TEST_P(ProgramsFaultyDhdTest, EndsAtZeroWithOneLine) { misbehaveInContact("dhd", "fake_dhd"); }
+INSTANTIATE_TEST_SUITE_P(Faults, ProgramsFaultyDhdTest, ::testing::ValuesIn(kDhdFaults),
+                         [](const auto& fault) { return std::string(fault.param.name); });
+
+class ProgramsFaultyHdTest : public ProgramsFaultyLibraryTest {};
+TEST_P(ProgramsFaultyHdTest, EndsAtZeroWithOneLine) { misbehaveInContact("touch", "fake_hd"); }
+INSTANTIATE_TEST_SUITE_P(Faults, ProgramsFaultyHdTest, ::testing::ValuesIn(kHdFaults),
+                         [](const auto& fault) { return std::string(fault.param.name); });
 
 /// A start beside a stand-in library, its exit code, and a part of what the client says.
 struct Opening {

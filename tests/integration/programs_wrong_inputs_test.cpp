@@ -2,8 +2,10 @@
 // wrong_inputs.txt: what a newcomer may type, with the line and the exit code that he gets.
 #include <regex>
 
+#include "client/program.hpp"
 #include "common/build_options.hpp"
 #include "common/cli/parse.hpp"
+#include "server/program.hpp"
 #include "tests/integration/programs_fixture.hpp"
 
 namespace hapticast::testing {
@@ -34,6 +36,18 @@ std::string replaced(std::string text, const std::string& what, const std::strin
   return text;
 }
 
+/// Runs the main function of a program in this process.
+int runMain(const std::string& program, std::vector<std::string> words) {
+  const bool is_server = program == "server";
+  words.insert(words.begin(), is_server ? HAPTICAST_SERVER_PROGRAM : HAPTICAST_CLIENT_PROGRAM);
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  const int count = static_cast<int>(words.size());
+  return is_server ? server::runMain(count, arguments.data())
+                   : client::runMain(count, arguments.data());
+}
+
 /// The output of a program, without the time and the level in front of each line.
 std::string formatLines(const std::string& output) {
   static const std::regex kFront(R"(^[0-9]{2}:[0-9]{2}:[0-9]{2}\.[0-9]{3} (warning|error) )",
@@ -41,11 +55,7 @@ std::string formatLines(const std::string& output) {
   return std::regex_replace(output, kFront, "");
 }
 
-constexpr std::size_t kShards = 4;  // that run side by side
-
-/// The parameter: every record whose number has this rest when divided by kShards.
-class ProgramsWrongInputsTest : public ProgramsTest,
-                                public ::testing::WithParamInterface<std::size_t> {
+class ProgramsWrongInputsTest : public ProgramsTest {
  protected:
   /// The table; its files are made.
   [[nodiscard]] std::vector<WrongInput> readTable() const {
@@ -73,31 +83,26 @@ class ProgramsWrongInputsTest : public ProgramsTest,
   }
 };
 
-TEST_P(ProgramsWrongInputsTest, EachGetsExactlyItsLine) {
+TEST_F(ProgramsWrongInputsTest, EachGetsExactlyItsLine) {
   const auto table = readTable();
   EXPECT_GE(table.size(), 60U);
   const auto other = startServer({"--source", makeClip("clip"), "--loop"});
   const std::string used = addressOf(*other);
   const std::string folder = path("").substr(0, path("").size() - 1);
-  for (std::size_t i = GetParam(); i < table.size(); i += kShards) {
-    const WrongInput& each = table[i];
+  for (const WrongInput& each : table) {
     const bool of_a_name = each.arguments.find("--announce") != std::string::npos ||
                            each.arguments.find("mdns:") != std::string::npos;
     if (of_a_name && !kHasDiscovery) continue;
     const std::string arguments =
         replaced(replaced(each.arguments, "{DIR}", folder), "{USED}", used);
-    const char* const program =
-        each.program == "server" ? HAPTICAST_SERVER_PROGRAM : HAPTICAST_CLIENT_PROGRAM;
-    const auto process = start(program, wordsOf(arguments));
-    EXPECT_EQ(process->wait(kSoon), each.exit_code) << each.program << " " << each.arguments;
-    EXPECT_EQ(formatLines(process->output()),
+    Process process([&] { return runMain(each.program, wordsOf(arguments)); });
+    EXPECT_EQ(process.wait(kSoon), each.exit_code) << each.program << " " << each.arguments;
+    EXPECT_EQ(formatLines(process.output()),
               replaced(replaced(each.lines, "{DIR}", folder), "{USED}", used))
         << each.program << " " << each.arguments;
   }
   interrupt(*other);
 }
-INSTANTIATE_TEST_SUITE_P(Shards, ProgramsWrongInputsTest,
-                         ::testing::Range<std::size_t>(0, kShards));
 
 }  // namespace
 }  // namespace hapticast::testing

@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
@@ -27,7 +28,7 @@ std::string temporaryFile() {
 }
 
 /// In the child: nothing but system calls until the program runs.
-[[noreturn]] void become(char* const* arguments, const char* input_file, const char* output_file) {
+void prepareChild(const char* input_file, const char* output_file) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // a test that is killed leaves nothing running
   ::signal(SIGHUP, SIG_DFL);           // which nohup leaves ignored
   int input = ::open(input_file, O_RDONLY | O_NOCTTY);
@@ -37,8 +38,6 @@ std::string temporaryFile() {
   ::dup2(input, STDIN_FILENO);
   ::dup2(output, STDOUT_FILENO);
   ::dup2(output, STDERR_FILENO);
-  ::execv(arguments[0], arguments);
-  ::_exit(127);
 }
 }  // namespace
 
@@ -48,12 +47,26 @@ Process::Process(std::vector<std::string> command, const std::string& input)
   arguments.reserve(command.size() + 1);
   for (std::string& each : command) arguments.push_back(each.data());
   arguments.push_back(nullptr);
+  if (!isChild()) return;
+  prepareChild(input.c_str(), output_file_.c_str());
+  ::execv(arguments[0], arguments.data());
+  ::_exit(127);
+}
+
+Process::Process(const std::function<int()>& program) : output_file_(temporaryFile()) {
+  if (!isChild()) return;
+  prepareChild("/dev/null", output_file_.c_str());
+  const int exit_code = program();
+  (void)std::fflush(nullptr);
+  ::_exit(exit_code);  // the test's own ends (of GoogleTest, of statics) are the parent's
+}
+
+bool Process::isChild() {
+  (void)std::fflush(nullptr);  // what waits in the test's buffers is written once
   pid_ = ::fork();
-  if (pid_ < 0) {
-    ::unlink(output_file_.c_str());
-    throw std::runtime_error(command.front() + ": " + std::strerror(errno));
-  }
-  if (pid_ == 0) become(arguments.data(), input.c_str(), output_file_.c_str());
+  if (pid_ >= 0) return pid_ == 0;
+  ::unlink(output_file_.c_str());
+  throw std::runtime_error(std::string("no process: ") + std::strerror(errno));
 }
 
 Process::~Process() {
