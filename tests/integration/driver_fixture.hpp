@@ -19,9 +19,6 @@ struct ContactFault {
 
 class ProgramsWithDriverTest : public ProgramsTest {
  protected:
-  static std::unique_ptr<Process> startStillServer() {
-    return startServer({"--source", "synthetic:still", "--loop"});
-  }
   /// Starts a client for a server's address; its device does what `trace` and `fault` say.
   using Touch = std::function<std::unique_ptr<Process>(
       const std::string& address, const Trace& trace, const std::string& fault)>;

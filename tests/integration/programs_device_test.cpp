@@ -136,6 +136,16 @@ TEST_F(ProgramsDeviceTest, AZeroThatTheDeviceDoesNotConfirmIsReported) {
   interrupt(*server);
 }
 
+TEST_F(ProgramsDeviceTest, AReadingWithoutDataHasNoDelay) {
+  const auto server = startStillServer();
+  const Trace trace(path("trace"));
+  const auto client = touchWith(addressOf(*server), trace, "gaps");
+  EXPECT_TRUE(waitUntil(kSoon, [&] { return trace->exchanges > 500 || !client->running(); }));
+  EXPECT_TRUE(client->running()) << "a delay since the start of the machine: " << client->output();
+  interrupt(*client);
+  interrupt(*server);
+}
+
 TEST_F(ProgramsDeviceTest, AMeasuredDelayOverrulesASmallerOneOfTheProfile) {
   const auto server = startStillServer();
   const Trace trace(path("trace"));

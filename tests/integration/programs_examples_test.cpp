@@ -30,7 +30,7 @@ class ProgramsExamplesTest : public ProgramsTest {
 
 TEST_F(ProgramsExamplesTest, AForeignClientReadsTheStreamByTcpAndByDatagrams) {
   if (!std::filesystem::exists(HAPTICAST_PYTHON)) GTEST_SKIP() << "no Python";
-  const auto server = startServer({"--source", "synthetic:still", "--loop"});
+  const auto server = startStillServer();
   const std::string address = addressOf(*server);
   const int tcp = readStream(address, "tcp", {});
   if (tcp == 77) GTEST_SKIP() << said;
@@ -55,7 +55,7 @@ TEST_F(ProgramsExamplesTest, AForeignClientReadsTheStreamByTcpAndByDatagrams) {
 
 TEST_F(ProgramsExamplesTest, AForeignClientUsesTlsAndOpensSealedDatagrams) {
   if (!std::filesystem::exists(HAPTICAST_PYTHON)) GTEST_SKIP() << "no Python";
-  const auto server = startServer({"--source", "synthetic:still", "--loop", "--tls", "auto"});
+  const auto server = startStillServer({"--tls", "auto"});
   const std::string address = addressOf(*server);
   const std::string log = server->output();
   const std::string fingerprint = log.substr(log.find("TLS fingerprint: ") + 17, 64);

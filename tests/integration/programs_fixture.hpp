@@ -130,6 +130,12 @@ class ProgramsTest : public ::testing::Test {
     arguments.insert(arguments.end(), {"--listen", address});
     return start(HAPTICAST_SERVER_PROGRAM, std::move(arguments));
   }
+  /// A ball at rest. Without a motion and a scan the server starts in half the time.
+  static std::unique_ptr<Process> startStillServer(std::vector<std::string> arguments = {}) {
+    arguments.insert(arguments.end(), {"--source", "synthetic:still", "--loop", "--map-range",
+                                       "520,620", "--motion", "none"});
+    return startServer(std::move(arguments));
+  }
   static std::unique_ptr<Process> startClient(std::vector<std::string> arguments) {
     return start(HAPTICAST_CLIENT_PROGRAM, std::move(arguments));
   }

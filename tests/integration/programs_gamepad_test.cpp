@@ -94,7 +94,7 @@ class ProgramsGamepadTest : public ProgramsTest {
 
 TEST_F(ProgramsGamepadTest, ContactRumblesAReleaseAndThePlugStopItAndItComesBack) {
   pad.plug();
-  const auto server = startServer({"--source", "synthetic:still", "--loop"});
+  const auto server = startStillServer();
   const auto rumbles = [this](const TickReport& r) { return r.contact && pad.motors.low > 20000; };
   const auto is_quiet = [this] { return pad.motors.low == 0 && pad.motors.high == 0; };
   const auto rest = [this](const TickReport&) { forward(0.0); };
@@ -181,7 +181,7 @@ class ProgramsSoundTest : public ProgramsTest {
 };
 
 TEST_F(ProgramsSoundTest, OnlyATouchIsAudible) {
-  const auto server = startServer({"--source", "synthetic:still", "--loop"});
+  const auto server = startStillServer();
   const auto client = listen("disk", addressOf(*server));
   EXPECT_TRUE(waitUntil(kSoon, [this] { return touched(); })) << client->output();
   interrupt(*client);
@@ -195,7 +195,7 @@ TEST_F(ProgramsSoundTest, OnlyATouchIsAudible) {
 }
 
 TEST_F(ProgramsSoundTest, WithoutASoundDeviceTheTouchGoesOn) {
-  const auto server = startServer({"--source", "synthetic:still", "--loop"});
+  const auto server = startStillServer();
   const auto client = listen("nothing", addressOf(*server));
   EXPECT_TRUE(client->says("--sound: the client continues without sound: no sound device (", kSoon))
       << client->output();

@@ -49,7 +49,7 @@ TEST_F(ProgramsHttpTest, ThePageIsOnThePortOfTheViewers) {
     return static_cast<std::uint16_t>(std::stoi(address.substr(address.rfind(':') + 1)));
   };
   const std::string host = "Host: 127.0.0.1\r\n";
-  const auto server = startServer({"--source", "synthetic:still", "--loop"});
+  const auto server = startStillServer();
   const std::string address = addressOf(*server);
   const std::string page = ask(portOf(address), "/", host);
   if (server::isPageComplete()) {
@@ -63,7 +63,7 @@ TEST_F(ProgramsHttpTest, ThePageIsOnThePortOfTheViewers) {
   EXPECT_TRUE(ask(portOf(address), "/", "Host: evil.example\r\n").starts_with("HTTP/1.1 403 "));
   EXPECT_TRUE(server->says("HTTP 403: This server does not have the name evil.example", kSoon));
   interrupt(*server);
-  const auto without = startServer({"--source", "synthetic:still", "--loop", "--page", "off"});
+  const auto without = startStillServer({"--page", "off"});
   EXPECT_TRUE(ask(portOf(addressOf(*without)), "/", host)
                   .ends_with("This port is for hapticast-client. It has no pages for a web "
                              "browser.\n"));
@@ -119,8 +119,7 @@ TEST_F(ProgramsHttpTest, AServerThatWaitsForAViewerIsHealthyAndOpensNoOtherPort)
 }
 
 TEST_F(ProgramsHttpTest, OnlyNamesOfTheServerAreAnswered) {
-  const auto server = startServer({"--source", "synthetic:still", "--loop", "--http", "127.0.0.1:0",
-                                   "--host-name", "figures.example"});
+  const auto server = startStillServer({"--http", "127.0.0.1:0", "--host-name", "figures.example"});
   const std::uint16_t port = httpPortOf(*server);
   std::array<char, 256> machine{};
   ASSERT_EQ(::gethostname(machine.data(), machine.size() - 1), 0);

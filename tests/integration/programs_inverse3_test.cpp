@@ -52,7 +52,7 @@ double compare(const std::vector<Inverse3Service::Force>& sent, const std::vecto
 }
 
 TEST_F(ProgramsInverse3Test, TheForcesOfTheLogReachTheService) {
-  const auto server = startServer({"--source", "synthetic:still", "--loop"});
+  const auto server = startStillServer();
   const std::string address = addressOf(*server);
   for (const char* version : {"3.4.0", "3.5.1"}) {
     SCOPED_TRACE(version);
@@ -91,7 +91,7 @@ TEST_F(ProgramsInverse3Test, AServiceThatMisbehavesInContactEndsAtZero) {
       {"gone", "the device does not answer"},
       {"uncalibrated", ""},
   };
-  const auto server = startServer({"--source", "synthetic:still", "--loop"});
+  const auto server = startStillServer();
   const std::string address = addressOf(*server);
   for (const Case& each : kCases) {
     SCOPED_TRACE(each.fault);

@@ -34,7 +34,7 @@ class ProgramsOutputsTest : public ProgramsTest {
 };
 
 TEST_F(ProgramsOutputsTest, ALogWithoutAReaderEndsNoProgram) {
-  const auto server = startServer({"--source", "synthetic:still", "--loop"});
+  const auto server = startStillServer();
   const std::string address = addressOf(*server);
   const auto client = startUnread(HAPTICAST_CLIENT_PROGRAM,
                                   address + " --device virtual --hand press --seconds 2 --log '" +
@@ -50,7 +50,7 @@ TEST_F(ProgramsOutputsTest, ALogWithoutAReaderEndsNoProgram) {
 
 TEST_F(ProgramsOutputsTest, AFullDiskIsOneLineAndAnExitCode) {
   if (!mountSmallDisk()) GTEST_SKIP() << "only root can mount a small disk";
-  const auto server = startServer({"--source", "synthetic:still", "--loop"});
+  const auto server = startStillServer();
   const std::string address = addressOf(*server);
   struct Row {
     const char* flag;

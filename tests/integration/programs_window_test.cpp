@@ -249,7 +249,7 @@ class Display {
 TEST_F(ProgramsWindowTest, ADisplayThatEndsLetsTheForceDown) {
   Display display;
   if (display.name().empty()) GTEST_SKIP() << "there is no Xvfb to be ended";
-  const auto server = startServer({"--source", "synthetic:still", "--loop"});
+  const auto server = startStillServer();
   const std::string log = path("log.csv");
   const auto client = start("/usr/bin/env", {"-u", "SDL_VIDEODRIVER", "DISPLAY=" + display.name(),
                                              HAPTICAST_CLIENT_PROGRAM, addressOf(*server), "--view",
@@ -290,7 +290,7 @@ TEST_F(ProgramsWindowTest, AWindowThatIsRemovedFromOutsideEndsTheClient) {
   Display display;
   if (display.name().empty()) GTEST_SKIP() << "there is no Xvfb";
   if (!std::filesystem::exists(HAPTICAST_PYTHON)) GTEST_SKIP() << "no Python";
-  const auto server = startServer({"--source", "synthetic:still", "--loop"});
+  const auto server = startStillServer();
   const auto client = start("/usr/bin/env", {"-u", "SDL_VIDEODRIVER", "DISPLAY=" + display.name(),
                                              HAPTICAST_CLIENT_PROGRAM, addressOf(*server), "--view",
                                              "on", "--device", "virtual"});
@@ -304,7 +304,7 @@ TEST_F(ProgramsWindowTest, AWindowThatIsRemovedFromOutsideEndsTheClient) {
 }
 
 TEST_F(ProgramsWindowTest, AWindowThatCannotBeOpenedIsDoneWithout) {
-  const auto server = startServer({"--source", "synthetic:still", "--loop"});
+  const auto server = startStillServer();
   const auto client = start("/usr/bin/env", {"-u", "SDL_VIDEODRIVER", "DISPLAY=:987",
                                              HAPTICAST_CLIENT_PROGRAM, addressOf(*server)});
   EXPECT_TRUE(client->says("the client continues without a window: no display (", kSoon))

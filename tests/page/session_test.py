@@ -40,7 +40,7 @@ class Reconnection(support.PageTest):
     def press(self):
         at = self.browser.place()
         self.browser.mouse("Moved", at)
-        self.browser.wheel(at, support.DEEP)
+        self.browser.press(at)
         self.browser.wait_for_force()
 
     def check_return(self, second):
@@ -154,7 +154,7 @@ class OnDemand(support.PageTest):
     def press(self):
         at = self.page.place()
         self.page.mouse("Moved", at)
-        self.page.wheel(at, support.DEEP)
+        self.page.press(at)
         self.page.wait_for_force()
 
     def test_speed(self):

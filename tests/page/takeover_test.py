@@ -41,7 +41,7 @@ class Takeover(support.PageTest):
         key = page.get("hapticast.stream.key")
         at = page.place()
         page.mouse("Moved", at)
-        page.wheel(at, support.DEEP)
+        page.press(at)
         page.wait_for_force()
         page.driver.execute_script(
             "window.seen = [];"
@@ -58,7 +58,7 @@ class Takeover(support.PageTest):
         self.assertIn("lift the tip", page.wait("hapticast.report.advice", "no advice"))
         page.wheel(at, -support.DEEP)  # no force on a tip that is inside, until it has left the object
         page.wait("!hapticast.report.advice.includes('below')", "the tip is not lifted")
-        page.wheel(at, support.DEEP)
+        page.press(at)
         page.wait_for_force()
         self.assertEqual(page.get("seen"), ["connected"], standby.output())
         self.assertEqual(page.get("contradictions"), [], "a sentence contradicts the numbers of its report")

@@ -86,7 +86,7 @@ class Touch(support.BallTest):
     def press(self, x_mm=0.0, y_mm=0.0, notches=support.DEEP):
         at = self.page.place(x_mm, y_mm)
         self.page.mouse("Moved", at)
-        self.page.wheel(at, notches)
+        self.page.press(at, notches)
         return at
 
     def test_wheel_presses_and_lifts(self):
@@ -155,7 +155,7 @@ class Touch(support.BallTest):
         at = (x + width / 2, y + height / 2)
         self.page.wait("hapticast.stats.reliefs > 1", "the relief is drawn once only")
         self.page.mouse("Moved", at)
-        self.page.wheel(at, support.DEEP)
+        self.page.press(at)
         self.page.wait_for_force()
         self.page.shoot("relief")
         before = self.page.get("hapticast.stats.reliefs")

@@ -88,6 +88,10 @@ static void misbehave(hapticast_device* device, int64_t now) {
   if (has(device, "jump")) state->position_mm[0] += device->light.trace->exchanges % 2 == 0 ? 40.0 : 0.0;
   if (has(device, "back")) state->taken_ns = now - 15000000 - (int64_t)device->light.trace->exchanges;
   if (strcmp(device->fault, "old") == 0) state->taken_ns = now - 2600000;
+  if (strcmp(device->fault, "gaps") == 0 && device->light.trace->exchanges % 4 < 2) {
+    state->status = HAPTICAST_NO_DATA;
+    state->taken_ns = 0;
+  }
   if (has(device, "future")) state->taken_ns = now + 1000000000;
   if (has(device, "status")) state->status = 77;
   if (has(device, "silent")) state->status = HAPTICAST_NO_DATA;

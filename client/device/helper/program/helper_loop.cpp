@@ -69,7 +69,10 @@ void HelperLoop::exchange() noexcept {
   if (gate_.reduces()) ++reading_.reduced;
   if (command_.reading > handed_over_ && command_.reading <= reading_.number) {
     handed_over_ = command_.reading;
-    reading_.delay_ns = toNs(now) - taken_ns_[handed_over_ % taken_ns_.size()];
+    // A reading without data has no position, and the time of an old one is overwritten.
+    const std::int64_t taken_ns = taken_ns_[handed_over_ % taken_ns_.size()];
+    if (taken_ns > 0 && reading_.number - handed_over_ < taken_ns_.size())
+      reading_.delay_ns = toNs(now) - taken_ns;
   }
   // Set before the call, so that monitor() sees a force that hangs in the driver.
   if (!gate_.atZero()) force_acts_.store(true, std::memory_order_release);
