@@ -318,8 +318,7 @@ std::vector<ProgramsAttacksTest::Attack> ProgramsAttacksTest::attacks() {
 
 TEST_F(ProgramsAttacksTest, AreAllBounded) {
   const auto begin = std::chrono::steady_clock::now();
-  server_ = startServer(
-      {"--source", "synthetic:still", "--loop", "--max-clients", std::to_string(kPlaces)});
+  server_ = startStillServer({"--max-clients", std::to_string(kPlaces)});
   Process* const server = server_.get();
   port_ = portOf(addressOf(*server));
   ASSERT_TRUE(server->says("streaming", kStart));
