@@ -1,9 +1,10 @@
 # What the scripts of deploy share: checks of the machine, times, and the build. To be sourced from the project's folder.
 
-# Measured: the largest batch of sources needs 1.1 GB (deploy/test asan), and a job leaves room for its linker.
-memory_per_job_MB=1300
-# Measured: CPU seconds of an average batch of the preset release (deploy/demo: 390 s, 48 batches).
-step_s=8
+# Measured: the largest batch of sixteen sources (tests/integration/programs_*) needs 1.1 GB; a job leaves room for its
+# linker and for a larger batch under a sanitizer.
+memory_per_job_MB=1600
+# Measured: CPU seconds of an average batch of the preset release (137 batches: 1,700 s without a cache).
+step_s=12
 
 endWith() {  # message: ends the script with one line
   echo "$0: $1" >&2

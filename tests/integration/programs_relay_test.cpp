@@ -27,8 +27,8 @@ class ProgramsRelayTest : public ProgramsTest {
   [[nodiscard]] virtual std::string settings() const { return ""; }
 
   [[nodiscard]] std::unique_ptr<Process> startOrigin(std::vector<std::string> more = {}) const {
-    more.insert(more.begin(),
-                {"--source", "synthetic:bounce", "--loop", "--publish", nats_->channel("lab")});
+    more.insert(more.begin(), {"--source", "synthetic:bounce", "--loop", "--map-range", "520,620",
+                               "--motion", "none", "--publish", nats_->channel("lab")});
     return startServer(std::move(more));
   }
   [[nodiscard]] std::unique_ptr<Process> startEdge(std::vector<std::string> more = {}) const {
