@@ -32,10 +32,11 @@ countJobs() {  # prints how many compilers fit into the processors and the memor
 }
 
 # One cache for all work trees: paths are stored relative to the tree, and a precompiled header counts by its content.
-# What a source includes comes from the compiler (CCACHE_DEPEND), so that a miss costs no run of the preprocessor.
+# Batches name their sources by absolute paths, so only the preprocessor's output is the same in two trees: CCACHE_DEPEND,
+# which saves its run, would miss everything in a fresh clone.
 useCache() {
   command -v ccache >/dev/null || return 0
-  export CCACHE_BASEDIR="$PWD" CCACHE_NOHASHDIR=1 CCACHE_DEPEND=1
+  export CCACHE_BASEDIR="$PWD" CCACHE_NOHASHDIR=1
   export CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime
   export CMAKE_CXX_COMPILER_LAUNCHER=ccache
   CCACHE_STATSLOG=$(mktemp)
