@@ -41,6 +41,7 @@ int runMain(const std::string& program, std::vector<std::string> words) {
   const bool is_server = program == "server";
   words.insert(words.begin(), is_server ? HAPTICAST_SERVER_PROGRAM : HAPTICAST_CLIENT_PROGRAM);
   std::vector<char*> arguments;
+  arguments.reserve(words.size() + 1);
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
   const int count = static_cast<int>(words.size());
