@@ -1,9 +1,10 @@
 # What the scripts of deploy share: checks of the machine, times, and the build. To be sourced from the project's folder.
 
-# Measured: the largest batch of sixteen sources (tests/integration/programs_*) needs 1.1 GB; a job leaves room for its
-# linker and for a larger batch under a sanitizer.
+# Chosen: a compiler of a batch of sixteen sources was seen with 1.0 GB (ps, no peak was measured); a job leaves room for
+# its linker and for a larger batch under a sanitizer.
 memory_per_job_MB=1600
-# Measured: CPU seconds of an average batch of the preset release (137 batches: 1,700 s without a cache).
+# Chosen: CPU seconds of an average batch of the preset release. All 140 took 1,554 s with half of them in the cache, so a
+# build without one takes longer.
 step_s=12
 
 endWith() {  # message: ends the script with one line
