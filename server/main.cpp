@@ -1,4 +1,99 @@
 // SPDX-License-Identifier: MIT
-#include "server/program.hpp"
+#include <spdlog/spdlog.h>
 
-int main(int argc, char** argv) { return hapticast::server::runMain(argc, argv); }
+#include <exception>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "common/cli/run_program.hpp"
+#include "common/recording/recorder.hpp"
+#include "common/text.hpp"
+#include "server/app.hpp"
+#include "server/bake/bake.hpp"
+#include "server/command_line.hpp"
+#include "server/edge.hpp"
+#include "server/play_recording.hpp"
+#include "server/preview/preview.hpp"
+#include "server/source/rgbd_source.hpp"
+#include "server/stream/key_file.hpp"
+#include "server/stream/stream_settings.hpp"
+#include "server/vision/vision.hpp"
+
+namespace {
+
+using hapticast::kDone;
+using hapticast::kFailed;
+using hapticast::kWrongInput;
+
+/// Calls `run`, and turns errors of the input into a line of the log and an exit code. `streaming`
+/// returns whether a later error is a failure at run time. `flag`: names the source.
+template <class Run, class Streaming>
+int runReporting(const char* flag, const Run& run, const Streaming& streaming) {
+  try {
+    return run();
+  } catch (const hapticast::server::SourceError& error) {
+    const std::string what = hapticast::sanitizeUtf8(error.what());
+    // Some messages are about another flag and begin with it.
+    spdlog::error("{}{}", what.starts_with("--") ? "" : flag, what);
+    return streaming() ? kFailed : kWrongInput;
+  } catch (const hapticast::AddressError& error) {
+    spdlog::error("{}", hapticast::sanitizeUtf8(error.what()));
+    return kWrongInput;
+  } catch (const hapticast::server::KeyFileError& error) {
+    spdlog::error("{}", hapticast::sanitizeUtf8(error.what()));
+    return kWrongInput;
+  } catch (const hapticast::RecordingError& error) {
+    spdlog::error("{}", hapticast::sanitizeUtf8(error.what()));
+    return kWrongInput;
+  }
+}
+
+int serve(const hapticast::server::Settings& settings, hapticast::server::ReadSettings reread) {
+  const hapticast::SteadyClock clock;
+  std::unique_ptr<hapticast::server::App> app;
+  const auto run = [&]() -> int {
+    if (!settings.preview.empty()) {
+      hapticast::server::writePreview(settings, clock);
+      return kDone;
+    }
+    if (hapticast::server::isEdge(settings)) {
+      hapticast::server::runEdge(settings, clock, std::move(reread));
+      return kDone;
+    }
+    if (settings.is_recording) {
+      hapticast::server::playRecording(settings, clock, std::move(reread));
+      return kDone;
+    }
+    app = std::make_unique<hapticast::server::App>(settings, clock, std::move(reread));
+    app->run();
+    return kDone;
+  };
+  return runReporting("--source ", run, [&] { return app && app->streaming(); });
+}
+
+int bakeClip(const hapticast::server::BakeSettings& settings) {
+  const hapticast::SteadyClock clock;
+  bool started = false;
+  return runReporting(
+      "bake ", [&] { return hapticast::server::bake(settings, clock, started); },
+      [&] { return started; });
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  hapticast::server::stopOpenCvThreads();
+  if (argc > 1 && std::string_view(argv[1]) == hapticast::server::kBakeCommand) {
+    hapticast::server::BakeSettings bake;
+    if (const auto exit_code = hapticast::server::readBakeCommandLine(bake, argc, argv))
+      return *exit_code;
+    return hapticast::runProgram(bake.server.quiet, [&] { return bakeClip(bake); });
+  }
+  hapticast::server::Settings settings;
+  if (const auto exit_code = hapticast::server::readCommandLine(settings, argc, argv))
+    return *exit_code;
+  const auto reread = [argc, argv] { return hapticast::server::rereadCommandLine(argc, argv); };
+  return hapticast::runProgram(settings.quiet, [&] { return serve(settings, reread); });
+}

@@ -24,6 +24,7 @@ set(allowed
   "falcon/client_test.cpp: sleep_for: runs in real time, alone, in deploy/test ci"
   "openni/driver.cpp: sleep_until|restBetweenTurns: a camera delivers frames at its rate"
   "v4l2/kernel.cpp: restBetweenTurns: a poll() of the kernel waits for the frame of a camera"
+  "unit/haptics/loop_thread_test.cpp: restBetweenTurns: a thread that still ran would tick meanwhile"
   "unit/server/child_source_test.cpp: restBetweenTurns: a live camera has a rate, and a reader is slower than the pause before a new child"
   "unit/server/network_stream_test.cpp: restBetweenTurns: a live sender has a rate"
   "integration/programs_attacks_test.cpp: restBetweenTurns: attackers below the limits of rates, beside viewers that poll"

@@ -15,6 +15,7 @@
 
 #include "tests/support/renderer_fixture.hpp"
 #include "tests/support/scripted_device.hpp"
+#include "tests/support/waiting.hpp"
 
 namespace hapticast::client {
 namespace {
@@ -73,7 +74,7 @@ TEST(LoopThread, AnExceptionInTheOwnersScopeEndsForceAndThread) {
                                   [](const Vec3& force_N) { return force_N != Vec3::Zero(); });
   EXPECT_LT(acted->norm(), 0.11) << "it ramped down";
   const int ticks = on.ticks;
-  for (int turn = 0; turn < 1000; ++turn) std::this_thread::yield();
+  restBetweenTurns(std::chrono::milliseconds(20));  // a thread that still ran would tick meanwhile
   EXPECT_EQ(on.ticks, ticks) << "nobody ticks any more";
 }
 
