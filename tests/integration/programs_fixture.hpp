@@ -117,8 +117,8 @@ class ProgramsTest : public ::testing::Test {
     return path(name);
   }
 
-  /// For servers that come back at their port: nobody else gets it meanwhile. Where the system
-  /// allows no network namespace, somebody could.
+  /// Reserves the ports of a server that restarts: no other program can bind them. Where the system
+  /// allows no network namespace, another program could bind them.
   static void keepPorts() { (void)enterOwnNetwork(); }
 
   static std::unique_ptr<Process> start(const char* program, std::vector<std::string> arguments) {

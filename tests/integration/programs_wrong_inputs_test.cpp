@@ -2,11 +2,13 @@
 // wrong_inputs.txt: what a newcomer may type, with the line and the exit code that he gets.
 #include <regex>
 
-#include "client/program.hpp"
 #include "common/build_options.hpp"
 #include "common/cli/parse.hpp"
-#include "server/program.hpp"
 #include "tests/integration/programs_fixture.hpp"
+
+// main() of server/main.cpp and of client/main.cpp (tests/CMakeLists.txt).
+int serverMain(int argc, char** argv);
+int clientMain(int argc, char** argv);
 
 namespace hapticast::testing {
 namespace {
@@ -45,8 +47,7 @@ int runMain(const std::string& program, std::vector<std::string> words) {
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
   const int count = static_cast<int>(words.size());
-  return is_server ? server::runMain(count, arguments.data())
-                   : client::runMain(count, arguments.data());
+  return is_server ? serverMain(count, arguments.data()) : clientMain(count, arguments.data());
 }
 
 /// The output of a program, without the time and the level in front of each line.

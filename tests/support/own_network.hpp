@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // A network of its own for the process of a test and the programs that it starts: a namespace with
-// loopback alone. In it a number of a port is nobody else's. Thread: one, before there are others.
+// loopback alone. No program outside can bind one of its ports. Thread: one, before there are
+// others.
 #pragma once
 
 #include <net/if.h>

@@ -47,26 +47,26 @@ Process::Process(std::vector<std::string> command, const std::string& input)
   arguments.reserve(command.size() + 1);
   for (std::string& each : command) arguments.push_back(each.data());
   arguments.push_back(nullptr);
-  if (!isChild()) return;
+  if (!forkChild(command.front())) return;
   prepareChild(input.c_str(), output_file_.c_str());
   ::execv(arguments[0], arguments.data());
   ::_exit(127);
 }
 
 Process::Process(const std::function<int()>& program) : output_file_(temporaryFile()) {
-  if (!isChild()) return;
+  if (!forkChild("a main function")) return;
   prepareChild("/dev/null", output_file_.c_str());
   const int exit_code = program();
   (void)std::fflush(nullptr);
   ::_exit(exit_code);  // the test's own ends (of GoogleTest, of statics) are the parent's
 }
 
-bool Process::isChild() {
+bool Process::forkChild(const std::string& program) {
   (void)std::fflush(nullptr);  // what waits in the test's buffers is written once
   pid_ = ::fork();
   if (pid_ >= 0) return pid_ == 0;
   ::unlink(output_file_.c_str());
-  throw std::runtime_error(std::string("no process: ") + std::strerror(errno));
+  throw std::runtime_error(program + ": " + std::strerror(errno));
 }
 
 Process::~Process() {

@@ -44,8 +44,9 @@ class Process {
   [[nodiscard]] long residentMemory_kB() const;
 
  private:
-  /// Makes the child; returns whether this is the child.
-  bool isChild();
+  /// Makes a child process for `program`; returns true in the child. Throws std::runtime_error
+  /// (with `program`) if there is none.
+  bool forkChild(const std::string& program);
 
   pid_t pid_ = -1;
   std::optional<int> exit_code_;
