@@ -44,46 +44,41 @@ struct Exchange {
   }
 };
 
-/// Handles a message of the server. Returns the next message to send, if there is one.
-std::optional<Control> answer(Exchange& exchange, const Message& message, const Control& control) {
-  if (const auto* const welcome = std::get_if<Welcome>(&message)) {
-    if (welcome->description.timeline) {
-      exchange.end("each viewer of this server has a time line of its own (--on-demand)");
-      return std::nullopt;
-    }
-    exchange.limit(kCarryOutPatience, "the server has not carried out the request in 2 minutes");
-    return control;
-  }
+/// Handles a message of the server.
+void handle(Exchange& exchange, ClientSession& session, const Message& message,
+            const Control& control) {
   if (std::holds_alternative<Control>(message)) {
     exchange.done = true;
     exchange.end("");
-  } else if (const auto* const error = std::get_if<WireError>(&message)) {
-    exchange.end(error->message);
+  } else if (std::holds_alternative<Welcome>(message) && session.welcomes() == 1) {
+    if (session.description().timeline)
+      return exchange.end("each viewer of this server has a time line of its own (--on-demand)");
+    (void)session.request(control);
+    exchange.limit(kCarryOutPatience, "the server has not carried out the request in 2 minutes");
   }
-  return std::nullopt;
 }
 
-asio::awaitable<void> request(Exchange& exchange, Dial dial, Endpoint server, Hello hello,
-                              Control control, bool insecure) {
+/// Runs a session until the server has answered the request.
+asio::awaitable<void> request(Exchange& exchange, Dial dial, Endpoint server,
+                              ClientSession& session, Control control) {
+  const SteadyClock clock;
   Dialled dialled = co_await dial(exchange.io, server, kControlPatience, exchange.stop);
-  if (!dialled.ok()) {
-    exchange.end(dialled.error().message);
-    co_return;
-  }
-  if (!hello.access_token.empty() && !mayHaveToken(*dialled.value(), insecure)) {
-    exchange.end(kTokenUnprotected);
-    co_return;
-  }
+  if (!dialled.ok()) co_return exchange.end(dialled.error().message);
   exchange.channel = std::move(dialled).value();
-  exchange.channel->setReadLimit(kMaxMessageBytes);
-  bool sending = co_await exchange.channel->write(encodeShared(hello));
-  while (sending && !exchange.done) {
-    const auto payload = co_await exchange.channel->read();
-    if (!payload.ok() || !payload.value()) break;
-    const auto message = decode(*payload.value());
-    if (!message.ok()) break;
-    if (const auto next = answer(exchange, message.value(), control))
-      sending = co_await exchange.channel->write(encodeShared(*next));
+  Channel& channel = *exchange.channel;
+  if (const auto refusal =
+          session.open({channel.encrypted(), channel.ofThisMachine()}, clock.now()))
+    co_return exchange.end(refusal->why);
+  while (!exchange.done) {
+    while (const auto message = session.poll(clock.now()))
+      (void)co_await channel.write(encodeShared(*message));  // read() knows whether it has ended
+    const auto payload = co_await channel.read();
+    if (!payload.ok()) co_return exchange.end(payload.error().message);
+    if (!payload.value()) break;
+    const auto message = session.receive(*payload.value(), clock.now());
+    if (!message.ok()) co_return exchange.end(message.error().why);
+    channel.setReadLimit(session.readLimit());
+    handle(exchange, session, message.value(), control);
   }
   exchange.timer.cancel();
 }
@@ -94,12 +89,14 @@ bool controlServer(const Settings& settings) {
   const std::string server = nameServer(settings);
   asio::io_context io;
   Exchange exchange(io);
-  const Hello hello{kProtocolVersion, "hapticast-client --control", false, false,
-                    loadToken(settings.token_file)};
-  asio::co_spawn(io,
-                 request(exchange, chooseDial(settings, server), settings.server, hello,
-                         *settings.control, settings.insecure),
-                 asio::detached);
+  SessionSettings of_session = makeSessionSettings(settings, server);
+  of_session.client_name = "hapticast-client --control";
+  of_session.sends_pings = false;
+  ClientSession session(std::move(of_session), nullptr);
+  asio::co_spawn(
+      io,
+      request(exchange, chooseDial(settings, server), settings.server, session, *settings.control),
+      asio::detached);
   exchange.limit(kControlPatience, "the server did not answer in time");
   io.run();
   if (!exchange.done) spdlog::error("{}: {}", server, exchange.problem);

@@ -88,6 +88,14 @@ Dial chooseDial(const Settings& settings, const std::string& server) {
   });
 }
 
+SessionSettings makeSessionSettings(const Settings& settings, const std::string& server) {
+  SessionSettings to;
+  to.origin = makeOriginPin(settings.origin_keys, server, stateFolder() / "known_origins");
+  to.access_token = loadToken(settings.token_file);
+  to.insecure = settings.insecure;
+  return to;
+}
+
 std::string loadToken(const std::string& file) {
   if (file.empty()) return "";
   constexpr const char* kSpace = " \t\r\n";

@@ -7,6 +7,7 @@
 
 #include <string>
 
+#include "client/net/client_session.hpp"
 #include "client/net/dial.hpp"
 #include "client/settings.hpp"
 
@@ -23,6 +24,11 @@ namespace hapticast::client {
 /// The function uses TLS for hapticasts://, for a server that announces TLS, and for an announced
 /// server that once had TLS. Throws std::runtime_error (one line) if a file cannot be used.
 [[nodiscard]] Dial chooseDial(const Settings& settings, const std::string& server);
+
+/// Returns the settings of sessions with the server of `settings`: origin, access token. `server`
+/// is the result of nameServer(). Throws std::runtime_error (one line) if a file cannot be used.
+[[nodiscard]] SessionSettings makeSessionSettings(const Settings& settings,
+                                                  const std::string& server);
 
 /// Returns the access token in `file`, without the white space around it. Returns an empty text if
 /// `file` is an empty name. Throws std::runtime_error (one line) if the file has no token of 1 to

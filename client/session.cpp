@@ -25,14 +25,14 @@ namespace hapticast::client {
 namespace {
 
 ConnectionSettings connectionSettings(const Settings& settings, bool wants_video) {
-  return {.server = settings.server,
-          .dial = chooseDial(settings, nameServer(settings)),
-          .delivery = settings.delivery,
-          .origin = makeOriginPin(settings.origin_keys, nameServer(settings),
-                                  stateFolder() / "known_origins"),
-          .access_token = loadToken(settings.token_file),
-          .insecure = settings.insecure,
-          .wants_video = wants_video};
+  const std::string server = nameServer(settings);
+  ConnectionSettings to;
+  static_cast<SessionSettings&>(to) = makeSessionSettings(settings, server);
+  to.server = settings.server;
+  to.dial = chooseDial(settings, server);
+  to.delivery = settings.delivery;
+  to.wants_video = wants_video;
+  return to;
 }
 
 void logLine(spdlog::level::level_enum level, const std::optional<std::string>& line) {

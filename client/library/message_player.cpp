@@ -5,8 +5,8 @@
 
 #include "client/include/hapticast/stream.hpp"
 #include "client/library/renderer_impl.hpp"
+#include "client/net/client_session.hpp"
 #include "client/net/inline_preparation.hpp"
-#include "client/net/message_receiver.hpp"
 
 namespace hapticast {
 
@@ -28,13 +28,18 @@ class MessagePlayer::Impl {
                      [this](const client::PreparedFrame& frame) { receiver_.addPrepared(frame); }),
         receiver_(preparation_, feed_->timing, renderer.method() == Method::kThesis ? 2 : 1) {
     renderer.attach(feed_);
+    open();
   }
 
   void push(std::span<const std::uint8_t> bytes, double arrival_s) {
     clock_.set(toLocal(arrival_s));
-    const auto message = messages_.receive(bytes, clock_.now());
+    const auto message = session_.receive(bytes, clock_.now());
+    if (!message.ok()) {
+      (void)session_.close(message.error(), clock_.now());
+      open();
+    }
     prepare();
-    if (!message.ok()) throw std::runtime_error(message.error().message);
+    if (!message.ok()) throw std::runtime_error(message.error().why);
   }
   void release(double time_s) {
     clock_.set(toLocal(time_s));
@@ -43,6 +48,13 @@ class MessagePlayer::Impl {
   }
 
  private:
+  // The caller has said hello, and sends the pings.
+  static client::SessionSettings makeSettings() {
+    client::SessionSettings settings;
+    settings.sends_pings = false;
+    return settings;
+  }
+  void open() { (void)session_.open({.encrypted = true, .of_this_machine = true}, clock_.now()); }
   void prepare() {
     while (preparation_.step()) {
     }
@@ -51,7 +63,7 @@ class MessagePlayer::Impl {
   std::shared_ptr<FrameFeed> feed_ = std::make_shared<FrameFeed>();
   client::InlinePreparation preparation_;
   client::Receiver receiver_;
-  client::MessageReceiver messages_{receiver_};
+  client::ClientSession session_{makeSettings(), &receiver_};
 };
 
 MessagePlayer::MessagePlayer(Renderer& renderer) : impl_(std::make_unique<Impl>(*renderer.impl_)) {}

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Connection to a server by the protocol of proto/README.md. It dials the server, sends the hello
-// message and receives the welcome message. Then it receives the stream, and it sends pings and
-// reports. After a loss it reconnects, with exponential backoff. A channel carries the bytes, and
-// the Receiver processes the frames.
+// Connection to a server: the sockets around a ClientSession, which knows the protocol. It dials
+// the server and carries the bytes of the session in both directions, datagrams included. After a
+// loss it reconnects, with exponential backoff. The Receiver processes the frames.
 // Thread: network (the thread that runs `io`), except where a function says "any".
 #pragma once
 
@@ -15,8 +14,8 @@
 #include <string>
 #include <vector>
 
+#include "client/net/client_session.hpp"
 #include "client/net/dial.hpp"
-#include "client/net/origin_pin.hpp"
 #include "client/net/receiver.hpp"
 #include "client/net/udp/datagram_key_ring.hpp"
 #include "client/net/udp/udp_receiver.hpp"
@@ -25,32 +24,12 @@
 
 namespace hapticast::client {
 
-struct ConnectionSettings {
+/// connect_deadline limits each of three steps: the look-up of the name, the connection, and the
+/// welcome.
+struct ConnectionSettings : SessionSettings {
   Endpoint server{"127.0.0.1", kDefaultPort};
   Dial dial = dialTcp;
   DeliverySettings delivery;
-  OriginPin origin;  ///< check of the server's key
-  std::string client_name = "hapticast-client";
-  std::string access_token;  ///< secret for the server; empty: none
-  /// True: the client may send the token to other machines without TLS.
-  bool insecure = false;
-  bool wants_video = false;
-  /// Time limit for each of three steps: the look-up of the name, the connection, and the welcome.
-  Duration connect_deadline = std::chrono::seconds(5);
-  /// If no message from the server arrives for this time, the connection counts as lost.
-  Duration silence_limit = std::chrono::seconds(3);
-  /// First pause before a retry. Each further pause is twice as long, but at most last_retry.
-  Duration first_retry = std::chrono::milliseconds(200);
-  Duration last_retry = std::chrono::seconds(1);
-  /// Only a connection that delivered frames for this time resets the pause to first_retry. Chosen
-  /// so that the client retries a server that fails after every welcome only once a second.
-  Duration good_after = std::chrono::seconds(3);
-  /// If the server answers no ping within this time after the welcome, the connection counts as
-  /// lost.
-  Duration pong_limit = std::chrono::seconds(5);
-  Duration ping_interval = std::chrono::seconds(1);
-  Duration burst_interval =
-      std::chrono::milliseconds(20);  ///< interval of the first ClockSync::kBurst pings
 };
 
 /// Callbacks. The connection calls them in the network thread. Each may be empty.
@@ -89,7 +68,7 @@ class Connection {
   /// has no time line, or while many requests wait to be sent.
   void control(const Control& control);
   /// Sets the contact flag that the next reports to the server have.
-  void setInContact(bool in_contact) { in_contact_ = in_contact; }
+  void setInContact(bool in_contact) { session_.setInContact(in_contact); }
   /// Returns the number of bytes received in all sessions.
   [[nodiscard]] std::uint64_t bytesReceived() const;
   /// Returns the datagram counters, summed over all sessions.
@@ -99,44 +78,23 @@ class Connection {
   [[nodiscard]] DeliveryStats delivery() const;
 
  private:
-  struct Session;  // a session with one server over one channel
-  using ConversationPtr = std::shared_ptr<Session>;
-  /// The reason why a session ended.
-  struct CloseReason {
-    std::string why;                // one line
-    std::optional<ErrorCode> code;  // code of the protocol, if it has one
-    bool no_such_server = false;
-    bool untrusted = false;  // the server has another key or certificate than expected
-  };
+  struct Sockets;  // of one session
+  using SocketsPtr = std::shared_ptr<Sockets>;
 
   /// Runs one session after the other, with pauses, until stop() or an error after which a retry is
   /// useless.
   asio::awaitable<void> run();
-  /// Returns true if a retry is useless: the server has another protocol version, shows an
-  /// unexpected key or certificate, or refuses the access token. Before the first welcome of a
-  /// server, two more causes make a retry useless: the host name does not exist, or the peer uses
-  /// another protocol.
-  [[nodiscard]] bool isPermanent(const CloseReason& ending) const;
-  asio::awaitable<CloseReason> runSession();
-  asio::awaitable<CloseReason> readAll(ConversationPtr session);
-  /// Sends pings, reports and delivery requests. After the hello only this coroutine writes.
-  asio::awaitable<void> writeLoop(ConversationPtr session);
-  asio::awaitable<bool> ping(ConversationPtr session, bool with_report);
-  void openLink(Session& session, const Welcome& welcome);
-  asio::awaitable<void> startTimer(ConversationPtr session);
-  asio::awaitable<bool> send(ConversationPtr session, Message message);
-  [[nodiscard]] std::optional<WireError> handle(Session& session, Message message);
-  [[nodiscard]] static std::optional<WireError> checkSignature(const Session& session,
-                                                               const Message& message,
-                                                               std::span<const std::uint8_t> bytes);
-  /// Begins the stream of `welcome`. A second welcome in a session means that the edge receives the
-  /// stream from another origin from then on: clock, key, frame ids and datagrams start again.
-  [[nodiscard]] std::optional<WireError> handleWelcome(Session& session, const Welcome& welcome);
-  /// Ends the stream of the previous welcome, but not the session.
-  void leaveOrigin(Session& session);
-  [[nodiscard]] std::optional<WireError> handleKey(const DatagramKey& key);
-  void handlePong(Session& session, const Pong& pong);
-  [[nodiscard]] ReceiverReport report() const;
+  asio::awaitable<SessionEnd> runSession();
+  asio::awaitable<SessionEnd> readAll(SocketsPtr sockets);
+  /// Sends what the session has for the server. Only this coroutine writes.
+  asio::awaitable<void> writeLoop(SocketsPtr sockets);
+  /// Closes the sockets after a time limit of the session.
+  asio::awaitable<void> watch(SocketsPtr sockets);
+  void handle(Sockets& sockets, Message message);
+  void onWelcome(Sockets& sockets, const Welcome& welcome);
+  void openDatagrams(Sockets& sockets, const Welcome& welcome);
+  /// Ends the datagrams of the previous welcome.
+  void closeDatagrams(Sockets& sockets);
 
   asio::io_context& io_;
   const Clock& clock_;
@@ -146,13 +104,12 @@ class Connection {
   DatagramKeyRing keys_;  // of the newest welcome
   asio::steady_timer retry_;
   DialCancellation dial_stop_;
-  ConversationPtr session_;
+  ClientSession session_;
+  SocketsPtr sockets_;  // null: not connected
   bool stopped_ = false;
-  bool ever_welcomed_ = false;
-  bool in_contact_ = false;
   std::uint64_t bytes_received_ = 0;  // of the ended sessions
   DatagramCounts datagrams_;          // of the ended sessions
-  DeliveryStats delivery_;            // without a link
+  DeliveryStats delivery_;            // without datagrams
 };
 
 }  // namespace hapticast::client

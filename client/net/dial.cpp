@@ -143,10 +143,6 @@ asio::awaitable<Dialled> dialTcp(asio::io_context& io, const Endpoint& server, D
   co_return std::make_unique<TcpChannel>(std::move(socket).value(), kMaxSmallMessageBytes);
 }
 
-bool mayHaveToken(const Channel& channel, bool insecure) {
-  return insecure || channel.encrypted() || channel.hosts().peer.is_loopback();
-}
-
 Dial makeTlsDial(TlsContext context, FingerprintCheck check) {
   return
       [context = std::move(context), check = std::move(check)](

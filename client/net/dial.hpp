@@ -52,12 +52,6 @@ using Dial = std::function<asio::awaitable<Dialled>(asio::io_context& io, const 
 asio::awaitable<Dialled> dialTcp(asio::io_context& io, const Endpoint& server, Duration deadline,
                                  DialCancellation& stop);
 
-/// Returns true if the client may send an access token on `channel`. That is so if `channel` uses
-/// TLS or leads to this machine, or if the user permits an unencrypted token (`insecure`).
-[[nodiscard]] bool mayHaveToken(const Channel& channel, bool insecure);
-inline constexpr const char* kTokenUnprotected =
-    "the access token would travel unencrypted: use hapticasts://HOST, or --insecure";
-
 /// Returns a dial function like dialTcp() that also completes a TLS handshake, within another
 /// `deadline`. `check` checks the server's fingerprint and may be empty. If `check` refuses the
 /// fingerprint, or if `context` does not trust the certificate, the error has `untrusted` set.

@@ -11,11 +11,12 @@
 
 #include "common/time.hpp"
 
-/// Exports a function of the core under its name. The native build of the tests ignores it.
+/// Exports a function of the core under its name. In the native build of the tests it is a function
+/// of C++, because a name such as poll() is one of the system's there.
 #ifdef __wasm__
 #define WEB_EXPORT(name) extern "C" __attribute__((export_name(#name)))
 #else
-#define WEB_EXPORT(name) extern "C"
+#define WEB_EXPORT(name)
 #endif
 
 namespace hapticast::client::web {

@@ -4,15 +4,10 @@
 #include <algorithm>
 #include <utility>
 
-#include "common/transport/clock_sync.hpp"
-
 namespace hapticast::client {
 
 namespace {
 
-// As Connection: the first pings are quick, so that the clocks are soon synchronised.
-constexpr Duration kBurstInterval = std::chrono::milliseconds(20);
-constexpr Duration kPingInterval = std::chrono::seconds(1);
 // A page reads the history with each picture. Chosen: a second, also while a page is hidden.
 constexpr std::size_t kMostHistory = std::size_t{4} * 1000;
 // Limit of the pointer's position: beyond any workspace that a server may announce.
@@ -25,9 +20,18 @@ RendererSettings makeSettings() {
   return settings;
 }
 
+SessionSettings makeSessionSettings(OriginPin origin, std::string access_token) {
+  SessionSettings settings;
+  settings.origin = std::move(origin);
+  settings.client_name = "web page";
+  settings.access_token = std::move(access_token);
+  settings.wants_video = true;
+  return settings;
+}
+
 }  // namespace
 
-WebViewer::WebViewer(OriginPin origin)
+WebViewer::WebViewer(OriginPin origin, std::string access_token)
     : settings_(makeSettings()),
       preparation_(pool_, clock_, Method::kHapticast,
                    [this](const PreparedFrame& frame) {
@@ -35,32 +39,34 @@ WebViewer::WebViewer(OriginPin origin)
                      reliefs_ = frame.playable;
                    }),
       receiver_(preparation_, timing_, 1),
-      messages_(receiver_, std::move(origin)),
+      session_(makeSessionSettings(std::move(origin), std::move(access_token)), &receiver_),
       hand_(PlantProfile(), clock_),
       renderer_(settings_, pool_, timing_, user_, nullptr) {
   ui_.pointer_is_device = true;
 }
 
-std::vector<std::uint8_t> WebViewer::makeHello(const std::string& access_token) {
-  return encode(Hello{kProtocolVersion, "web page", true, true, access_token});
+bool WebViewer::open(Protection protection, LocalTime now) {
+  clock_.set(now);
+  const auto refusal = session_.open(protection, clock_.now());
+  if (refusal) end_ = *refusal;
+  return !refusal;
 }
 
-Result<Message, WireError> WebViewer::receive(std::span<const std::uint8_t> bytes, LocalTime now) {
+std::optional<Message> WebViewer::receive(std::span<const std::uint8_t> bytes, LocalTime now) {
   clock_.set(now);
-  auto message = messages_.receive(bytes, clock_.now());
-  ui_.stream.connected = messages_.welcomed();
-  if (!message.ok()) return message;
-  if (std::holds_alternative<Welcome>(message.value())) {
-    sent_pings_ = 0;
-    next_ping_ = clock_.now();
-    report_due_ = false;
-    ui_.stream.scan_share = 1.0;
-  } else if (const auto* const preparing = std::get_if<Preparing>(&message.value())) {
+  auto message = session_.receive(bytes, clock_.now());
+  if (!message.ok()) {
+    end_ = message.error();
+    return std::nullopt;
+  }
+  ui_.stream.connected = session_.welcomed();
+  if (const auto* const preparing = std::get_if<Preparing>(&message.value())) {
     ui_.stream.scan_share = preparing->share;
-  } else if (std::holds_alternative<CodedFrame>(message.value())) {
+  } else if (std::holds_alternative<Welcome>(message.value()) ||
+             std::holds_alternative<CodedFrame>(message.value())) {
     ui_.stream.scan_share = 1.0;
   }
-  return message;
+  return std::move(message).value();
 }
 
 bool WebViewer::prepareNext(LocalTime now) {
@@ -71,29 +77,23 @@ bool WebViewer::prepareNext(LocalTime now) {
 
 std::optional<std::vector<std::uint8_t>> WebViewer::poll(LocalTime now) {
   clock_.set(now);
-  if (!messages_.welcomed()) return std::nullopt;
-  if (std::exchange(report_due_, false)) return encode(makeReport());
-  if (clock_.now() < next_ping_) return std::nullopt;
-  const bool burst = ++sent_pings_ < ClockSync::kBurst;
-  next_ping_ = clock_.now() + (burst ? kBurstInterval : kPingInterval);
-  report_due_ = !burst;
-  return encode(Ping{clock_.now()});
+  session_.setInContact(report().contact);
+  const auto message = session_.poll(clock_.now());
+  if (!message) return std::nullopt;
+  return encode(*message);
 }
 
-void WebViewer::disconnect(LocalTime now) {
+bool WebViewer::expire(LocalTime now) {
   clock_.set(now);
-  messages_.disconnect(clock_.now());
-  ui_.stream.connected = false;
+  auto end = session_.expire(clock_.now());
+  if (end) end_ = std::move(*end);
+  return end.has_value();
 }
 
-ReceiverReport WebViewer::makeReport() const {
-  const ReceiverCounts& counts = receiver_.counts();
-  return {counts.received,
-          counts.lost,
-          counts.late,
-          1e3 * toSeconds(receiver_.stream().playout_delay_target),
-          1e6 * toSeconds(receiver_.clockErrorBound()),
-          report().contact};
+std::optional<Duration> WebViewer::close(LocalTime now) {
+  clock_.set(now);
+  ui_.stream.connected = false;
+  return session_.close(end_, clock_.now());
 }
 
 void WebViewer::point(const Vec3& position_mm) {

@@ -14,8 +14,8 @@
 
 #include "client/device/pointed_hand.hpp"
 #include "client/haptics/renderer.hpp"
+#include "client/net/client_session.hpp"
 #include "client/net/inline_preparation.hpp"
-#include "client/net/message_receiver.hpp"
 #include "client/view/status.hpp"
 
 namespace hapticast::client {
@@ -23,23 +23,32 @@ namespace hapticast::client {
 /// A viewer of a stream. The object needs about 1 MB, so do not place it on the stack.
 class WebViewer {
  public:
-  /// `origin` checks the server's key (#origin-key= of the link).
-  explicit WebViewer(OriginPin origin = {});
+  /// `origin` checks the server's key (#origin-key= of the link). `access_token`: empty, or the
+  /// secret of #token=.
+  explicit WebViewer(OriginPin origin = {}, std::string access_token = "");
 
-  // Connection.
+  // Sessions with the server, one after the other (ClientSession).
 
-  /// Returns the first message to a server. `access_token`: empty, or the secret of #token=.
-  [[nodiscard]] static std::vector<std::uint8_t> makeHello(const std::string& access_token);
-  /// Processes a message of the server. Returns it (MessageReceiver::receive()).
-  [[nodiscard]] Result<Message, WireError> receive(std::span<const std::uint8_t> bytes,
-                                                   LocalTime now);
+  /// Begins a session over a connection with this protection. Returns false, with the reason in
+  /// end(), if it may not be.
+  [[nodiscard]] bool open(Protection protection, LocalTime now);
+  /// Processes a message of the server. Returns it, or nullopt with the reason in end().
+  [[nodiscard]] std::optional<Message> receive(std::span<const std::uint8_t> bytes, LocalTime now);
   /// Prepares the oldest received frame for the renderer. Returns false if none waits. Call it
   /// until then, with ticks between.
   bool prepareNext(LocalTime now);
-  /// Returns the next message for the server that is due (a ping or a report), or nullopt.
+  /// Returns the next message for the server that is due, or nullopt.
   [[nodiscard]] std::optional<std::vector<std::uint8_t>> poll(LocalTime now);
-  /// Ends the connection. The force fades to zero.
-  void disconnect(LocalTime now);
+  /// Sends a request with the next poll().
+  void request(const Control& control) { (void)session_.request(control); }
+  /// Returns whether a time limit of the session has passed; end() has the reason.
+  [[nodiscard]] bool expire(LocalTime now);
+  /// Sets the reason why the connection has ended, in place of those above.
+  void setEnd(SessionEnd end) { end_ = std::move(end); }
+  [[nodiscard]] const SessionEnd& end() const { return end_; }
+  /// Ends the session with the reason of end(). The force fades to zero. Returns the pause before
+  /// the next session, or nullopt if no further one can succeed.
+  std::optional<Duration> close(LocalTime now);
 
   // Ticks.
 
@@ -55,7 +64,6 @@ class WebViewer {
 
   [[nodiscard]] const TickReport& report() const { return renderer_.report(); }
   [[nodiscard]] DeviceMapping mapping() const { return renderer_.report().mapping; }
-  [[nodiscard]] bool untrusted() const { return messages_.untrusted(); }
   [[nodiscard]] const ReceiverCounts& counts() const { return receiver_.counts(); }
   /// Returns the reliefs of the frame that was prepared last.
   [[nodiscard]] const PlayableReliefs& reliefs() const { return reliefs_; }
@@ -71,7 +79,6 @@ class WebViewer {
 
  private:
   const TickReport& render(LocalTime now, const DeviceState& reading);
-  [[nodiscard]] ReceiverReport makeReport() const;
 
   SetClock clock_;
   RendererSettings settings_;
@@ -80,7 +87,8 @@ class WebViewer {
   LatestValue<UserControls> user_;
   InlinePreparation preparation_;
   Receiver receiver_;
-  MessageReceiver messages_;
+  ClientSession session_;
+  SessionEnd end_;
   PlayableReliefs reliefs_;
   PointedHand hand_;
   std::optional<Vec3> target_mm_;  // nominal
@@ -89,9 +97,6 @@ class WebViewer {
   UiState ui_;
   TickStatus ticks_;
   std::vector<float> history_;
-  std::size_t sent_pings_ = 0;  // since the newest welcome
-  LocalTime next_ping_{};
-  bool report_due_ = false;
 };
 
 }  // namespace hapticast::client

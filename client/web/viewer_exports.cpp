@@ -16,25 +16,15 @@ namespace hapticast::client {
 
 namespace {
 
-/// Kinds of messages for the page.
-enum class Kind : int {
-  kError = 0,
-  kWelcome = 1,
-  kDescription = 2,
-  kFrame = 3,
-  kPicture = 4,
-  kPreparing = 5,
-  kControl = 6,
-  kOther = 7,
-};
-
 struct Page {
   std::unique_ptr<WebViewer> viewer;
   StreamDescription description;
   std::string key;
-  ErrorCode error = ErrorCode::kMalformed;
   double value = 0.0;  // share of a scan, time of a picture, number of viewers
   std::array<double, 40> numbers{};
+  std::array<const char*, 40> names{};  // of the numbers
+  std::size_t count = 0;                // of both
+  std::vector<std::uint8_t> jpeg;
   std::vector<float> history;
   std::vector<float> heights;
 };
@@ -48,46 +38,49 @@ constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 double toMs(MediaTime time) { return 1e3 * toSeconds(time); }
 
-/// Appends numbers to the array of the page.
+/// Fills the array of the page with numbers and their names. The elements of a vector have one
+/// name.
 class Numbers {
  public:
-  Numbers& add(double value) {
-    page().numbers[count_++] = value;
+  Numbers() { page().count = 0; }
+  Numbers& add(const char* name, double value) {
+    page().names[page().count] = name;
+    page().numbers[page().count++] = value;
     return *this;
   }
-  Numbers& add(const Vec3& vector) { return add(vector.x()).add(vector.y()).add(vector.z()); }
+  Numbers& add(const char* name, const Vec3& vector) {
+    return add(name, vector.x()).add(name, vector.y()).add(name, vector.z());
+  }
   [[nodiscard]] const double* result() const { return page().numbers.data(); }
-
- private:
-  std::size_t count_ = 0;
 };
 
-Kind classify(Welcome& welcome) {
+// Return the name of the message's kind for the page, and keep its content.
+const char* onMessage(Welcome& welcome) {
   page().description = std::move(welcome.description);
   page().key = welcome.verifying_key ? toHex(*welcome.verifying_key) : "";
-  return Kind::kWelcome;
+  return "welcome";
 }
-Kind classify(StreamDescription& description) {
+const char* onMessage(StreamDescription& description) {
   page().description = std::move(description);
-  return Kind::kDescription;
+  return "description";
 }
-Kind classify(CodedFrame& /*frame*/) { return Kind::kFrame; }
-Kind classify(VideoFrame& picture) {
+const char* onMessage(CodedFrame& /*frame*/) { return "frame"; }
+const char* onMessage(VideoFrame& picture) {
   page().value = toMs(picture.media_time);
-  web::setOutput(std::move(picture.jpeg));
-  return Kind::kPicture;
+  page().jpeg = std::move(picture.jpeg);
+  return "picture";
 }
-Kind classify(Preparing& preparing) {
+const char* onMessage(Preparing& preparing) {
   page().value = preparing.share;
-  return Kind::kPreparing;
+  return "preparing";
 }
-Kind classify(Control& control) {
+const char* onMessage(Control& control) {
   page().value = control.viewers ? static_cast<double>(*control.viewers) : kNone;
-  return Kind::kControl;
+  return "control";
 }
 template <class Other>
-Kind classify(Other& /*other*/) {
-  return Kind::kOther;
+const char* onMessage(Other& /*other*/) {
+  return "other";
 }
 
 /// Returns the keys in a text of words with 64 hex digits each.
@@ -100,32 +93,48 @@ std::vector<KeyBytes> parseKeys(std::string_view text) {
 
 }  // namespace
 
-/// Begins another session. The input: keys of origins (hex digits, one blank between them); empty:
-/// each server counts.
+/// Begins with another server. The input: the keys of origins (hex digits, one blank between them;
+/// none: each server counts), a line break, and the access token (or nothing).
 WEB_EXPORT(start) void start() {
   const std::string text = web::inputText();
+  const std::size_t end = std::min(text.find('\n'), text.size());
+  const std::string keys = text.substr(0, end);
   page().viewer = std::make_unique<WebViewer>(
-      text.empty() ? OriginPin() : OriginPin("this link", parseKeys(text)));
+      keys.empty() ? OriginPin() : OriginPin("this link", parseKeys(keys)),
+      text.substr(std::min(end + 1, text.size())));
 }
 
-/// Writes the first message for a server. The input: the access token.
-WEB_EXPORT(hello) std::size_t hello() {
-  return web::setOutput(WebViewer::makeHello(web::inputText()));
+/// Begins a session. Returns 1, or 0 if it may not be: closeSession() follows.
+WEB_EXPORT(openSession) int openSession(double now_ms, int encrypted, int of_this_machine) {
+  return page().viewer->open({encrypted != 0, of_this_machine != 0}, web::toLocal(now_ms)) ? 1 : 0;
 }
-
-/// Processes a message in the input. Returns its kind. After an error, the output is its sentence.
-WEB_EXPORT(receive) int receive(double now_ms) {
+/// Processes a message in the input, and writes the name of its kind, or "error": closeSession()
+/// follows.
+WEB_EXPORT(receive) std::size_t receive(double now_ms) {
   auto message = page().viewer->receive(web::input(), web::toLocal(now_ms));
-  if (message.ok())
-    return static_cast<int>(std::visit([](auto& each) { return classify(each); }, message.value()));
-  page().error = message.error().code;
-  web::setOutput(message.error().message);
-  return static_cast<int>(Kind::kError);
+  if (!message) return web::setOutput("error");
+  return web::setOutput(std::visit([](auto& each) { return onMessage(each); }, *message));
 }
-/// Returns the code of the error that receive() returned last (proto/README.md, section 7).
-WEB_EXPORT(errorCode) int errorCode() { return static_cast<int>(page().error); }
-/// Returns 1 if the error of receive() was a server with another key than expected.
-WEB_EXPORT(untrusted) int untrusted() { return page().viewer->untrusted() ? 1 : 0; }
+/// Returns 1 if a time limit of the session has passed: closeSession() follows.
+WEB_EXPORT(expire) int expire(double now_ms) {
+  return page().viewer->expire(web::toLocal(now_ms)) ? 1 : 0;
+}
+/// Sets why the connection has ended: the sentence in the input. `malformed`: the peer sent what is
+/// no message.
+WEB_EXPORT(setEnd) void setEnd(int malformed) {
+  page().viewer->setEnd(
+      {.why = web::inputText(),
+       .code = malformed != 0 ? std::optional(ErrorCode::kMalformed) : std::nullopt});
+}
+/// Ends the session and writes why, in one sentence. Returns the pause until the next one, ms, or
+/// NaN if no further one can succeed.
+WEB_EXPORT(closeSession) double closeSession(double now_ms) {
+  const auto pause = page().viewer->close(web::toLocal(now_ms));
+  web::setOutput(page().viewer->end().why);
+  return pause ? 1e3 * toSeconds(*pause) : kNone;
+}
+/// Writes the JPEG of the last picture.
+WEB_EXPORT(picture) std::size_t picture() { return web::setOutput(std::move(page().jpeg)); }
 /// Returns the number that belongs to the last message: the share of a scan (0..1), the media time
 /// of a picture (ms), or the number of viewers (NaN: unknown).
 WEB_EXPORT(value) double value() { return page().value; }
@@ -138,15 +147,10 @@ WEB_EXPORT(poll) std::size_t poll(double now_ms) {
   const auto message = page().viewer->poll(web::toLocal(now_ms));
   return message ? web::setOutput(*message) : 0;
 }
-WEB_EXPORT(disconnect) void disconnect(double now_ms) {
-  page().viewer->disconnect(web::toLocal(now_ms));
-}
-
-/// Writes a request for the server. An absent value is NaN.
+/// Requests another pause, place, speed or material of the server. An absent value is NaN.
 WEB_EXPORT(control)
-std::size_t control(double paused, double seek_s, double speed, double stiffness_N_mm,
-                    double damping_Ns_m, double static_friction, double dynamic_friction,
-                    double texture_K_mm, double mass_kg) {
+void control(double paused, double seek_s, double speed, double stiffness_N_mm, double damping_Ns_m,
+             double static_friction, double dynamic_friction, double texture_K_mm, double mass_kg) {
   const auto given = [](double value) {
     return std::isnan(value) ? std::nullopt : std::optional<double>(value);
   };
@@ -156,22 +160,37 @@ std::size_t control(double paused, double seek_s, double speed, double stiffness
   request.speed = given(speed);
   request.material = {given(stiffness_N_mm),   given(damping_Ns_m), given(static_friction),
                       given(dynamic_friction), given(texture_K_mm), given(mass_kg)};
-  return web::setOutput(encode(request));
+  page().viewer->request(request);
 }
 
 /// Writes the name of the stream, and the key of the server (hex digits, or empty).
 WEB_EXPORT(streamName) std::size_t streamName() { return web::setOutput(page().description.name); }
 WEB_EXPORT(serverKey) std::size_t serverKey() { return web::setOutput(page().key); }
+/// Returns the number of elements in the last array, and writes their names, with blanks between.
+WEB_EXPORT(count) std::size_t count() { return page().count; }
+WEB_EXPORT(names) std::size_t names() {
+  std::string text;
+  for (std::size_t i = 0; i < page().count; ++i)
+    text.append(i > 0 ? " " : "").append(page().names[i]);
+  return web::setOutput(text);
+}
 /// Returns the numbers of the stream's description.
 WEB_EXPORT(stream) const double* stream() {
   const StreamDescription& from = page().description;
   Numbers numbers;
-  numbers.add(from.workspace.width_px).add(from.workspace.height_px).add(from.fps);
-  numbers.add(from.workspace.width_mm).add(from.workspace.height_mm).add(from.workspace.depth_mm);
-  numbers.add(from.workspace.stretch ? 1.0 : 0.0);
-  const Timeline timeline = from.timeline.value_or(Timeline{});
-  numbers.add(from.timeline ? timeline.length_s : kNone).add(timeline.position_s);
-  numbers.add(toMs(timeline.at)).add(timeline.speed);
+  numbers.add("width_px", from.workspace.width_px).add("height_px", from.workspace.height_px);
+  numbers.add("fps", from.fps).add("width_mm", from.workspace.width_mm);
+  numbers.add("height_mm", from.workspace.height_mm).add("depth_mm", from.workspace.depth_mm);
+  numbers.add("stretch", from.workspace.stretch ? 1.0 : 0.0);
+  return numbers.result();
+}
+/// Returns the numbers of the viewer's time line; none: the stream has no time line.
+WEB_EXPORT(timeline) const double* timeline() {
+  Numbers numbers;
+  if (const auto& from = page().description.timeline) {
+    numbers.add("length_s", from->length_s).add("position_s", from->position_s);
+    numbers.add("at_ms", toMs(from->at)).add("speed", from->speed);
+  }
   return numbers.result();
 }
 
@@ -203,16 +222,25 @@ WEB_EXPORT(report) const double* report(double now_ms) {
   const WebViewer& viewer = *page().viewer;
   const TickReport& from = viewer.report();
   Numbers numbers;
-  numbers.add(toMs(from.play_time)).add(1e3 * toSeconds(from.playout_delay));
-  numbers.add(from.hip_mm).add(from.contact_mm).add(from.force_N);
-  numbers.add(from.static_force_N).add(from.dynamic_force_N).add(from.penetration_mm);
-  numbers.add(from.contact ? 1.0 : 0.0).add(static_cast<double>(from.lookup));
-  numbers.add(from.over_object ? 1.0 : 0.0).add(from.height_at_hip_mm);
-  numbers.add(from.object_present ? 1.0 : 0.0).add(from.halt == Halt::kNone ? 0.0 : 1.0);
+  numbers.add("play_ms", toMs(from.play_time));
+  numbers.add("playout_delay_ms", 1e3 * toSeconds(from.playout_delay));
+  numbers.add("hip_mm", from.hip_mm).add("contact_mm", from.contact_mm);
+  numbers.add("force_N", from.force_N).add("static_force_N", from.static_force_N);
+  numbers.add("dynamic_force_N", from.dynamic_force_N).add("penetration_mm", from.penetration_mm);
+  numbers.add("contact", from.contact ? 1.0 : 0.0).add("over_object", from.over_object ? 1.0 : 0.0);
+  numbers.add("height_at_hip_mm", from.height_at_hip_mm);
+  numbers.add("object_present", from.object_present ? 1.0 : 0.0);
+  numbers.add("halted", from.halt == Halt::kNone ? 0.0 : 1.0);
   const ReceiverCounts& counts = viewer.counts();
-  numbers.add(static_cast<double>(counts.received)).add(static_cast<double>(counts.lost));
-  numbers.add(static_cast<double>(counts.late)).add(toMs(viewer.mediaNow(web::toLocal(now_ms))));
+  numbers.add("frames_received", static_cast<double>(counts.received));
+  numbers.add("frames_lost", static_cast<double>(counts.lost));
+  numbers.add("frames_late", static_cast<double>(counts.late));
+  numbers.add("media_now_ms", toMs(viewer.mediaNow(web::toLocal(now_ms))));
   return numbers.result();
+}
+/// Writes the source of the surface in the last tick.
+WEB_EXPORT(lookup) std::size_t lookup() {
+  return web::setOutput(kLookupNames[static_cast<std::size_t>(page().viewer->report().lookup)]);
 }
 /// Write the lines for the user.
 WEB_EXPORT(advice) std::size_t advice() { return web::setOutput(page().viewer->adviceLine()); }
@@ -233,16 +261,13 @@ WEB_EXPORT(reliefTime_ms) double reliefTime_ms() {
   return toMs(page().viewer->reliefs().media_time);
 }
 /// Samples the relief of the object `index`, at most `most_side` heights along each side. Returns
-/// u, v, width, height (px), columns, rows and the step (px); no columns: it has no relief.
+/// its rectangle, columns, rows and the step (px); none: it has no relief.
 WEB_EXPORT(sampleRelief) const double* sampleRelief(std::size_t index, int most_side) {
   std::vector<float>& heights = page().heights;
   heights.clear();
   Numbers numbers;
   const auto field = page().viewer->reliefs().reliefs[index].lock();
-  if (!field || field->empty()) {
-    for (int i = 0; i < 7; ++i) numbers.add(0.0);
-    return numbers.result();
-  }
+  if (!field || field->empty()) return numbers.result();
   const PixelRect rect = field->rect();
   const int step = 1 + (std::max(rect.width, rect.height) - 1) / std::max(most_side, 2);
   const int columns = 1 + (rect.width - 1) / step, rows = 1 + (rect.height - 1) / step;
@@ -253,8 +278,8 @@ WEB_EXPORT(sampleRelief) const double* sampleRelief(std::size_t index, int most_
       heights.push_back(field->inside(at) ? static_cast<float>(field->bilinear(at).height_mm)
                                           : std::numeric_limits<float>::quiet_NaN());
     }
-  numbers.add(rect.u).add(rect.v).add(rect.width).add(rect.height);
-  numbers.add(columns).add(rows).add(step);
+  numbers.add("u", rect.u).add("v", rect.v).add("width", rect.width).add("height", rect.height);
+  numbers.add("columns", columns).add("rows", rows).add("step", step);
   return numbers.result();
 }
 WEB_EXPORT(heights) const float* heights() { return page().heights.data(); }

@@ -73,7 +73,7 @@ class BadInput(support.BallTest):
 
     def test_bytes_of_chance(self):
         self.open(bad_servers.Sending, make_frame(BINARY, random.Random(1).randbytes(5000)))
-        self.check_state("retrying", "not a message")
+        self.check_state("failed", "not a message")
         self.browser.shoot("garbage")
 
     def test_an_empty_message(self):

@@ -24,7 +24,6 @@
 #include "client/include/hapticast/renderer.hpp"
 #include "client/include/hapticast/stream.hpp"
 #include "client/web/recorded_server.hpp"
-#include "client/web/viewer.hpp"
 
 namespace hapticast::testing {
 namespace {
@@ -40,7 +39,7 @@ class Script {
  public:
   Script(const std::string& recording, const std::string& out, unsigned seed)
       : server_(openServer(recording)), out_(out, std::ios::binary), random_(seed) {
-    server_.receive(client::WebViewer::makeHello(""), at(0));
+    server_.receive(encode(Hello{}), at(0));
   }
   void run(int ticks) {
     for (int tick = 1; tick <= ticks; ++tick) step(tick);

@@ -17,10 +17,10 @@
 #include <vector>
 
 #include "client/haptics/renderer.hpp"
+#include "client/net/client_session.hpp"
 #include "client/net/decode_thread.hpp"
 #include "client/net/receiver.hpp"
 #include "client/net/udp/udp_socket.hpp"
-#include "client/net/welcome_limiter.hpp"
 #include "common/protocol/messages.hpp"
 #include "common/time.hpp"
 #include "tests/support/chain_fixture.hpp"
@@ -90,16 +90,30 @@ class VirtualViewer {
         renderer_(std::make_unique<HapticRenderer>(settings_, *pool_, stream_, user_, nullptr)),
         nailed_(script == nullptr) {
     if (script != nullptr) device_.lead(*script, "a script");
+    (void)session_.open({}, clock_.now());
     sent_N_.fill(Vec3::Zero());
   }
 
-  /// Takes a payload as it came; false: it is refused and the connection is over.
+  /// Receives a payload as it arrived. Returns false if it is refused: the session is over.
   bool receive(std::span<const std::uint8_t> payload) {
-    auto message = decode(payload);
-    if (message.ok() && take(std::move(message).value())) return true;
-    ++trace.refused;
-    disconnect();
-    return false;
+    if (datagram_loss_ && welcomed()) {
+      const auto message = decode(payload);
+      const auto* const frame = message.ok() ? std::get_if<CodedFrame>(&message.value()) : nullptr;
+      if (frame != nullptr) {
+        takeParts(*frame);
+        countRejected();
+        return true;
+      }
+    }
+    const auto message = session_.receive(payload, clock_.now());
+    countRejected();
+    if (!message.ok()) {
+      ++trace.refused;
+      disconnect();
+    } else if (const auto* const welcome = std::get_if<Welcome>(&message.value())) {
+      onWelcome(*welcome);
+    }
+    return message.ok();
   }
   /// To when something arrives between two ticks; a tick comes a millisecond later.
   void moveTo(LocalTime now) { clock_.set(now); }
@@ -122,11 +136,11 @@ class VirtualViewer {
     countRejected();
   }
   void disconnect() {
-    welcomed_ = false;
     verifier_.reset();
-    receiver_.disconnected(clock_.now());
+    (void)session_.close({}, clock_.now());
+    (void)session_.open({}, clock_.now());
   }
-  [[nodiscard]] bool welcomed() const { return welcomed_; }
+  [[nodiscard]] bool welcomed() const { return session_.welcomed(); }
   /// Number of welcomes so far. After each one the clock has to be measured again.
   [[nodiscard]] int welcomes() const { return welcomes_; }
   /// A ping, as bytes.
@@ -223,42 +237,17 @@ class VirtualViewer {
                  parts[part]);
     }
   }
-  bool take(Message message) {
-    if (auto* const frame = std::get_if<CodedFrame>(&message)) {
-      if (!welcomed_) return false;
-      if (datagram_loss_) {
-        takeParts(*frame);
-      } else {
-        receiver_.frame(std::move(*frame), clock_.now());
-      }
-      countRejected();
-      return true;
-    }
-    if (const auto* const welcome = std::get_if<Welcome>(&message)) {
-      if (!welcomed_) {
-        welcome_limit_ = makeWelcomeLimiter();
-      } else if (welcome_limit_.allow(clock_.now())) {
-        receiver_.disconnected(clock_.now());
-      } else {
-        return false;
-      }
-      welcomed_ = true;
-      ++welcomes_;
-      token_ = welcome->datagram_token;
-      if (welcome->verifying_key)
-        verifier_.emplace(token_, welcome->stream,
-                          VerifyingKey::from(*welcome->verifying_key).value(), keys_);
-      receiver_.connected(welcome->description, clock_.now());
-      return true;
-    }
-    if (const auto* const pong = std::get_if<Pong>(&message)) {
-      receiver_.pong(*pong, clock_.now());
-      return welcomed_;
-    }
-    const auto* const description = std::get_if<StreamDescription>(&message);
-    if (description == nullptr || !welcomed_) return false;
-    receiver_.describe(*description, clock_.now());
-    return true;
+  void onWelcome(const Welcome& welcome) {
+    ++welcomes_;
+    token_ = welcome.datagram_token;
+    if (welcome.verifying_key)
+      verifier_.emplace(token_, welcome.stream, VerifyingKey::from(*welcome.verifying_key).value(),
+                        keys_);
+  }
+  static SessionSettings makeSessionSettings() {
+    SessionSettings settings;
+    settings.sends_pings = false;  // runSession() sends them
+    return settings;
   }
 
   void recordForce(const TickReport& report, const Vec3& sent_N, const Vec3& way_mm,
@@ -303,9 +292,8 @@ class VirtualViewer {
   bool nailed_;
   DeviceStatus nail_status_ = DeviceStatus::kOk;
   std::function<Vec3(double)> target_;
-  bool welcomed_ = false;
+  ClientSession session_{makeSessionSettings(), &receiver_};
   int welcomes_ = 0;
-  RateLimiter welcome_limit_ = makeWelcomeLimiter();
   DatagramKeyRing keys_;                      // none: its datagrams are not sealed
   std::optional<DatagramVerifier> verifier_;  // where the welcome offers datagrams
   std::uint64_t token_ = 0;

@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The core: the client's own C++ as WebAssembly (client/web/viewer_exports.cpp). This file passes
-// bytes in and out, and names the numbers that the core returns. Views of the core's memory are
-// made anew in each call, because they end when the memory grows. Thread: the worker.
-
-const kKinds =
-    ['error', 'welcome', 'description', 'frame', 'picture', 'preparing', 'control', 'other'];
-const kLookups = ['none', 'interpolated', 'extrapolated', 'held', 'faded'];
+// bytes in and out, and numbers with the names that the core has for them. Views of the core's
+// memory are made anew in each call, because they end when the memory grows. Thread: the worker.
 
 /// Returns the functions that the core imports. `memory()` returns its memory.
 function makeImports(memory, readFile) {
@@ -50,29 +46,47 @@ export class Core {
     return new TextDecoder().decode(
         new Uint8Array(this.e.memory.buffer, this.e.webOutput(), size));
   }
-  numbers(at, count) { return new Float64Array(this.e.memory.buffer, at, count); }
+  /// Returns the numbers of `result`, an array of the core, by their names. Elements with one name
+  /// are a vector.
+  numbers(result) {
+    const values = new Float64Array(this.e.memory.buffer, result, this.e.count()).slice();
+    const numbers = {};
+    const names = this.text(this.e.names()).split(' ');
+    values.forEach((value, i) => {
+      const name = names[i];
+      numbers[name] = name in numbers ? [numbers[name], value].flat() : value;
+    });
+    return numbers;
+  }
 
-  start(originKeys) {
-    this.putText(originKeys.join(' '));
+  start(originKeys, token) {
+    this.putText(originKeys.join(' ') + '\n' + token);
     this.e.start();
   }
-  hello(token) {
-    this.putText(token);
-    return this.output(this.e.hello());
+  /// Begins a session. Returns whether it may be; else close() follows.
+  open(now_ms, encrypted, ofThisMachine) {
+    return this.e.openSession(now_ms, Number(encrypted), Number(ofThisMachine)) !== 0;
   }
-  /// Processes a message. Returns {kind, value, bytes, error, code}, of which a kind has some.
+  /// Processes a message. Returns {kind, value, jpeg}, of which a kind has some. Kind 'error':
+  /// close() follows.
   receive(bytes, now_ms) {
     this.put(bytes);
-    const kind = kKinds[this.e.receive(now_ms)];
-    if (kind === 'error')
-      return {
-        kind,
-        error: this.text(this.e.outputSize()),
-        code: this.e.errorCode(),
-        untrusted: this.e.untrusted() !== 0
-      };
-    const bytesOfPicture = kind === 'picture' ? this.output(this.e.outputSize()) : null;
-    return {kind, value: this.e.value(), bytes: bytesOfPicture};
+    const kind = this.text(this.e.receive(now_ms));
+    return {
+      kind,
+      value: this.e.value(),
+      jpeg: kind === 'picture' ? this.output(this.e.picture()) : null
+    };
+  }
+  /// Sets why the connection has ended. `malformed`: the peer sent what is no message.
+  setEnd(text, malformed = false) {
+    this.putText(text);
+    this.e.setEnd(Number(malformed));
+  }
+  /// Ends the session. Returns why, and the pause until the next one; NaN: none can succeed.
+  close(now_ms) {
+    const pause_ms = this.e.closeSession(now_ms);
+    return {text: this.text(this.e.outputSize()), pause_ms};
   }
   /// Returns the messages for the server that are due.
   poll(now_ms) {
@@ -81,29 +95,22 @@ export class Core {
       messages.push(this.output(size));
     return messages;
   }
+  /// Requests something of the server, with the next poll().
   control({paused = null, seek_s = NaN, speed = NaN, material = {}}) {
     const m = (name) => material[name] ?? NaN;
-    return this.output(this.e.control(
+    this.e.control(
         paused === null ? NaN : Number(paused), seek_s ?? NaN, speed ?? NaN, m('stiffness_N_mm'),
         m('damping_Ns_m'), m('static_friction'), m('dynamic_friction'), m('texture_K_mm'),
-        m('mass_kg')));
+        m('mass_kg'));
   }
   /// Returns the description of the stream.
   stream() {
-    const n = this.numbers(this.e.stream(), 11);
-    const [width_px, height_px, fps, width_mm, height_mm, depth_mm] = n;
-    const timeline =
-        Number.isNaN(n[7]) ? null : {length_s: n[7], position_s: n[8], at_ms: n[9], speed: n[10]};
-    const stretch = n[6] !== 0;
+    const timeline = this.numbers(this.e.timeline());
+    const numbers = this.numbers(this.e.stream());
     return {
-      width_px,
-      height_px,
-      fps,
-      width_mm,
-      height_mm,
-      depth_mm,
-      stretch,
-      timeline,
+      ...numbers,
+      stretch: numbers.stretch !== 0,
+      timeline: 'length_s' in timeline ? timeline : null,
       name: this.text(this.e.streamName()),
       key: this.text(this.e.serverKey())
     };
@@ -115,28 +122,10 @@ export class Core {
   }
   /// Returns what the last tick reported, and the counts of frames.
   report(now_ms) {
-    const n = this.numbers(this.e.report(now_ms), 28);
-    const vector = (at) => [n[at], n[at + 1], n[at + 2]];
-    return {
-      play_ms: n[0],
-      playout_delay_ms: n[1],
-      hip_mm: vector(2),
-      contact_mm: vector(5),
-      force_N: vector(8),
-      static_force_N: vector(11),
-      dynamic_force_N: vector(14),
-      penetration_mm: n[17],
-      contact: n[18] !== 0,
-      lookup: kLookups[n[19]],
-      over_object: n[20] !== 0,
-      height_at_hip_mm: n[21],
-      object_present: n[22] !== 0,
-      halted: n[23] !== 0,
-      frames_received: n[24],
-      frames_lost: n[25],
-      frames_late: n[26],
-      media_now_ms: n[27],
-    };
+    const report = this.numbers(this.e.report(now_ms));
+    for (const name of ['contact', 'over_object', 'object_present', 'halted'])
+      report[name] = report[name] !== 0;
+    return {...report, lookup: this.text(this.e.lookup())};
   }
   lines() {
     return {
@@ -153,12 +142,11 @@ export class Core {
   reliefs(mostSide) {
     const objects = [];
     for (let i = 0; i < this.e.reliefCount(); ++i) {
-      const [u, v, width, height, columns, rows, step] =
-          this.numbers(this.e.sampleRelief(i, mostSide), 7);
-      if (columns === 0) continue;
-      const heights =
-          new Float32Array(this.e.memory.buffer, this.e.heights(), columns * rows).slice();
-      objects.push({id: i, u, v, width, height, columns, rows, step, heights});
+      const relief = this.numbers(this.e.sampleRelief(i, mostSide));
+      if (!relief.columns) continue;
+      const size = relief.columns * relief.rows;
+      const heights = new Float32Array(this.e.memory.buffer, this.e.heights(), size).slice();
+      objects.push({id: i, ...relief, heights});
     }
     return {media_ms: this.e.reliefTime_ms(), objects};
   }

@@ -1,25 +1,18 @@
 // SPDX-License-Identifier: MIT
-// The worker of the page: it runs the session with the server and a tick for each millisecond. A
-// timer of a page is late by some milliseconds, so each call renders the ticks that are due, 20 at
-// most. Frames are prepared between the ticks, one in each call. The page sends `open`, `pointer`,
-// `user`, `rearm`, `control` and `show`; it receives `status`, `stream`, `picture`, `reliefs` and
-// `ticks`.
+// The worker of the page: a WebSocket around the session of the core (ClientSession), and a tick for
+// each millisecond. A timer of a page is late by some milliseconds, so each call renders the ticks
+// that are due, 20 at most. Frames are prepared between the ticks, one in each call. The page sends
+// `open`, `pointer`, `user`, `rearm`, `control` and `show`; it receives `status`, `stream`,
+// `picture`, `reliefs` and `ticks`.
 import {startCore} from './core.js';
 import {PlayerLink} from './player_link.js';
 
 const kMostTicks = 20;       // in one call; a longer gap is a late tick, and its ticks are left out
 const kReportEvery_ms = 16;  // chosen: once for each picture of a screen
 const kAskEvery_ms = 2000;   // chosen: an operator sees viewers come and go
-const kSilence_ms = 3000;    // as the native client: no message for so long counts as a loss
-const kWelcome_ms = 5000;    // as the native client
-const kPong_ms = 5000;       // as the native client
-const kFirstRetry_ms = 200;
-const kLastRetry_ms = 1000;
 const kLateWithin_ms = 10_000;  // chosen, with kManyLate: a page that is often late, not once
 const kManyLate = 10;
 const kMostSamples = 96;  // along a side of a relief; chosen: a screen shows no more of an object
-// Errors after which a retry is of no use: version and wrong token (proto/README.md, section 7).
-const kPermanent = new Set([3, 8]);
 
 const now_ms = () => performance.now();
 let core = null;
@@ -30,10 +23,6 @@ let stream = null;
 let operator = false;
 let viewers = null;
 let asked_ms = 0;  // for the number of viewers
-let pause_ms = kFirstRetry_ms;
-let lastMessage_ms = 0;
-let firstFrame_ms = null;
-let welcomed_ms = null;
 let rearms = 0;
 let user = {
   paused: false,
@@ -72,7 +61,7 @@ onmessage = async ({data}) => {
       core?.setControls(user, ++rearms);
       break;
     case 'control':
-      if (link?.readyState === WebSocket.OPEN) link.send(core.control(data.control));
+      core?.control(data.control);
       break;
     case 'show':
       showReliefs = data.reliefs;
@@ -85,7 +74,7 @@ async function start() {
   try {
     module = await WebAssembly.compile(await fetchBytes('core.wasm'));
     core = await startCore(module);
-    core.start(open.originKeys ?? []);
+    core.start(open.originKeys ?? [], open.token ?? '');
     core.setControls(user, rearms);
   } catch (error) {
     return sendStatus('failed', `the renderer does not start: ${error.message}`);
@@ -104,34 +93,25 @@ async function fetchBytes(url) {
 
 // The session.
 
-/// Returns whether a token may go to the server of the link: over https, or to this machine.
-function mayHaveToken() {
+/// Begins a session of the core. Returns false if it may not be, for the reason that the core has.
+function openSession() {
   const {protocol, hostname} = new URL(open.url);
-  return protocol === 'wss:' || hostname === 'localhost' || hostname === '[::1]' ||
-      hostname.startsWith('127.');
+  const ofThisMachine = open.source === 'recording' || hostname === 'localhost' ||
+      hostname === '[::1]' || hostname.startsWith('127.');
+  return core.open(renderDueTicks(), protocol === 'wss:', ofThisMachine);
 }
 
 function connect() {
   const recorded = open.source === 'recording';
-  if (open.token && !recorded && !mayHaveToken())
-    return sendStatus(
-        'failed',
-        'the token would go unprotected through the network: open the link with https://');
   problem = '';
-  welcomed_ms = null;
-  sendStatus('connecting', recorded ? 'opening the recording' : 'connecting to the server');
-  firstFrame_ms = null;
   stream = null;
+  sendStatus('connecting', recorded ? 'opening the recording' : 'connecting to the server');
+  if (!openSession()) return end();
   link = recorded ? makePlayer() : new WebSocket(open.url, 'hapticast.3');
   link.binaryType = 'arraybuffer';
-  lastMessage_ms = now_ms() + kWelcome_ms - kSilence_ms;
-  link.onopen = () => {
-    lastMessage_ms = now_ms() + kWelcome_ms - kSilence_ms;
-    link.send(core.hello(open.token ?? ''));
-  };
+  link.onopen = openSession;  // again: the time limit for the welcome begins here
   link.onmessage = ({data}) => onMessage(data);
-  link.onclose = ({target, text}) =>
-      onClose(target, text ?? 'the server does not answer', recorded);
+  link.onclose = ({target, text}) => onClose(target, text);
 }
 
 function makePlayer() {
@@ -144,13 +124,14 @@ function makePlayer() {
 }
 
 function onMessage(data) {
-  if (typeof data === 'string') return fail('the server sent a text; is it a hapticast server?');
-  const begin_ms = renderDueTicks();
-  lastMessage_ms = Math.max(lastMessage_ms, begin_ms);
-  const message = core.receive(new Uint8Array(data), begin_ms);
+  if (typeof data === 'string') {
+    core.setEnd('the server sent a text; is it a hapticast server?', true);
+    return end();
+  }
+  const message = core.receive(new Uint8Array(data), renderDueTicks());
   switch (message.kind) {
     case 'error':
-      return fail(message.error, kPermanent.has(message.code) || message.untrusted);
+      return end();
     case 'welcome':
       verified = false;
       onWelcome();
@@ -164,7 +145,7 @@ function onMessage(data) {
       break;
     case 'picture':
       postMessage(
-          {type: 'picture', media_ms: message.value, jpeg: message.bytes}, [message.bytes.buffer]);
+          {type: 'picture', media_ms: message.value, jpeg: message.jpeg}, [message.jpeg.buffer]);
       break;
     case 'preparing':
       sendStatus('preparing', 'the server scans its clip', message.value);
@@ -177,7 +158,6 @@ function onMessage(data) {
 
 function onWelcome() {
   stream = core.stream();
-  welcomed_ms = now_ms();
   operator = false;
   viewers = null;
   sendStatus('connected', '');
@@ -188,11 +168,10 @@ function onWelcome() {
 /// Sends an empty request: an operator's answer has the number of viewers, a viewer's has none.
 function askForViewers() {
   asked_ms = now_ms();
-  link.send(core.control({}));
+  core.control({});
 }
 
 function onFrame() {
-  firstFrame_ms ??= now_ms();
   if (verified) return;
   verified = true;  // the core ends the session at a frame without a valid signature
   sendStream();
@@ -209,30 +188,25 @@ function onControl(message) {
 /// a part of the link.
 function toPage(sentence) {
   return sentence.replace('--token-file', '#token= in the link')
-      .replace('--origin-key', '#origin-key= in the link');
+      .replace('--origin-key', '#origin-key= in the link')
+      .replace('use hapticasts://HOST, or --insecure', 'open the link with https://');
 }
 
-/// Ends the session with a sentence. `permanent`: no retry follows.
-function fail(text, permanent = true) {
-  const sentence = toPage(text);
+/// Ends the session for the reason that the core has. Another one follows after the core's pause.
+function end() {
   const ended = link;
   link = null;
   ended?.close();
-  core.e.disconnect(renderDueTicks());
-  if (permanent) return sendStatus('failed', sentence);
-  retry(sentence);
+  const {text, pause_ms} = core.close(renderDueTicks());
+  const last = Number.isNaN(pause_ms) || open.source === 'recording';
+  sendStatus(last ? 'failed' : 'retrying', toPage(text));
+  if (!last) setTimeout(connect, pause_ms);
 }
 
-function onClose(closed, sentence, permanent) {
+function onClose(closed, text) {
   if (closed !== link) return;  // it is not this session's any more
-  fail(sentence, permanent);
-}
-
-function retry(sentence) {
-  if (firstFrame_ms !== null && now_ms() - firstFrame_ms > kSilence_ms) pause_ms = kFirstRetry_ms;
-  sendStatus('retrying', sentence);
-  setTimeout(connect, pause_ms);
-  pause_ms = Math.min(2 * pause_ms, kLastRetry_ms);
+  core.setEnd(text ?? 'the server does not answer');
+  end();
 }
 
 // The ticks.
@@ -274,18 +248,9 @@ function run() {
     for (const message of core.poll(begin_ms)) link.send(message);
     if (operator && begin_ms - asked_ms > kAskEvery_ms) askForViewers();
   }
-  if (open.source === 'stream') checkServer(begin_ms);  // a recording may load for long
+  // A recording may load for long.
+  if (open.source === 'stream' && link && core.e.expire(begin_ms) !== 0) end();
   if (begin_ms - reported_ms >= kReportEvery_ms) sendTicks(begin_ms);
-}
-
-/// Gives up a server that sends nothing, or answers no pings.
-function checkServer(begin_ms) {
-  if (link && begin_ms - lastMessage_ms > kSilence_ms)
-    return fail(stream ? 'the server stopped sending' : 'no welcome arrived', false);
-  const waits = link && welcomed_ms !== null && begin_ms - welcomed_ms > kPong_ms;
-  if (waits && core.report(begin_ms).media_now_ms === 0)
-    return fail('the server answers no pings', false);
-  if (waits) welcomed_ms = null;  // the clocks are synchronised
 }
 
 function sendReliefs() {

@@ -111,7 +111,7 @@ std::vector<Bytes> MaliciousServer::messages(double until_s) {
 }
 
 Bytes MaliciousServer::encodeFrame(const CodedFrame& frame) {
-  return signed_ ? *encodeSigned(frame, kStream, key_) : encode(frame);
+  return signed_ || byDatagrams() ? *encodeSigned(frame, kStream, key_) : encode(frame);
 }
 
 void MaliciousServer::alterDatagrams(double t_s, const CodedFrame& frame) {

@@ -10,23 +10,23 @@ namespace {
 LocalTime at(int ms) { return localTime(1e-3 * ms); }
 
 TEST(WebViewer, SaysThatItIsAPage) {
-  const auto hello = decode(WebViewer::makeHello("secret"));
-  ASSERT_TRUE(hello.ok());
+  WebViewer viewer({}, "secret");
+  ASSERT_TRUE(viewer.open({.of_this_machine = true}, at(0)));
+  const auto bytes = viewer.poll(at(0));
+  ASSERT_TRUE(bytes);
+  const auto hello = decode(*bytes);
   const auto& content = std::get<Hello>(hello.value());
+  EXPECT_EQ(content.client_name, "web page");
   EXPECT_EQ(content.access_token, "secret");
   EXPECT_TRUE(content.wants_video && content.wants_frames_on_tcp);
-}
-
-TEST(WebViewer, SendsNothingBeforeTheWelcome) {
-  WebViewer viewer;
-  EXPECT_FALSE(viewer.poll(at(0)));
-  EXPECT_FALSE(viewer.receive(encode(Ping{at(0)}), at(1)).ok());
+  EXPECT_FALSE(viewer.poll(at(1))) << "before the welcome";
 }
 
 TEST(WebViewer, PingsQuicklyAtFirstAndThenReportsEachSecond) {
   WebViewer viewer;
-  Welcome welcome{kProtocolVersion, 1, 0, {}};
-  ASSERT_TRUE(viewer.receive(encode(welcome), at(1)).ok());
+  ASSERT_TRUE(viewer.open({}, at(0)));
+  ASSERT_TRUE(viewer.poll(at(0)));
+  ASSERT_TRUE(viewer.receive(encode(Welcome{kProtocolVersion, 1, 0, {}}), at(1)));
   int pings = 0, reports = 0;
   for (int ms = 1; ms <= 3000; ++ms)
     while (const auto bytes = viewer.poll(at(ms))) {
@@ -39,12 +39,17 @@ TEST(WebViewer, PingsQuicklyAtFirstAndThenReportsEachSecond) {
   EXPECT_GE(reports, 2);
 }
 
-TEST(WebViewer, RefusesAnotherKeyThanThatOfTheLink) {
-  WebViewer viewer(OriginPin("this link", {KeyBytes{1, 2, 3}}));
-  Welcome welcome{kProtocolVersion, 1, 0, {}};
-  const auto refused = viewer.receive(encode(welcome), at(1));
-  ASSERT_FALSE(refused.ok());
-  EXPECT_TRUE(viewer.untrusted());
+TEST(WebViewer, HasTheReasonAndThePauseOfEachEnd) {
+  WebViewer viewer(OriginPin("this link", {KeyBytes{1, 2, 3}}), "secret");
+  EXPECT_FALSE(viewer.open({}, at(0))) << "the token would be readable";
+  EXPECT_FALSE(viewer.close(at(0)));
+  ASSERT_TRUE(viewer.open({.encrypted = true}, at(0)));
+  EXPECT_TRUE(viewer.expire(at(6000)));
+  EXPECT_EQ(viewer.close(at(6000)), std::chrono::milliseconds(200));
+  ASSERT_TRUE(viewer.open({.encrypted = true}, at(7000)));
+  EXPECT_FALSE(viewer.receive(encode(Welcome{kProtocolVersion, 1, 0, {}}), at(7001)));
+  EXPECT_TRUE(viewer.end().untrusted);
+  EXPECT_FALSE(viewer.close(at(7001))) << "a retry is useless";
 }
 
 TEST(WebViewer, ATickAtAGivenPositionReadsNoOther) {

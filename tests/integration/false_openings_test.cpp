@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: MIT
+// The four surroundings of ClientSession: socket, page, library and --control end each false
+// opening with the sentence that the session has for it.
+#include <atomic>
+#include <thread>
+
+#include "client/control_command.hpp"
+#include "client/include/hapticast/renderer.hpp"
+#include "client/include/hapticast/stream.hpp"
+#include "client/web/viewer.hpp"
+#include "tests/integration/fake_server.hpp"
+#include "tests/scenes/false_streams/false_openings.hpp"
+#include "tests/support/log_lines.hpp"
+
+namespace hapticast::testing {
+namespace {
+
+class FalseOpeningTest : public StreamTest {
+ protected:
+  /// Returns the sentence of the session alone.
+  static std::string findWhy(const FalseOpening& opening) {
+    client::ClientSession session({}, nullptr);
+    EXPECT_FALSE(session.open({}, LocalTime{}));
+    for (const auto& message : opening.messages) {
+      const auto received = session.receive(message, LocalTime{});
+      if (!received.ok()) return received.error().why;
+    }
+    return "";
+  }
+  /// Plays the server of an opening. Returns true once the client has ended the connection.
+  static bool serve(FakeServer& server, const FalseOpening& opening) {
+    if (!server.peer && server.accept())
+      for (const auto& message : opening.messages) server.peer->send(framed(message));
+    if (!server.peer) return false;
+    server.peer->poll();
+    return server.peer->closed;
+  }
+
+  const std::vector<FalseOpening> openings = listFalseOpenings();
+};
+
+TEST_F(FalseOpeningTest, AConnectionSaysWhatTheSessionSays) {
+  std::vector<std::unique_ptr<TestClient>> clients;  // which `io` may still call
+  for (const FalseOpening& opening : openings) {
+    FakeServer server(io);
+    clients.push_back(std::make_unique<TestClient>(io, clock, server.port()));
+    TestClient& client = *clients.back();
+    ASSERT_TRUE(runUntil([&] {
+      (void)serve(server, opening);
+      return !client.failure.empty() || !client.lost.empty();
+    })) << opening.name;
+    EXPECT_EQ(client.failure.empty() ? client.lost.front() : client.failure, findWhy(opening))
+        << opening.name;
+    client.connection.stop();
+    ASSERT_TRUE(runUntil([&] { return serve(server, opening); }));
+  }
+}
+
+TEST_F(FalseOpeningTest, APageSaysWhatTheSessionSays) {
+  for (const FalseOpening& opening : openings) {
+    const auto viewer = std::make_unique<client::WebViewer>();
+    ASSERT_TRUE(viewer->open({}, LocalTime{}));
+    for (const auto& message : opening.messages) (void)viewer->receive(message, LocalTime{});
+    EXPECT_EQ(viewer->end().why, findWhy(opening)) << opening.name;
+  }
+}
+
+TEST_F(FalseOpeningTest, TheLibrarySaysWhatTheSessionSays) {
+  for (const FalseOpening& opening : openings) {
+    if (opening.is_plain_only) continue;  // nobody knows how the caller got the bytes
+    Renderer renderer;
+    MessagePlayer player(renderer);
+    std::string why;
+    for (const auto& message : opening.messages) {
+      try {
+        player.push(message, 1.0);
+      } catch (const std::runtime_error& error) {
+        why = error.what();
+      }
+    }
+    EXPECT_EQ(why, findWhy(opening)) << opening.name;
+  }
+}
+
+TEST_F(FalseOpeningTest, ControlSaysWhatTheSessionSays) {
+  for (const FalseOpening& opening : openings) {
+    if (opening.name == "an answer to nothing") continue;  // it answers the request
+    FakeServer server(io);
+    client::Settings settings;
+    settings.server.port = server.port();
+    settings.control = Control{};
+    LogLines log;
+    std::atomic<bool> is_done{false};
+    bool succeeded = false;
+    std::jthread control([&] {
+      succeeded = client::controlServer(settings);
+      is_done = true;
+    });
+    EXPECT_TRUE(runUntil([&] {
+      (void)serve(server, opening);
+      return is_done.load();
+    })) << opening.name;
+    control.join();
+    EXPECT_FALSE(succeeded) << opening.name;
+    EXPECT_NE(log.text().find(findWhy(opening)), std::string::npos)
+        << opening.name << ": " << findWhy(opening) << " / " << log.text();
+  }
+}
+
+}  // namespace
+}  // namespace hapticast::testing
