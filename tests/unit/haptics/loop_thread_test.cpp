@@ -100,8 +100,8 @@ TEST(LoopThread, ALostDeviceThatIsBackWaitsForTheUsersDoor) {
   on.waitFor([&] { return on.ticks > back + 1000; });
   EXPECT_FALSE(on.pushes) << "no force until somebody asks for it";
   on.stage.user.store({.rearm = 1});
-  on.waitFor([&] { return on.pushes.load(); });
-  EXPECT_EQ(newest().halt, Halt::kNone);
+  // The log keeps no report while it is full, so its reader goes on.
+  on.waitFor([&] { return newest().halt == Halt::kNone && on.pushes; });
   loop.stop();
   EXPECT_EQ(loop.stats().step_excess_max_N, 0.0);
 }
