@@ -39,7 +39,7 @@ class FalseOpeningTest : public StreamTest {
   const std::vector<FalseOpening> openings = listFalseOpenings();
 };
 
-TEST_F(FalseOpeningTest, AConnectionSaysWhatTheSessionSays) {
+TEST_F(FalseOpeningTest, AConnectionEndsWithTheSentenceOfTheSession) {
   std::vector<std::unique_ptr<TestClient>> clients;  // which `io` may still call
   for (const FalseOpening& opening : openings) {
     FakeServer server(io);
@@ -56,7 +56,7 @@ TEST_F(FalseOpeningTest, AConnectionSaysWhatTheSessionSays) {
   }
 }
 
-TEST_F(FalseOpeningTest, APageSaysWhatTheSessionSays) {
+TEST_F(FalseOpeningTest, APageEndsWithTheSentenceOfTheSession) {
   for (const FalseOpening& opening : openings) {
     const auto viewer = std::make_unique<client::WebViewer>();
     ASSERT_TRUE(viewer->open({}, LocalTime{}));
@@ -65,7 +65,7 @@ TEST_F(FalseOpeningTest, APageSaysWhatTheSessionSays) {
   }
 }
 
-TEST_F(FalseOpeningTest, TheLibrarySaysWhatTheSessionSays) {
+TEST_F(FalseOpeningTest, TheLibraryEndsWithTheSentenceOfTheSession) {
   for (const FalseOpening& opening : openings) {
     if (opening.is_plain_only) continue;  // nobody knows how the caller got the bytes
     Renderer renderer;
@@ -82,7 +82,7 @@ TEST_F(FalseOpeningTest, TheLibrarySaysWhatTheSessionSays) {
   }
 }
 
-TEST_F(FalseOpeningTest, ControlSaysWhatTheSessionSays) {
+TEST_F(FalseOpeningTest, ControlEndsWithTheSentenceOfTheSession) {
   for (const FalseOpening& opening : openings) {
     if (opening.name == "an answer to nothing") continue;  // it answers the request
     FakeServer server(io);
@@ -104,6 +104,40 @@ TEST_F(FalseOpeningTest, ControlSaysWhatTheSessionSays) {
     EXPECT_FALSE(succeeded) << opening.name;
     EXPECT_NE(log.text().find(findWhy(opening)), std::string::npos)
         << opening.name << ": " << findWhy(opening) << " / " << log.text();
+  }
+}
+
+/// An operator's request goes to the expected origin only.
+TEST_F(FalseOpeningTest, ControlChecksTheOriginsKey) {
+  for (const bool is_expected : {false, true}) {
+    FakeServer server(io);
+    Welcome welcome{kProtocolVersion, 1, 0, {}};
+    welcome.verifying_key = SigningKey(KeyBytes{1}).verifyingKey();
+    client::Settings settings;
+    settings.server.port = server.port();
+    settings.control = Control{};
+    settings.origin_keys = {
+        {SigningKey(KeyBytes{is_expected ? std::uint8_t{1} : std::uint8_t{2}}).verifyingKey()}};
+    const LogLines log;
+    std::atomic<bool> is_done{false};
+    bool succeeded = false;
+    std::jthread control([&] {
+      succeeded = client::controlServer(settings);
+      is_done = true;
+    });
+    std::size_t requests = 0;
+    EXPECT_TRUE(runUntil([&] {
+      if (!server.peer && server.accept()) server.peer->send(welcome);
+      if (server.peer) server.peer->poll();
+      const bool is_new = server.peer && server.peer->all<Control>().size() > requests;
+      if (is_new) server.peer->send(server.peer->all<Control>()[requests++]);
+      return is_done.load();
+    }));
+    control.join();
+    EXPECT_EQ(succeeded, is_expected);
+    EXPECT_EQ(requests, is_expected ? 1U : 0U);
+    EXPECT_EQ(log.text().find("not the expected one") == std::string::npos, is_expected)
+        << log.text();
   }
 }
 

@@ -140,7 +140,7 @@ TEST_F(ProgramsMaliciousOriginTest, IsLimitedAndReportedToTheUser) {
       {"acceleration_1e8_described", "the client does not trust the stream any more"},
       {"acc_square_4hz_x", "no force from now on; restart the client"},
       {"id_max_once", "jumps of the frame ids"},
-      {"outside", "whose objects are not shown"},
+      {"outside", "not shown"},
       {"silence", "frames arrive: the"},
       {"stiffness_1000", "a wall is softer than the stream asks for"},
       {"structure_cut", "trying again"},
