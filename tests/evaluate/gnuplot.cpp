@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "tests/evaluate/gnuplot.hpp"
+#include "tests/support/installed.hpp"
 
 #include <cstdio>
 #include <cstdlib>
@@ -8,7 +9,7 @@
 namespace hapticast::evaluate {
 
 void gnuplot(const std::filesystem::path& out, const std::string& name, const std::string& script) {
-  if (std::system("command -v gnuplot >/dev/null 2>&1") != 0) {
+  if (!isInstalled("gnuplot")) {
     std::fprintf(stderr, "no gnuplot: %s.png is left out (apt-get install gnuplot-nox)\n",
                  name.c_str());
     return;

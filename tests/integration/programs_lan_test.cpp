@@ -7,6 +7,7 @@
 #include "common/cli/parse.hpp"
 #include "server/page/page_files.hpp"
 #include "tests/integration/programs_fixture.hpp"
+#include "tests/support/installed.hpp"
 #include "tests/support/two_hosts.hpp"
 
 namespace hapticast::testing {
@@ -19,8 +20,7 @@ class ProgramsLanTest : public ProgramsTest {
   void SetUp() override {
     if (!kHasDiscovery) GTEST_SKIP() << "this build has no Avahi";
     for (const char* program : {"dbus-daemon", "avahi-daemon", "unshare"}) {
-      const std::string look = std::string("command -v ") + program + " >/dev/null";
-      if (std::system(look.c_str()) != 0) GTEST_SKIP() << "there is no " << program;
+      if (!isInstalled(program)) GTEST_SKIP() << "there is no " << program;
     }
     if (!hosts_.works()) GTEST_SKIP() << "network namespaces (root, ip netns) are not allowed here";
     for (const std::string& host : {hosts_.server(), hosts_.viewer()}) {
@@ -121,7 +121,7 @@ TEST_F(ProgramsLanTest, ATakenNameGetsANumberAndAllAreListedClean) {
 
 TEST_F(ProgramsLanTest, ThePageIsListedAsAWebSite) {
   if (!server::isPageComplete()) GTEST_SKIP() << "this build has no page";
-  if (std::system("command -v avahi-browse >/dev/null") != 0) GTEST_SKIP() << "no avahi-browse";
+  if (!isInstalled("avahi-browse")) GTEST_SKIP() << "no avahi-browse";
   const auto first = announce(hosts_.server(), kName);
   ASSERT_TRUE(first->says(std::string("announced on the LAN as ") + kName + "\n", kSoon))
       << first->output();

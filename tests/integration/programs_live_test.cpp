@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/integration/programs_fixture.hpp"
+#include "tests/support/installed.hpp"
 #include "tests/support/own_network.hpp"
 
 namespace hapticast::testing {
@@ -52,7 +53,7 @@ bool isOpen(const char* table, std::uint16_t port) {
 class ProgramsLiveTest : public ProgramsTest {
  protected:
   void SetUp() override {
-    if (std::system("ffmpeg -version >/dev/null 2>&1") != 0) GTEST_SKIP() << "needs ffmpeg";
+    if (!isInstalled("ffmpeg")) GTEST_SKIP() << "needs ffmpeg";
     if (!enterOwnNetwork()) GTEST_SKIP() << "network namespaces are not allowed here";
     drawVideo();
   }

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/installed.hpp"
 #include "tests/support/process.hpp"
 
 namespace hapticast::testing {
@@ -15,9 +16,7 @@ namespace hapticast::testing {
 class NatsServer {
  public:
   /// Whether the program is installed.
-  [[nodiscard]] static bool exists() {
-    return std::system("command -v nats-server >/dev/null") == 0;
-  }
+  [[nodiscard]] static bool exists() { return isInstalled("nats-server"); }
   /// Starts it in `folder`; `settings`: further lines of its configuration file.
   NatsServer(std::string folder, const std::string& settings) : folder_(std::move(folder)) {
     start("-1", settings);

@@ -16,10 +16,13 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr std::string_view kSaveAnew = "save it anew (numpy: np.savez_compressed)";
+/// Returns the problem with its remedy.
+std::string askToSaveAnew(std::string problem) {
+  return problem.append("; save it anew (numpy: np.savez_compressed)");
+}
 
 StreamResult describeDamage() {
-  return {nullptr, "is cut off or damaged; " + std::string(kSaveAnew)};
+  return {nullptr, askToSaveAnew("is cut off or damaged")};
 }
 
 struct Close {
@@ -102,7 +105,7 @@ std::string findDepth(zip_t* archive, zip_uint64_t& index) {
     members.push_back(static_cast<zip_uint64_t>(i));
     names.emplace_back(name, std::string_view(name).size() - 4);
   }
-  if (names.empty()) return "has no array; " + std::string(kSaveAnew);
+  if (names.empty()) return askToSaveAnew("has no array");
   auto found = names.begin();
   if (names.size() > 1) found = std::find(names.begin(), names.end(), "depths");
   if (found == names.end()) found = std::find(names.begin(), names.end(), "depth");
@@ -145,7 +148,7 @@ StreamResult openNpz(const std::filesystem::path& file) {
   if (!bytes.stream) return {nullptr, bytes.problem};
   std::array<std::uint8_t, 4> begin{};
   if (!bytes.stream->read(begin) || !isZip(begin))
-    return {nullptr, "is not an NPZ file; " + std::string(kSaveAnew)};
+    return {nullptr, askToSaveAnew("is not an NPZ file")};
   return openMember(Archive(zip_open(file.c_str(), ZIP_RDONLY, nullptr)));
 }
 

@@ -15,6 +15,7 @@
 #include "common/recording/mcap_writer.hpp"
 #include "common/recording/schemas.hpp"
 #include "tests/support/flat_relief.hpp"
+#include "tests/support/installed.hpp"
 #include "tests/support/manual_clock.hpp"
 #include "tests/support/temp_folder.hpp"
 
@@ -136,7 +137,7 @@ TEST_F(RecordingLog, DrawsTheStreamOfAServer) {
   EXPECT_EQ(largest(findCurve(curves, "Objects", "with new heights")), 1.0);
   EXPECT_GT(largest(findCurve(curves, "Size", "frame")), 1.0);
   plotRecording(file, folder_ / "plots");
-  const bool can_draw = std::system("command -v gnuplot >/dev/null 2>&1") == 0;
+  const bool can_draw = isInstalled("gnuplot");
   EXPECT_EQ(std::filesystem::exists(folder_ / "plots/log.png"), can_draw);
 }
 

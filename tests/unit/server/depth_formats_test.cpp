@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "server/source/picture/depth_code.hpp"
+#include "tests/support/installed.hpp"
 #include "tests/unit/server/source_files.hpp"
 
 namespace hapticast::server {
@@ -61,7 +62,7 @@ const std::vector<Format> kFormats{
 class DepthFormats : public testing::TestWithParam<Format> {
  protected:
   void SetUp() override {
-    if (std::system("ffmpeg -version >/dev/null 2>&1") != 0) GTEST_SKIP() << "needs ffmpeg";
+    if (!isInstalled("ffmpeg")) GTEST_SKIP() << "needs ffmpeg";
     for (int i = 0; i < kFormatFrames; ++i) {
       const std::string number = std::to_string(i + 1);
       cv::Mat depth(kFormatSize, CV_16UC1);

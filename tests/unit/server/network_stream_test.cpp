@@ -22,6 +22,7 @@
 
 #include "common/transport/asio.hpp"
 #include "server/source/video/video_file.hpp"
+#include "tests/support/installed.hpp"
 #include "tests/support/waiting.hpp"
 #include "tests/unit/server/source_files.hpp"
 
@@ -170,7 +171,7 @@ TEST(NetworkStream, SilenceAndEndlessHeadersAreGivenUp) {
 class NetworkStreams : public testing::Test {
  protected:
   void SetUp() override {
-    if (std::system("ffmpeg -version >/dev/null 2>&1") != 0) GTEST_SKIP() << "needs ffmpeg";
+    if (!isInstalled("ffmpeg")) GTEST_SKIP() << "needs ffmpeg";
   }
   /// Returns a moving picture of 25 frames/s in MPEG-TS. Its frames have about the same size.
   /// `more`: further arguments of ffmpeg.

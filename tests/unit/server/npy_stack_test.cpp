@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "server/source/folder/image_sequence.hpp"
+#include "tests/support/installed.hpp"
 #include "tests/unit/server/number_files.hpp"
 #include "tests/unit/server/source_files.hpp"
 
@@ -178,7 +179,7 @@ TEST_F(NpyStackFile, AFolderPlaysToAndFroUnlessItsDepthIsCompressed) {
 }
 
 TEST_F(NpyStackFile, AColourVideoHasItsDepth) {
-  if (std::system("ffmpeg -version >/dev/null 2>&1") != 0) GTEST_SKIP() << "needs ffmpeg";
+  if (!isInstalled("ffmpeg")) GTEST_SKIP() << "needs ffmpeg";
   folder.ffmpeg("-r 20 -i rgb/%d.png -c:v ffv1 -pix_fmt bgr0 c.mkv");
   const std::string spec = (folder / "c.mkv").string() + "," + (folder / "depths.npz").string();
   EXPECT_THAT(openError(spec), HasSubstr("depths.npz: cannot be read"));

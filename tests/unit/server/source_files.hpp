@@ -13,6 +13,7 @@
 #include <string>
 
 #include "server/source/rgbd_source.hpp"
+#include "tests/support/installed.hpp"
 #include "tests/support/log_lines.hpp"
 #include "tests/support/temp_folder.hpp"
 
@@ -38,7 +39,7 @@ class SourceFolder : public TempFolder {
 class VideoFilesTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (std::system("ffmpeg -version >/dev/null 2>&1") != 0) GTEST_SKIP() << "needs ffmpeg";
+    if (!isInstalled("ffmpeg")) GTEST_SKIP() << "needs ffmpeg";
   }
   void ffmpeg(const std::string& arguments) const { folder.ffmpeg(arguments); }
   SourceFolder folder;
