@@ -1,11 +1,11 @@
 # What the scripts of deploy share: checks of the machine, times, and the build. To be sourced from the project's folder.
 
-# Chosen: a compiler of a batch of sixteen sources was seen with 1.0 GB (ps, no peak was measured); a job leaves room for
-# its linker and for a larger batch under a sanitizer.
-memory_per_job_MB=1600
-# Chosen: CPU seconds of an average batch of the preset release. All 140 took 1,554 s with half of them in the cache, so a
-# build without one takes longer.
-step_s=12
+# Measured (/usr/bin/time): the largest of the largest batches needs 1.62 GB (programs/0, with -Werror); a job leaves room for
+# its linker.
+memory_per_job_MB=1800
+# Measured on two virtual cores, without a cache: 105 batches of the preset release, with links and the page's core, took
+# 920 s: 17.5 s of one core for each.
+step_s=18
 
 endWith() {  # message: ends the script with one line
   echo "$0: $1" >&2

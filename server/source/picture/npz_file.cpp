@@ -21,9 +21,7 @@ std::string askToSaveAnew(std::string problem) {
   return problem.append("; save it anew (numpy: np.savez_compressed)");
 }
 
-StreamResult describeDamage() {
-  return {nullptr, askToSaveAnew("is cut off or damaged")};
-}
+StreamResult describeDamage() { return {nullptr, askToSaveAnew("is cut off or damaged")}; }
 
 struct Close {
   void operator()(zip_t* archive) const { zip_discard(archive); }
