@@ -21,9 +21,11 @@
 #include <utility>
 #include <vector>
 
+#include "client/device/pointed_hand.hpp"
 #include "client/include/hapticast/renderer.hpp"
 #include "client/include/hapticast/stream.hpp"
 #include "client/web/recorded_server.hpp"
+#include "common/protocol/messages.hpp"
 
 namespace hapticast::testing {
 namespace {
