@@ -24,6 +24,7 @@
 #include "client/device/pointed_hand.hpp"
 #include "client/include/hapticast/renderer.hpp"
 #include "client/include/hapticast/stream.hpp"
+#include "client/net/client_session.hpp"
 #include "client/web/recorded_server.hpp"
 #include "common/protocol/messages.hpp"
 
@@ -41,7 +42,9 @@ class Script {
  public:
   Script(const std::string& recording, const std::string& out, unsigned seed)
       : server_(openServer(recording)), out_(out, std::ios::binary), random_(seed) {
-    server_.receive(encode(Hello{}), at(0));
+    if (session_.open({.of_this_machine = true}, localTime(0.0)))
+      throw std::runtime_error("a session without a token is refused");
+    poll(0);
   }
   void run(int ticks) {
     for (int tick = 1; tick <= ticks; ++tick) step(tick);
@@ -59,9 +62,6 @@ class Script {
   static MediaTime at(double time_ms) { return mediaTime(1e-3 * time_ms); }
 
   void step(int tick) {
-    constexpr int kBurst = 16, kBurst_ms = 20, kPing_ms = 1000;
-    const bool pings = tick <= kBurst * kBurst_ms ? tick % kBurst_ms == 0 : tick % kPing_ms == 0;
-    if (pings) server_.receive(encode(Ping{localTime(1e-3 * tick)}), at(tick));
     while (auto message = server_.poll(at(tick))) {
       // A whole number of us, so that both sides round to the same time.
       last_ms_ = std::max(last_ms_, tick + 1e-3 * static_cast<double>(random_() % 8000));
@@ -70,6 +70,12 @@ class Script {
     for (; !arrivals_.empty() && arrivals_.front().time_ms <= tick; arrivals_.pop_front())
       deliver(arrivals_.front());
     render(tick);
+    poll(tick);
+  }
+  /// Sends what the session has for the server, as the page's core does after each tick.
+  void poll(int tick) {
+    while (const auto message = session_.poll(localTime(1e-3 * tick)))
+      server_.receive(encode(*message), at(tick));
   }
   static bool isPicture(const std::vector<std::uint8_t>& bytes) {
     const auto message = decode(bytes);
@@ -77,6 +83,8 @@ class Script {
   }
   void deliver(const Arrival& arrival) {
     player_.push(arrival.bytes, 1e-3 * arrival.time_ms);
+    if (!session_.receive(arrival.bytes, localTime(1e-3 * arrival.time_ms)).ok())
+      throw std::runtime_error("a message of the server is refused");
     put(std::uint8_t{1});
     put(arrival.time_ms);
     put(static_cast<std::uint32_t>(arrival.bytes.size()));
@@ -111,6 +119,7 @@ class Script {
   }
 
   RecordedServer server_;
+  client::ClientSession session_{{}, nullptr};  // its pings are those of the page
   std::ofstream out_;
   std::mt19937 random_;
   Renderer renderer_;

@@ -40,7 +40,9 @@ const [text, done] = arguments;
 (async () => {
   const { startCore } = await import('/core.js');
   const core = await startCore(await WebAssembly.compileStreaming(fetch('/core.wasm')));
-  core.start([]);
+  core.start([], '');
+  core.open(0, false, true);
+  core.poll(0);
   core.setControls({ paused: false, staticOn: true, dynamicOn: true, stiffnessFactor: 1, forceFactor: 1, friction: null }, 0);
   const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
   const view = new DataView(bytes.buffer);
@@ -50,13 +52,14 @@ const [text, done] = arguments;
     if (bytes[at++] === 1) {
       const time = number(), size = view.getUint32(at, true);
       const message = core.receive(bytes.subarray(at + 4, at + 4 + size), time);
-      if (message.kind === 'error') throw new Error(message.error);
+      if (message.kind === 'error') throw new Error(core.close(time).text);
       at += 4 + size;
       while (core.e.prepare(time));
     } else {
       const time = number(), position = [number(), number(), number()], force = [number(), number(), number()];
       while (core.e.prepare(time));
       core.e.tickAt(time, ...position);
+      core.poll(time);  // its pings are those of the script
       const report = core.report(time);
       const difference = Math.max(...force.map((each, i) => Math.abs(each - report.force_N[i])));
       if (Number.isNaN(difference)) throw new Error('a force is no number');

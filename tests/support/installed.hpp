@@ -7,8 +7,8 @@
 
 namespace hapticast {
 
-/// Returns whether the shell finds `program`. The program is not started: ffmpeg loads 240 libraries
-/// before it prints its version.
+/// Returns whether the shell finds `program`. The program is not started: ffmpeg loads 240
+/// libraries before it prints its version.
 inline bool isInstalled(const std::string& program) {
   return std::system(("command -v " + program + " >/dev/null").c_str()) == 0;
 }
