@@ -36,8 +36,8 @@ hapticast_component(haptics)
 set(stream_libraries protobuf::libprotobuf-lite OpenSSL::SSL OpenSSL::Crypto spdlog::spdlog ${avahi_library})
 hapticast_component(stream ${stream_libraries})
 hapticast_component(recording ${stream_libraries} ZLIB::ZLIB PkgConfig::compressions)
-# lld takes a member of the archive for any symbol that a shared library lacks, such as a function of std::string, and then
-# needs what that member needs.
+# lld links a member of the archive for any symbol that a shared library lacks, such as a function of std::string. Then the
+# program needs the libraries of that member.
 hapticast_component(vision ${OpenCV_LIBS} PkgConfig::libav PkgConfig::libzip ZLIB::ZLIB PkgConfig::compressions
   OpenSSL::Crypto spdlog::spdlog ${openni2_library} -Wl,--push-state,--as-needed ${stream_libraries} -Wl,--pop-state)
 

@@ -14,6 +14,14 @@ constexpr std::size_t kMaxPingsOut = 64;  // older unanswered pings are dropped
 
 WireError makeUnexpected(const char* what) { return {ErrorCode::kUnexpected, what}; }
 
+/// Returns the key of `welcome`; nullopt if the server signs nothing.
+Result<std::optional<VerifyingKey>, WireError> readKey(const Welcome& welcome) {
+  if (!welcome.verifying_key) return std::optional<VerifyingKey>();
+  auto key = VerifyingKey::from(*welcome.verifying_key);
+  if (!key.ok()) return WireError{ErrorCode::kMalformed, "the server's key is not valid"};
+  return std::optional<VerifyingKey>(std::move(key).value());
+}
+
 }  // namespace
 
 ClientSession::ClientSession(SessionSettings settings, Receiver* receiver)
@@ -70,7 +78,7 @@ std::optional<WireError> ClientSession::process(Message& message,
       return makeUnexpected("a key of datagrams for a stream without them");
   } else if (std::holds_alternative<Control>(message)) {
     if (!state_.has_requested)
-      return makeUnexpected("the server answers a request that nobody sent");
+      return makeUnexpected("the server answers a request that the client did not send");
   } else if (!std::holds_alternative<VideoFrame>(message) &&
              !std::holds_alternative<Preparing>(message)) {
     return makeUnexpected("the server sent a message that only clients send");
@@ -78,15 +86,15 @@ std::optional<WireError> ClientSession::process(Message& message,
   return std::nullopt;
 }
 
-std::optional<WireError> ClientSession::checkWelcome(const Welcome& welcome, LocalTime now) {
+std::optional<WireError> ClientSession::checkWelcome(const Welcome& welcome, const WelcomeKey& key,
+                                                     LocalTime now) {
   if (welcome.protocol_version != kProtocolVersion)
     return WireError{ErrorCode::kVersion, "the server has protocol version " +
                                               std::to_string(welcome.protocol_version) +
                                               ", this client " + std::to_string(kProtocolVersion)};
   if (welcome.datagram_key && !state_.protection.encrypted)
     return makeUnexpected("a key of datagrams arrived without TLS");
-  if (welcome.verifying_key && !VerifyingKey::from(*welcome.verifying_key).ok())
-    return WireError{ErrorCode::kMalformed, "the server's key is not valid"};
+  if (!key.ok()) return key.error();
   if (auto refusal = settings_.origin.refuse(welcome.verifying_key)) {
     state_.untrusted = true;
     return WireError{ErrorCode::kUnexpected, std::move(*refusal)};
@@ -97,14 +105,13 @@ std::optional<WireError> ClientSession::checkWelcome(const Welcome& welcome, Loc
 }
 
 std::optional<WireError> ClientSession::onWelcome(const Welcome& welcome, LocalTime now) {
-  if (auto error = checkWelcome(welcome, now)) return error;
+  auto key = readKey(welcome);
+  if (auto error = checkWelcome(welcome, key, now)) return error;
   if (welcomed()) {
     state_.pings.clear();  // their pongs would mix two media clocks
     if (receiver_ != nullptr) receiver_->disconnected(now);
   }
-  state_.key.reset();
-  if (welcome.verifying_key)
-    state_.key = std::move(VerifyingKey::from(*welcome.verifying_key)).value();
+  state_.key = std::move(key).value();
   state_.is_description_new = !welcomed() || !(state_.description == welcome.description);
   state_.description = welcome.description;
   state_.stream = welcome.stream;

@@ -66,7 +66,8 @@ struct SessionEnd {
 /// A client's sessions with one server, one after the other.
 class ClientSession {
  public:
-  /// `receiver` processes times and frames, and must outlive this object; null: nobody does.
+  /// `receiver` processes times and frames, and must outlive this object; null: the session
+  /// discards them.
   ClientSession(SessionSettings settings, Receiver* receiver);
 
   /// Begins a session. The hello waits for poll(). Returns an error if the access token must not go
@@ -141,7 +142,9 @@ class ClientSession {
   [[nodiscard]] std::optional<WireError> process(Message& message,
                                                  std::span<const std::uint8_t> bytes,
                                                  LocalTime now);
-  [[nodiscard]] std::optional<WireError> checkWelcome(const Welcome& welcome, LocalTime now);
+  using WelcomeKey = Result<std::optional<VerifyingKey>, WireError>;
+  [[nodiscard]] std::optional<WireError> checkWelcome(const Welcome& welcome, const WelcomeKey& key,
+                                                      LocalTime now);
   [[nodiscard]] std::optional<WireError> onWelcome(const Welcome& welcome, LocalTime now);
   [[nodiscard]] std::optional<WireError> onFrame(CodedFrame& frame,
                                                  std::span<const std::uint8_t> bytes,

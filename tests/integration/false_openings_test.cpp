@@ -67,7 +67,7 @@ TEST_F(FalseOpeningTest, APageEndsWithTheSentenceOfTheSession) {
 
 TEST_F(FalseOpeningTest, TheLibraryEndsWithTheSentenceOfTheSession) {
   for (const FalseOpening& opening : openings) {
-    if (opening.is_plain_only) continue;  // nobody knows how the caller got the bytes
+    if (opening.is_plain_only) continue;  // MessagePlayer assumes that the caller used TLS
     Renderer renderer;
     MessagePlayer player(renderer);
     std::string why;

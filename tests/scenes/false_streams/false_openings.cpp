@@ -53,7 +53,7 @@ void addKinds(std::vector<FalseOpening>& to) {
                   kOfClients});
   to.push_back({"an answer to nothing",
                 {makeWelcome(), encode(Control{})},
-                "answers a request that nobody sent"});
+                "the server answers a request that the client did not send"});
   to.push_back({"a key of no datagrams",
                 {makeWelcome(), encode(goldenKey())},
                 "a key of datagrams for a stream without them"});

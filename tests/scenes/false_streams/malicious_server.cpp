@@ -61,7 +61,7 @@ void MaliciousServer::offers(std::uint16_t datagram_port, DatagramGroup group) {
 Bytes MaliciousServer::welcome() {
   next_ = 0;
   Welcome welcome;
-  if (false_stream_.alter_datagrams || signed_) {
+  if (isSigned()) {
     welcome.stream = kStream;
     welcome.verifying_key = key_.verifyingKey();
   }
@@ -111,7 +111,7 @@ std::vector<Bytes> MaliciousServer::messages(double until_s) {
 }
 
 Bytes MaliciousServer::encodeFrame(const CodedFrame& frame) {
-  return signed_ || byDatagrams() ? *encodeSigned(frame, kStream, key_) : encode(frame);
+  return isSigned() ? *encodeSigned(frame, kStream, key_) : encode(frame);
 }
 
 void MaliciousServer::alterDatagrams(double t_s, const CodedFrame& frame) {

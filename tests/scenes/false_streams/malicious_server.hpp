@@ -124,6 +124,8 @@ class MaliciousServer {
   [[nodiscard]] std::vector<Bytes> takeDatagrams();
   /// The body of an honest probe.
   [[nodiscard]] Bytes probe();
+  /// Its welcome has a key, and its frames on TCP are signed.
+  [[nodiscard]] bool isSigned() const { return signed_ || byDatagrams(); }
   [[nodiscard]] bool byDatagrams() const { return false_stream_.alter_datagrams != nullptr; }
   /// The answer to a ping, if one is given.
   [[nodiscard]] std::optional<Bytes> answer(const Ping& ping, double now_s) const;
