@@ -145,6 +145,9 @@ TEST_F(ProgramsMaliciousOriginTest, IsLimitedAndReportedToTheUser) {
       {"stiffness_1000", "a wall is softer than the stream asks for"},
       {"structure_cut", "trying again"},
   }));
+  // The first line of the client may name another defect of this stream. The summary has all.
+  const auto outside = nlohmann::json::parse(std::ifstream(path("outside.json")));
+  EXPECT_GT(outside["frames"]["reliefs_refused"], 0);
 }
 
 TEST_F(ProgramsMaliciousOriginTest, InDatagramsIsLimitedToo) {
