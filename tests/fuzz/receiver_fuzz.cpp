@@ -11,6 +11,7 @@
 #include "client/net/decode_thread.hpp"
 #include "client/net/receiver.hpp"
 #include "common/protocol/fragment.hpp"
+#include "tests/fuzz/script.hpp"
 #include "tests/fuzz/target.hpp"
 #include "tests/support/coded.hpp"
 #include "tests/support/flat_relief.hpp"
@@ -21,23 +22,6 @@ namespace {
 
 using namespace hapticast;
 using namespace hapticast::client;
-
-struct Script {
-  std::span<const std::uint8_t> rest;
-
-  int byte() {
-    if (rest.empty()) return 0;
-    const int value = rest.front();
-    rest = rest.subspan(1);
-    return value;
-  }
-  std::span<const std::uint8_t> bytes() {
-    const auto size = static_cast<std::size_t>(byte() + 256 * byte());
-    const auto taken = rest.first(std::min(size, rest.size()));
-    rest = rest.subspan(taken.size());
-    return taken;
-  }
-};
 
 struct Client {
   Client() {

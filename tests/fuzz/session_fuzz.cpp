@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "server/stream/session.hpp"
+#include "tests/fuzz/script.hpp"
 #include "tests/fuzz/target.hpp"
 #include "tests/support/flat_relief.hpp"
 #include "tests/support/manual_clock.hpp"
@@ -85,24 +86,6 @@ asio::awaitable<void> hear(testing::MemoryChannel& peer) {
   }
 }
 
-struct Script {
-  std::span<const std::uint8_t> rest;
-
-  std::size_t byte() {
-    if (rest.empty()) return 0;
-    const std::size_t value = rest.front();
-    rest = rest.subspan(1);
-    return value;
-  }
-  SharedBytes payload() {
-    const std::size_t wanted = byte() + 256 * byte();
-    const std::size_t size = std::min(wanted, rest.size());
-    const auto bytes = rest.first(size);
-    rest = rest.subspan(size);
-    return std::make_shared<const std::vector<std::uint8_t>>(bytes.begin(), bytes.end());
-  }
-};
-
 server::EncodedFrame frameOf(std::uint64_t id, const MediaClock& clock) {
   HapticFrame frame;
   frame.id = id;
@@ -131,9 +114,11 @@ HAPTICAST_FUZZ_TARGET("session") {
   Script script{{data, size}};
   for (std::uint64_t step = 1; !script.rest.empty() && step < 500; ++step) {
     switch (script.byte() % 9) {
-      case 0:
-        say(script.payload());
+      case 0: {
+        const auto bytes = script.bytes();
+        say(std::make_shared<const std::vector<std::uint8_t>>(bytes.begin(), bytes.end()));
         break;
+      }
       case 1:
         say(kHello);
         break;
