@@ -6,15 +6,15 @@
 #include <memory>
 #include <string>
 
-#include "client/app.hpp"
-#include "client/command_line.hpp"
-#include "client/control_command.hpp"
+#include "client/commands/app.hpp"
+#include "client/commands/control_command.hpp"
+#include "client/commands/device_commands.hpp"
+#include "client/commands/replay_command.hpp"
+#include "client/desk/user_interface.hpp"
 #include "client/device/open_device.hpp"
-#include "client/device_commands.hpp"
 #include "client/discovery/find_server.hpp"
-#include "client/replay_command.hpp"
-#include "client/study_command.hpp"
-#include "client/user_interface.hpp"
+#include "client/settings/command_line.hpp"
+#include "client/study_run/study_command.hpp"
 #include "common/cli/run_program.hpp"
 #include "common/text.hpp"
 

@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "client/settings.hpp"
+#include "client/settings/settings.hpp"
 
 namespace hapticast::client {
 

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "common/time.hpp"
-#include "server/bake/bake_settings.hpp"
+#include "server/settings/bake_settings.hpp"
 
 namespace hapticast::server {
 

@@ -4,7 +4,7 @@
 #include <spdlog/spdlog.h>
 #include <vector>
 
-#include "server/source/picture/picture_scale.hpp"
+#include "server/source/scale/picture_scale.hpp"
 
 namespace hapticast::server {
 

@@ -5,7 +5,7 @@
 
 #include <memory>
 
-#include "server/settings.hpp"
+#include "server/settings/settings.hpp"
 #include "server/source/child/child_settings.hpp"
 #include "server/source/rgbd_source.hpp"
 

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "server/preview/preview_frame.hpp"
-#include "server/settings.hpp"
+#include "server/settings/settings.hpp"
 
 namespace hapticast::server {
 

@@ -11,7 +11,7 @@
 #include <span>
 #include <string>
 
-#include "server/nats_address.hpp"
+#include "server/relay/nats_address.hpp"
 
 namespace hapticast::server {
 

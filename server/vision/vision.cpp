@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "common/text.hpp"
-#include "server/source/picture/picture_scale.hpp"
+#include "server/source/scale/picture_scale.hpp"
 #include "server/vision/describe.hpp"
 #include "server/vision/frame_motion.hpp"
 #include "server/vision/tracker.hpp"

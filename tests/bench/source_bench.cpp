@@ -17,7 +17,7 @@
 
 #include "server/source/child/child_source.hpp"
 #include "server/source/child/depth_task.hpp"
-#include "server/source/picture/depth_scale.hpp"
+#include "server/source/scale/depth_scale.hpp"
 #include "server/source/video/video_clip.hpp"
 #include "tests/scenes/drawn_source.hpp"
 #include "tests/unit/server/depth_edges.hpp"

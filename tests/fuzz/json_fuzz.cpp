@@ -8,8 +8,8 @@
 
 #include "server/source/folder/bop_scene.hpp"
 #include "server/source/folder/clip_files.hpp"
-#include "server/source/picture/kinect_calibration.hpp"
 #include "server/source/rgbd_source.hpp"
+#include "server/source/scale/kinect_calibration.hpp"
 #include "tests/fuzz/target.hpp"
 
 namespace hapticast::fuzz::json {

@@ -6,11 +6,11 @@
 #include <sstream>
 #include <string>
 
-#include "client/command_line.hpp"
+#include "client/settings/command_line.hpp"
 #include "common/cli/options.hpp"
 #include "common/cli/parse.hpp"
 #include "common/wire_limits.hpp"
-#include "server/command_line.hpp"
+#include "server/settings/command_line.hpp"
 #include "tests/fuzz/target.hpp"
 
 namespace hapticast::fuzz::settings {

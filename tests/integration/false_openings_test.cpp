@@ -4,7 +4,7 @@
 #include <atomic>
 #include <thread>
 
-#include "client/control_command.hpp"
+#include "client/commands/control_command.hpp"
 #include "client/include/hapticast/renderer.hpp"
 #include "client/include/hapticast/stream.hpp"
 #include "client/web/viewer.hpp"

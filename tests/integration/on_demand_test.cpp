@@ -2,9 +2,9 @@
 // A recording on demand: each viewer has a time line of its own, and no other right.
 #include <algorithm>
 
-#include "server/play_recording.hpp"
 #include "server/recording/stream_recorder.hpp"
 #include "server/recording/viewer_timeline.hpp"
+#include "server/show/play_recording.hpp"
 #include "tests/integration/stream_fixture.hpp"
 #include "tests/support/temp_folder.hpp"
 

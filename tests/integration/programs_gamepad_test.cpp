@@ -9,7 +9,7 @@
 #include <optional>
 #include <utility>
 
-#include "client/app.hpp"
+#include "client/commands/app.hpp"
 #include "tests/integration/programs_fixture.hpp"
 #include "tests/support/virtual_pad.hpp"
 

@@ -10,7 +10,7 @@
 #include <regex>
 #include <utility>
 
-#include "client/app.hpp"
+#include "client/commands/app.hpp"
 #include "tests/integration/programs_fixture.hpp"
 
 namespace hapticast::testing {

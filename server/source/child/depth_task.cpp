@@ -10,8 +10,8 @@
 #include <sstream>
 
 #include "common/text.hpp"
-#include "server/source/picture/depth_scale.hpp"
 #include "server/source/picture/image_file.hpp"
+#include "server/source/scale/depth_scale.hpp"
 
 namespace hapticast::server {
 

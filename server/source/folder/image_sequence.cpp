@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <vector>
 
-#include "server/source/picture/depth_scale.hpp"
-#include "server/source/picture/picture_scale.hpp"
+#include "server/source/scale/depth_scale.hpp"
+#include "server/source/scale/picture_scale.hpp"
 
 namespace hapticast::server {
 

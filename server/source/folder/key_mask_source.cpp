@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "server/source/picture/image_file.hpp"
-#include "server/source/picture/picture_scale.hpp"
+#include "server/source/scale/picture_scale.hpp"
 
 namespace hapticast::server {
 

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "server/source/live/live_source.hpp"
-#include "server/source/picture/depth_scale.hpp"
+#include "server/source/scale/depth_scale.hpp"
 #include "server/source/skipped_frames.hpp"
 
 namespace hapticast::server {

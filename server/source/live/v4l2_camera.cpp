@@ -22,8 +22,8 @@
 #include "server/source/live/paired_camera.hpp"
 #include "server/source/live/v4l2_picture.hpp"
 #include "server/source/owned_descriptor.hpp"
-#include "server/source/picture/depth_scale.hpp"
 #include "server/source/picture/image_file.hpp"
+#include "server/source/scale/depth_scale.hpp"
 
 namespace hapticast::server {
 

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "common/text.hpp"
-#include "server/source/picture/depth_scale.hpp"
-#include "server/source/picture/picture_scale.hpp"
+#include "server/source/scale/depth_scale.hpp"
+#include "server/source/scale/picture_scale.hpp"
 
 namespace hapticast::server {
 

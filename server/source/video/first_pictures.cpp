@@ -2,7 +2,7 @@
 #include "server/source/video/first_pictures.hpp"
 
 #include "server/source/picture/depth_code.hpp"
-#include "server/source/picture/depth_scale.hpp"
+#include "server/source/scale/depth_scale.hpp"
 
 namespace hapticast::server {
 

@@ -13,9 +13,9 @@
 #include <optional>
 #include <string>
 
-#include "server/source/picture/depth_registration.hpp"
 #include "server/source/picture/image_file.hpp"
 #include "server/source/rgbd_source.hpp"
+#include "server/source/scale/depth_registration.hpp"
 #include "server/source/skipped_frames.hpp"
 #include "server/source/video/frame_times.hpp"
 #include "server/source/video/video_file.hpp"

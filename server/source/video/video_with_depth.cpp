@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "server/source/picture/depth_code.hpp"
-#include "server/source/picture/depth_scale.hpp"
-#include "server/source/picture/picture_scale.hpp"
+#include "server/source/scale/depth_scale.hpp"
+#include "server/source/scale/picture_scale.hpp"
 #include "server/source/video/first_pictures.hpp"
 
 namespace hapticast::server {

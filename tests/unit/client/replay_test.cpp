@@ -2,7 +2,7 @@
 // Recorded runs under the virtual clock: a replay has the bits of the run; damaged recordings end
 // with a sentence.
 #include "client/recording/replay.hpp"
-#include "client/replay_outputs.hpp"
+#include "client/commands/replay_outputs.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "client/command_line.hpp"
+#include "client/settings/command_line.hpp"
 
 #include <fmt/core.h>
 #include <gtest/gtest.h>

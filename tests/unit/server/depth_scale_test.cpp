@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Depth that is scaled to the size of the colour: where its edges are, on drawn scenes, and which
 // values it may have. The first test prints the figures of server/source/README.md.
-#include "server/source/picture/depth_scale.hpp"
+#include "server/source/scale/depth_scale.hpp"
 
 #include <fmt/core.h>
 #include <gtest/gtest.h>

@@ -10,7 +10,7 @@
 #include <iterator>
 #include <opencv2/imgproc.hpp>
 
-#include "server/source/picture/kinect_calibration.hpp"
+#include "server/source/scale/kinect_calibration.hpp"
 #include "server/source/video/video_clip.hpp"
 #include "tests/unit/server/source_files.hpp"
 

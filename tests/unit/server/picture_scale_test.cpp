@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Pictures that are larger than a stream allows: every kind of source scales them, and the author's
 // points, key masks and intrinsics count in the pixels of the author's own pictures.
-#include "server/source/picture/picture_scale.hpp"
+#include "server/source/scale/picture_scale.hpp"
 
 #include <fmt/core.h>
 #include <gmock/gmock.h>

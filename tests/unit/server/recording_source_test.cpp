@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <random>
 
-#include "server/settings.hpp"
+#include "server/settings/settings.hpp"
 #include "tests/unit/server/image_messages.hpp"
 #include "tests/unit/server/source_files.hpp"
 

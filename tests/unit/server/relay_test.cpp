@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "server/nats_address.hpp"
+#include "server/relay/nats_address.hpp"
 
 namespace hapticast::server {
 namespace {

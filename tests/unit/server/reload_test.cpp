@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/reload.hpp"
+#include "server/show/reload.hpp"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 #include <csignal>
 
 #include "common/cli/run_program.hpp"
-#include "server/command_line.hpp"
+#include "server/settings/command_line.hpp"
 #include "tests/support/log_lines.hpp"
 #include "tests/support/manual_clock.hpp"
 #include "tests/support/temp_folder.hpp"

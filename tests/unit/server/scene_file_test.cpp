@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
-#include "server/command_line.hpp"
+#include "server/settings/command_line.hpp"
 #include "tests/unit/command_line_probe.hpp"
 
 namespace hapticast::server {

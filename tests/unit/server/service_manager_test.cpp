@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/service_manager.hpp"
+#include "server/show/service_manager.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/socket.h>

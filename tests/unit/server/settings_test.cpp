@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/command_line.hpp"
+#include "server/settings/command_line.hpp"
 
 #include <fmt/core.h>
 #include <gtest/gtest.h>

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+#include "client/commands/device_commands.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+
+#include "client/desk/first_check.hpp"
+#include "client/device/calibrate.hpp"
+#include "client/device/falcon/falcon_settings.hpp"
+#include "client/device/open_device.hpp"
+#include "common/cli/run_program.hpp"
+
+namespace hapticast::client {
+
+namespace {
+
+std::atomic<bool> stop_command{false};
+
+void stopAtSignals() {
+  const auto stop = [](int /*signal*/) { stop_command = true; };
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) std::signal(signal, stop);
+}
+
+void logInfo(const std::string& line) { spdlog::info("{}", line); }
+
+DeviceRequest toRequest(const Settings& settings, const Clock& clock) {
+  return {.profile = settings.profile,
+          .clock = clock,
+          .options = settings.device_options,
+          .log = logInfo};
+}
+
+}  // namespace
+
+void printDevices(const Settings& settings) {
+  const SteadyClock clock;
+  std::fputs(listDevices(toRequest(settings, clock)).c_str(), stdout);
+}
+
+int runDeviceCheck(const Settings& settings) {
+  const SteadyClock clock;
+  DeviceRequest request = toRequest(settings, clock);
+  request.hand = kFreeGrip;
+  const auto device = openDevice(settings.check_device, request);
+  stopAtSignals();
+  spdlog::info("check: let go of the grip; the client pushes it six times, with 0.3 N for 0.12 s");
+  const auto check = checkDevice(*device, clock, stop_command, logInfo);
+  if (!check) return kDone;
+  storeResult(*device, *check);
+  if (check->fault.empty()) return kDone;
+  spdlog::error("--check-device {}: refused: {}", settings.check_device, check->fault);
+  return kFailed;
+}
+
+int runFalconCalibration(const Settings& settings) {
+  const SteadyClock clock;
+  const auto device = openDevice("falcon", toRequest(settings, clock));
+  stopAtSignals();
+  const auto options = selectDriverOptions(settings.device_options, "falcon");
+  const auto set = options.find("gain");
+  // The driver has checked it.
+  const double used = set == options.end() ? kFalconGain : parseFalconGain(set->second).value();
+  const auto gain = calibrate(*device, clock, used, settings.calibration_g, stop_command, logInfo);
+  if (!gain) return kDone;
+  if (settings.config_file.empty()) {
+    spdlog::info("put this line into a file for --config: falcon-gain = {:.0f}", *gain);
+  } else {
+    storeGain(settings.config_file, *gain);
+    spdlog::info("falcon-gain = {:.0f} is stored in {}", *gain, settings.config_file);
+  }
+  return kDone;
+}
+
+}  // namespace hapticast::client

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+#include "server/show/origin.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <memory>
+#include <utility>
+
+#include "server/stream/signing_key_file.hpp"
+
+namespace hapticast::server {
+
+namespace {
+
+/// Returns the keys of origins that this one makes room for: all, unless the user named keys or has
+/// a key of its own.
+std::vector<KeyBytes> trustedOrigins(const Settings& settings, const FrameSigner& signer) {
+  std::vector<KeyBytes> keys = settings.origin_keys;
+  if (!keys.empty() || !settings.signing_key_file.empty())
+    keys.push_back(signer.identity().verifying_key);
+  return keys;
+}
+
+}  // namespace
+
+Origin::Origin(const Settings& settings, const Clock& clock, const MediaClock& media_clock,
+               const StreamDescription& description)
+    : signer_(settings.signing_key_file.empty() ? SigningKey()
+                                                : loadSigningKey(settings.signing_key_file),
+              settings.tls.wanted() ? std::make_unique<DatagramSealer>(clock) : nullptr),
+      service_(settings, clock, media_clock, description, signer_.identity()) {
+  // Viewers of relays need the key: a relay could show another one.
+  if (settings.publish || !settings.signing_key_file.empty())
+    spdlog::info("origin key: {}", toHex(signer_.identity().verifying_key));
+  if (settings.publish)
+    relay_.emplace(*settings.publish, settings.nats, clock, media_clock, signer_,
+                   trustedOrigins(settings, signer_));
+  if (settings.outputs.wanted()) recorder_.emplace(settings.outputs, media_clock);
+  if (settings.http) signer_.measure(clock);
+}
+
+void Origin::start(std::function<void()> on_signal, std::function<void()> on_reload,
+                   Broadcaster::OnControl on_control, std::function<void(Metrics&)> add_metrics) {
+  service_.watch([this, add_metrics = std::move(add_metrics)](Metrics& metrics) {
+    add_metrics(metrics);
+    if (relay_) metrics.relay = relay_->counts();
+  });
+  service_.broadcaster().onRemoved([this] { signer_.revokeKey(); });
+  service_.broadcaster().onControl(std::move(on_control));
+  service_.start(std::move(on_signal), std::move(on_reload));
+}
+
+std::vector<StreamSink*> Origin::sinks() {
+  std::vector<StreamSink*> sinks{&service_.broadcaster()};
+  if (relay_) sinks.push_back(&*relay_);
+  if (recorder_) sinks.push_back(&*recorder_);
+  return sinks;
+}
+
+}  // namespace hapticast::server
