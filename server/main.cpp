@@ -15,6 +15,7 @@
 #include "server/settings/command_line.hpp"
 #include "server/show/app.hpp"
 #include "server/show/edge.hpp"
+#include "server/show/play_on_demand.hpp"
 #include "server/show/play_recording.hpp"
 #include "server/source/rgbd_source.hpp"
 #include "server/stream/key_file.hpp"
@@ -60,6 +61,10 @@ int serve(const hapticast::server::Settings& settings, hapticast::server::ReadSe
     }
     if (hapticast::server::isEdge(settings)) {
       hapticast::server::runEdge(settings, clock, std::move(reread));
+      return kDone;
+    }
+    if (settings.on_demand) {
+      hapticast::server::playOnDemand(settings, clock, std::move(reread));
       return kDone;
     }
     if (settings.is_recording) {

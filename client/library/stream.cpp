@@ -27,22 +27,13 @@ namespace hapticast {
 
 namespace {
 
-/// Returns the settings of the client that name this server.
-client::Settings importServer(const std::string& address, const StreamSettings& from) {
-  constexpr std::string_view kAnnounced = "mdns:";
-  client::Settings to;
-  to.tls_ca_file = from.tls_ca_file;
-  if (address.starts_with(kAnnounced)) {
-    to.announced = address.substr(kAnnounced.size());
-    require(isServiceName(to.announced), "address: '" + address + "' names no server after mdns:");
-    return to;
-  }
-  const std::string place = client::removeScheme(address, to.tls);
-  to.tls = to.tls || from.tls;
-  const auto server = parseEndpoint(place, to.server);
-  require(server && server->port != 0,
+/// Returns the server that `address` names.
+client::ServerSettings importServer(const std::string& address, const StreamSettings& from) {
+  client::ServerSettings to;
+  require(client::parseServer(address, to),
           "address: '" + address + "' is not HOST, HOST:PORT, hapticasts://HOST or mdns:NAME");
-  to.server = *server;
+  to.tls = to.tls || from.tls;
+  to.tls_ca_file = from.tls_ca_file;
   return to;
 }
 
@@ -52,7 +43,7 @@ client::ConnectionSettings importSettings(const std::string& address, const Stre
           "connect_timeout_s: outside 0..3600 s");
   require(from.token.size() <= limits::kAccessToken, "token: more than 256 bytes");
   require(from.name.size() <= limits::kClientName, "name: more than 64 bytes");
-  const client::Settings settings = importServer(address, from);
+  const client::ServerSettings settings = importServer(address, from);
   client::ConnectionSettings to;
   to.server = settings.server;
   to.dial = client::chooseDial(settings, client::nameServer(settings));

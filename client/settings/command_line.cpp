@@ -119,7 +119,7 @@ void addServer(CLI::App& app, Settings& settings) {
          "The address of hapticast-server, or mdns:NAME for the server announced as NAME. Default: "
          "localhost:7447; while no server answers there, the log lists the servers on the LAN. The "
          "client waits until the server answers")
-      ->type_name("HOST[:PORT]|hapticasts://HOST[:PORT]|mdns:NAME");
+      ->type_name(kServerForm);
   addList(app, "--origin-key", settings.origin_keys, parseOriginKey,
           "The public key of the server, in hex; the client ends if the server shows another one. "
           "May appear more than once. The word first: the key of the first connection, which the "
@@ -313,16 +313,14 @@ void addReplayOptions(CLI::App& app, Settings& settings) {
 }  // namespace
 
 void setServer(Settings& settings, const std::string& text) {
-  constexpr std::string_view kAnnounced = "mdns:";
-  settings.server_given = true;
-  if (text.starts_with(kAnnounced)) {
-    settings.announced = serviceName("server", text.substr(kAnnounced.size()));
+  if (parseServer(text, settings)) {
+    if (!settings.announced.empty()) requireDiscovery("server");
     return;
   }
-  const std::string place = removeScheme(text, settings.tls);
-  settings.server =
-      parseEndpointOr(place, Settings{}.server, "server", 1,
-                      "HOST[:PORT], PORT, [V6ADDRESS]:PORT, hapticasts://HOST or mdns:NAME");
+  if (!settings.announced.empty()) (void)serviceName("server", settings.announced);
+  throw CLI::ValidationError("server", quote(text) +
+                                           " is not HOST[:PORT], PORT, [V6ADDRESS]:PORT, "
+                                           "hapticasts://HOST or mdns:NAME (port 1..65535)");
 }
 
 std::unique_ptr<CLI::App> commandLine(Settings& settings) {

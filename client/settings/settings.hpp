@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "client/haptics/contact/surface_model.hpp"
-#include "client/net/origin_pin.hpp"
 #include "client/net/udp/transport_selector.hpp"
 #include "client/study/psychometric_function.hpp"
+#include "client/trust/server_trust.hpp"
 #include "common/endpoint.hpp"
 #include "common/live/output_settings.hpp"
 #include "common/protocol/messages.hpp"
@@ -35,16 +35,8 @@ struct StudySettings {
   std::optional<Endpoint> markers;               ///< receives a datagram per event
 };
 
-struct Settings {
-  Endpoint server{"localhost", kDefaultPort};
-  std::string announced;               ///< name of the server from mdns:NAME; empty: use `server`
-  bool server_given = false;           ///< the user named a server
-  bool tls = false;                    ///< the address begins with hapticasts://
-  std::string tls_ca_file;             ///< certificate authorities; empty: trust on first use
-  std::string token_file;              ///< file with the access token; empty: no token
-  std::optional<Control> control;      ///< request of --control; nullopt: no such request
-  bool insecure = false;               ///< the client may send the token without TLS
-  std::vector<OriginKey> origin_keys;  ///< accepted keys; empty: any key or none
+struct Settings : ServerSettings {
+  std::optional<Control> control;  ///< request of --control; nullopt: no such request
   bool list_servers = false;
   std::string device = "auto";
   std::string profile;  ///< name of a built-in profile, or a file; empty: the default of the device

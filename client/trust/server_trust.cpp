@@ -8,6 +8,7 @@
 
 #include "client/discovery/find_server.hpp"
 #include "client/trust/known_origins.hpp"
+#include "common/mdns.hpp"
 #include "common/private_file.hpp"
 #include "common/wire_limits.hpp"
 
@@ -24,7 +25,7 @@ std::string readFileOf(const std::string& flag, const std::string& file) {
 /// Makes dial functions with TLS for one server.
 class TlsTrust {
  public:
-  TlsTrust(const Settings& settings, std::string server)
+  TlsTrust(const ServerSettings& settings, std::string server)
       : ca_file_(settings.tls_ca_file), server_(std::move(server)) {
     if (ca_file_.empty()) return;
     auto context = TlsContext::ofClient(readFileOf("--tls-ca", ca_file_));
@@ -57,20 +58,31 @@ class TlsTrust {
 
 }  // namespace
 
-std::string removeScheme(const std::string& address, bool& tls) {
+bool parseServer(const std::string& text, ServerSettings& settings) {
+  constexpr std::string_view kAnnounced = "mdns:";
   constexpr std::string_view kPlain = "hapticast://";
   constexpr std::string_view kTls = "hapticasts://";
-  tls = address.starts_with(kTls);
-  if (tls) return address.substr(kTls.size());
-  return address.starts_with(kPlain) ? address.substr(kPlain.size()) : address;
+  settings.server_given = true;
+  if (text.starts_with(kAnnounced)) {
+    settings.announced = text.substr(kAnnounced.size());
+    return isServiceName(settings.announced);
+  }
+  settings.tls = text.starts_with(kTls);
+  const std::size_t scheme = settings.tls               ? kTls.size()
+                             : text.starts_with(kPlain) ? kPlain.size()
+                                                        : 0;
+  const auto server = parseEndpoint(text.substr(scheme), ServerSettings{}.server);
+  if (!server || server->port == 0) return false;
+  settings.server = *server;
+  return true;
 }
 
-std::string nameServer(const Settings& settings) {
+std::string nameServer(const ServerSettings& settings) {
   if (!settings.announced.empty()) return "mdns:" + settings.announced;
   return (settings.tls ? "hapticasts://" : "") + toString(settings.server);
 }
 
-Dial chooseDial(const Settings& settings, const std::string& server) {
+Dial chooseDial(const ServerSettings& settings, const std::string& server) {
   if (!settings.tls && settings.announced.empty()) {
     if (!settings.tls_ca_file.empty())
       throw std::runtime_error("--tls-ca: needs an address hapticasts://HOST");
@@ -88,7 +100,7 @@ Dial chooseDial(const Settings& settings, const std::string& server) {
   });
 }
 
-SessionSettings makeSessionSettings(const Settings& settings, const std::string& server) {
+SessionSettings makeSessionSettings(const ServerSettings& settings, const std::string& server) {
   SessionSettings to;
   to.origin = makeOriginPin(settings.origin_keys, server, stateFolder() / "known_origins");
   to.access_token = loadToken(settings.token_file);

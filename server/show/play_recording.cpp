@@ -18,7 +18,6 @@
 #include "server/pipeline/control_queue.hpp"
 #include "server/pipeline/pipeline_counter.hpp"
 #include "server/show/origin.hpp"
-#include "server/show/play_on_demand.hpp"
 #include "server/stream/limited_log.hpp"
 
 namespace hapticast::server {
@@ -199,7 +198,6 @@ StreamReader openRecording(const std::string& file) {
 }
 
 void playRecording(const Settings& settings, const Clock& clock, ReadSettings reread) {
-  if (settings.on_demand) return playOnDemand(settings, clock, std::move(reread));
   Playback(settings, clock, std::move(reread)).run();
 }
 

@@ -11,7 +11,7 @@
 #include <string_view>
 
 #include "server/source/camera_model.hpp"
-#include "server/source/folder/clip_files.hpp"
+#include "server/source/folder/frame_files.hpp"
 
 namespace hapticast::server {
 

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "server/source/folder/bop_scene.hpp"
+#include "server/source/folder/clip_meta.hpp"
 #include "server/source/folder/frame_number.hpp"
 #include "server/source/folder/image_lists.hpp"
 #include "server/source/folder/text_file.hpp"

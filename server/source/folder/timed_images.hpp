@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "server/source/folder/clip_files.hpp"
+#include "server/source/folder/frame_files.hpp"
 
 namespace hapticast::server {
 

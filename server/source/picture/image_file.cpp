@@ -13,7 +13,6 @@
 #include <string_view>
 #include <vector>
 
-#include "common/haptic_frame.hpp"
 #include "server/source/picture/byte_stream.hpp"
 #include "server/source/picture/npy_array.hpp"
 #include "server/source/picture/npz_file.hpp"
@@ -89,24 +88,6 @@ void setDepthUnit(DepthFormat& format, const std::optional<double>& mm_per_unit,
   if (format.kind != DepthKind::kMetric)
     throw SourceError(file + ": has depth of 8 bits, which are heights; leave --depth-unit out");
   format.mm_per_unit = *mm_per_unit;
-}
-
-std::string sizeText(int width_px, int height_px) {
-  return std::to_string(width_px) + "x" + std::to_string(height_px);
-}
-
-bool sizeReadable(std::int64_t width_px, std::int64_t height_px) {
-  return width_px >= 1 && height_px >= 1 && width_px <= kMostSide_px && height_px <= kMostSide_px &&
-         width_px * height_px <= kMostPixels;
-}
-
-std::string describeTooLarge(std::int64_t width_px, std::int64_t height_px) {
-  return "is " + std::to_string(width_px) + "x" + std::to_string(height_px) + ", larger than " +
-         std::to_string(kMostSide_px) + " px a side or " + sizeText(kMostSide_px, 4320) + " in all";
-}
-
-bool sizeAllowed(int width_px, int height_px) {
-  return width_px >= 1 && height_px >= 1 && width_px <= kMaxWidth_px && height_px <= kMaxHeight_px;
 }
 
 ImageResult readColorFile(const std::filesystem::path& file) {

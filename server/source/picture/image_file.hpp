@@ -10,18 +10,12 @@
 #include <span>
 #include <string>
 
+#include "server/source/picture/image_result.hpp"
 #include "server/source/picture/picture_header.hpp"
+#include "server/source/picture/picture_size.hpp"
 #include "server/source/rgbd_source.hpp"
 
 namespace hapticast::server {
-
-/// An image, or a phrase with its problem ("is cut off").
-struct ImageResult {
-  cv::Mat image;
-  std::string problem;
-
-  [[nodiscard]] bool ok() const { return problem.empty(); }
-};
 
 /// Meaning of the values of a depth picture.
 struct DepthFormat {
@@ -33,24 +27,6 @@ struct DepthFormat {
 /// names `file` if its depth has 8 bits, which are heights without a unit.
 void setDepthUnit(DepthFormat& format, const std::optional<double>& mm_per_unit,
                   const std::string& file);
-
-/// Returns a size as text, for example "640x480".
-[[nodiscard]] std::string sizeText(int width_px, int height_px);
-
-// Largest pictures that a source reads; it scales them down. Chosen: 8K.
-inline constexpr int kMostSide_px = 8192;
-inline constexpr std::int64_t kMostPixels = std::int64_t{8192} * 4320;
-
-/// Returns whether a source reads pictures of this size: 1 to kMostSide_px px a side, and at most
-/// kMostPixels in all.
-[[nodiscard]] bool sizeReadable(std::int64_t width_px, std::int64_t height_px);
-
-/// Returns the problem of a picture that is too large to be read, as a phrase.
-[[nodiscard]] std::string describeTooLarge(std::int64_t width_px, std::int64_t height_px);
-
-/// Returns whether a stream may have this size (1x1 .. kMaxWidth_px x kMaxHeight_px of
-/// common/haptic_frame.hpp).
-[[nodiscard]] bool sizeAllowed(int width_px, int height_px);
 
 /// Return the image of a file of at most 64 MiB and a size that is readable, or the problem of the
 /// file. The formats are those of picture_header.hpp, and PFM, NPY and NPZ with one matrix.

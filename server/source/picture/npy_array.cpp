@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/text.hpp"
+#include "server/source/picture/picture_size.hpp"
 
 namespace hapticast::server {
 

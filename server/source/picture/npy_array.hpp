@@ -10,7 +10,7 @@
 #include <string>
 
 #include "server/source/picture/byte_stream.hpp"
-#include "server/source/picture/image_file.hpp"
+#include "server/source/picture/image_result.hpp"
 
 namespace hapticast::server {
 

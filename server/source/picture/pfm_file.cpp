@@ -10,6 +10,7 @@
 
 #include "common/text.hpp"
 #include "server/source/picture/byte_stream.hpp"
+#include "server/source/picture/picture_size.hpp"
 
 namespace hapticast::server {
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "server/source/picture/image_file.hpp"
+#include "server/source/picture/image_result.hpp"
 
 namespace hapticast::server {
 

@@ -9,7 +9,8 @@
 #include <optional>
 #include <span>
 
-#include "server/source/recording/image_message.hpp"
+#include "common/result.hpp"
+#include "server/source/recording/message_types.hpp"
 
 namespace hapticast::server {
 

@@ -6,13 +6,12 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <opencv2/core.hpp>
 #include <string>
 #include <vector>
 
-#include "server/source/rgbd_source.hpp"
+#include "server/source/video/video_input.hpp"
 
 namespace hapticast::server {
 
@@ -28,22 +27,6 @@ struct VideoTrack {
   bool depth_name = false;        ///< whether the track's title or handler has the word depth
   bool kinect_depth = false;      ///< whether it is the depth track of an Azure Kinect or Orbbec
   bool operator==(const VideoTrack&) const = default;
-};
-
-/// Error: a file has no video.
-class NoVideoError : public SourceError {
- public:
-  using SourceError::SourceError;
-};
-
-/// A stream that another machine or program sends.
-struct NetworkStream {
-  std::string url;   ///< address for FFmpeg; it may contain a password, so no message shows it
-  std::string name;  ///< its name in messages
-  /// Returns true to interrupt a wait for the network. VideoFile then behaves as at the end of the
-  /// stream. VideoFile calls it in the thread that uses VideoFile, at least about ten times a
-  /// second.
-  std::function<bool()> give_up;
 };
 
 /// Open video file or stream. Its tracks are numbered from 0, in the file's order.

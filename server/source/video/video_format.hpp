@@ -12,8 +12,8 @@ extern "C" {
 #include <memory>
 #include <string>
 
-#include "server/source/picture/image_file.hpp"
-#include "server/source/video/video_file.hpp"
+#include "server/source/picture/picture_size.hpp"
+#include "server/source/video/video_input.hpp"
 
 namespace hapticast::server {
 

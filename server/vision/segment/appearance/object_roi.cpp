@@ -12,8 +12,6 @@ namespace hapticast::server {
 
 namespace {
 
-constexpr double kUsualFocal = 0.94;  // relative to the width: field of view of most cameras
-
 // Chosen: a crease between finger and object is some 5 mm deep and 10 mm wide.
 constexpr double kValley_mm = 8.0;       // reach of the mean around a pixel
 constexpr double kLeastValley_mm = 0.7;  // shallower: curvature of one body
@@ -76,10 +74,6 @@ cv::Mat scaleToUsualWidth(const cv::Mat& color, const cv::Rect& box) {
 }
 
 }  // namespace
-
-double pixelsPerMm(double depth_mm, const cv::Size& picture) {
-  return kUsualFocal * std::max(picture.width, picture.height) / std::max(depth_mm, 1.0);
-}
 
 cv::Mat FrameContext::findHands(const cv::Rect& box, const cv::Size& size) const {
   cv::Mat out;

@@ -66,10 +66,6 @@ struct GraphRoi {
   [[nodiscard]] cv::Point toRoi(const cv::Point& at) const;
 };
 
-/// Returns how many px of the picture one mm covers at `depth_mm`, for a camera with a usual field
-/// of view.
-double pixelsPerMm(double depth_mm, const cv::Size& picture);
-
 /// Half of the band's width, px of the patch. Each frame decides anew the pixels at most this far
 /// from the contour.
 inline constexpr int kBand_px = 7;

@@ -9,12 +9,12 @@
 #include "server/vision/base/frame_pair.hpp"
 #include "server/vision/base/masks.hpp"
 #include "server/vision/base/statistics.hpp"
-#include "server/vision/segment/appearance/object_roi.hpp"
 
 namespace hapticast::server {
 
 namespace {
 
+constexpr double kUsualFocal = 0.94;  // relative to the width: field of view of most cameras
 constexpr int kLattice_px =
     4;  // chosen for time, for pictures up to kUsualWidth_px; larger ones have as many points
 constexpr int kFollowed = 2;   // factor of a coarser lattice for refits (chosen for time)
@@ -229,6 +229,10 @@ void findSupports(const cv::Mat& depth, const cv::Mat& mask, std::vector<Plane>&
         plane.support ||
         (carries && (plane.share > kSurelySupport || shareInFront(depth, mask, plane) > kInFront));
   }
+}
+
+double pixelsPerMm(double depth_mm, const cv::Size& picture) {
+  return kUsualFocal * std::max(picture.width, picture.height) / std::max(depth_mm, 1.0);
 }
 
 }  // namespace hapticast::server

@@ -44,4 +44,8 @@ cv::Mat findOnPlanes(const cv::Mat& depth, const cv::Rect& box, const std::vecto
 /// a ring of 40 px around the mask.
 void findSupports(const cv::Mat& depth, const cv::Mat& mask, std::vector<Plane>& planes);
 
+/// Returns how many px of the picture one mm covers at `depth_mm`, for a camera with a usual field
+/// of view.
+double pixelsPerMm(double depth_mm, const cv::Size& picture);
+
 }  // namespace hapticast::server
