@@ -10,10 +10,10 @@
 
 #include "client/desk/first_check.hpp"
 #include "client/desk/local_device.hpp"
+#include "client/desk/run_recorder.hpp"
 #include "client/desk/session.hpp"
 #include "client/desk/user_interface.hpp"
-#include "client/haptics/loop.hpp"
-#include "client/recording/run_recorder.hpp"
+#include "client/loop/loop.hpp"
 #include "client/report/reporter.hpp"
 
 namespace hapticast::client {

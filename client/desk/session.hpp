@@ -9,8 +9,8 @@
 #include <optional>
 #include <string>
 
+#include "client/desk/run_recorder.hpp"
 #include "client/haptics/playback/frame_pool.hpp"
-#include "client/recording/run_recorder.hpp"
 #include "client/report/summary.hpp"
 #include "client/settings/settings.hpp"
 #include "client/view/view.hpp"

@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "client/device/device_profile.hpp"
+#include "client/device/profile/device_profile.hpp"
 #include "client/haptics/haptic_device.hpp"
 #include "client/haptics/user_controls.hpp"
 #include "common/sync/latest_value.hpp"

@@ -6,7 +6,7 @@
 #include <cfenv>
 #include <utility>
 
-#include "client/haptics/realtime_thread.hpp"
+#include "client/loop/realtime_thread.hpp"
 
 namespace hapticast::client {
 

@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "client/device/device_profile.hpp"
+#include "client/device/profile/device_profile.hpp"
 #include "common/protocol/check.hpp"
 #include "common/protocol/read_frame.hpp"
 #include "common/protocol/write_frame.hpp"

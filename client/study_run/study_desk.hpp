@@ -16,9 +16,9 @@
 #include <utility>
 
 #include "client/desk/local_device.hpp"
+#include "client/desk/run_recorder.hpp"
 #include "client/desk/session.hpp"
-#include "client/haptics/loop.hpp"
-#include "client/recording/run_recorder.hpp"
+#include "client/loop/loop.hpp"
 #include "client/report/reporter.hpp"
 #include "client/study/motion_file.hpp"
 #include "client/study/study.hpp"

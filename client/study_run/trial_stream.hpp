@@ -12,9 +12,9 @@
 #include <string>
 #include <thread>
 
+#include "client/desk/run_recorder.hpp"
 #include "client/net/inline_preparation.hpp"
 #include "client/net/receiver.hpp"
-#include "client/recording/run_recorder.hpp"
 #include "common/playback/recording_player.hpp"
 
 namespace hapticast::client {

@@ -9,7 +9,7 @@
 #include <ctime>
 #include <filesystem>
 
-#include "client/recording/run_recorder.hpp"
+#include "client/desk/run_recorder.hpp"
 #include "common/playback/recording_player.hpp"
 #include "common/protocol/recorded.hpp"
 #include "common/recording/schemas.hpp"

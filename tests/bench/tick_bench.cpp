@@ -8,7 +8,7 @@
 #include <chrono>
 #include <vector>
 
-#include "client/haptics/realtime_thread.hpp"
+#include "client/loop/realtime_thread.hpp"
 #include "tests/support/renderer_fixture.hpp"
 
 namespace hapticast::client {

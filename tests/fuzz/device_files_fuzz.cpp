@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "client/device/device_profile.hpp"
+#include "client/device/profile/device_profile.hpp"
 #include "client/device/virtual/hand_script.hpp"
 #include "tests/fuzz/target.hpp"
 

@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <fstream>
 
-#include "client/device/device_profile.hpp"
+#include "client/device/profile/device_profile.hpp"
 #include "tests/support/drawn_stream.hpp"
 #include "tests/support/virtual_viewer.hpp"
 

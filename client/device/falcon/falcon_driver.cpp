@@ -12,11 +12,11 @@
 #include <string>
 #include <utility>
 
-#include "client/device/device_profile.hpp"
 #include "client/device/falcon/falcon_link.hpp"
 #include "client/device/falcon/kinematics.hpp"
 #include "client/device/falcon/pilot.hpp"
 #include "client/device/helper/program/make_driver.hpp"
+#include "client/device/profile/device_profile.hpp"
 #include "client/device/sleep_until.hpp"
 
 namespace hapticast::client {

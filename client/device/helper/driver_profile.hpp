@@ -6,8 +6,8 @@
 
 #include <string>
 
-#include "client/device/device_profile.hpp"
 #include "client/device/hapticast_device.h"
+#include "client/device/profile/device_profile.hpp"
 
 namespace hapticast::client {
 

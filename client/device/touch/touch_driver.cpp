@@ -7,8 +7,8 @@
 #include <string>
 #include <utility>
 
-#include "client/device/device_profile.hpp"
 #include "client/device/helper/program/make_driver.hpp"
+#include "client/device/profile/device_profile.hpp"
 #include "client/device/touch/servo.hpp"
 
 namespace hapticast::client {

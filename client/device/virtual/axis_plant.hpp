@@ -8,7 +8,7 @@
 
 #include <Eigen/Core>
 
-#include "client/device/device_profile.hpp"
+#include "client/device/profile/device_profile.hpp"
 
 namespace hapticast::client {
 

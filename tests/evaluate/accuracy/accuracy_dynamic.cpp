@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "client/device/device_profile.hpp"
+#include "client/device/profile/device_profile.hpp"
 #include "client/haptics/dynamic_force.hpp"
 #include "client/haptics/estimation/hip_estimator.hpp"
 #include "common/time.hpp"

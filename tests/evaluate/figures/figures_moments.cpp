@@ -5,7 +5,7 @@
 #include <numbers>
 #include <utility>
 
-#include "client/device/device_profile.hpp"
+#include "client/device/profile/device_profile.hpp"
 #include "client/haptics/dynamic_force.hpp"
 #include "client/haptics/estimation/hip_estimator.hpp"
 #include "tests/evaluate/accuracy/accuracy_parts.hpp"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "client/device/device_profile.hpp"
+#include "client/device/profile/device_profile.hpp"
 #include "tests/evaluate/stability/stability_cases.hpp"
 #include "tests/evaluate/stability/stability_parts.hpp"
 

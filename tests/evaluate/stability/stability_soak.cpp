@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "client/device/device_profile.hpp"
+#include "client/device/profile/device_profile.hpp"
 #include "tests/evaluate/stability/stability_parts.hpp"
 #include "tests/support/soak.hpp"
 

@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-#include "client/device/device_profile.hpp"
+#include "client/device/profile/device_profile.hpp"
 #include "client/haptics/renderer.hpp"
 #include "tests/support/chain_fixture.hpp"
 #include "tests/support/frame_builder.hpp"

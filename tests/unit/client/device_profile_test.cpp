@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "client/device/device_profile.hpp"
+#include "client/device/profile/device_profile.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,9 +6,9 @@
 #include <limits>
 #include <random>
 
-#include "client/device/device_profile.hpp"
+#include "client/desk/run_recorder.hpp"
+#include "client/device/profile/device_profile.hpp"
 #include "client/include/hapticast/recording.hpp"
-#include "client/recording/run_recorder.hpp"
 #include "common/protocol/recorded.hpp"
 #include "common/recording/mcap_writer.hpp"
 #include "common/recording/schemas.hpp"

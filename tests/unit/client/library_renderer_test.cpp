@@ -10,7 +10,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "client/device/device_profile.hpp"
+#include "client/device/profile/device_profile.hpp"
 #include "client/include/hapticast/stream.hpp"
 #include "client/recording/replay.hpp"
 #include "tests/support/drawn_stream.hpp"

@@ -9,8 +9,8 @@
 #include <fstream>
 #include <random>
 
-#include "client/device/device_profile.hpp"
-#include "client/recording/run_recorder.hpp"
+#include "client/desk/run_recorder.hpp"
+#include "client/device/profile/device_profile.hpp"
 #include "tests/support/drawn_stream.hpp"
 #include "tests/support/temp_folder.hpp"
 #include "tests/support/virtual_viewer.hpp"

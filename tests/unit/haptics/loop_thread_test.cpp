@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "client/haptics/loop.hpp"
+#include "client/loop/loop.hpp"
 
 #include <gtest/gtest.h>
 

@@ -9,8 +9,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "client/device/device_profile.hpp"
-#include "client/recording/run_recorder.hpp"
+#include "client/desk/run_recorder.hpp"
+#include "client/device/profile/device_profile.hpp"
 #include "common/protocol/recorded.hpp"
 #include "common/recording/mcap_writer.hpp"
 #include "common/recording/schemas.hpp"

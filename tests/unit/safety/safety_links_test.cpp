@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "client/device/device_profile.hpp"
+#include "client/device/profile/device_profile.hpp"
 #include "tests/support/chain_fixture.hpp"
 
 namespace hapticast::client {

@@ -3,7 +3,7 @@
 // random life (life), a silent press (silence).
 #include <gtest/gtest.h>
 
-#include "client/device/device_profile.hpp"
+#include "client/device/profile/device_profile.hpp"
 #include "tests/support/soak.hpp"
 #include "tests/support/vibration.hpp"
 

@@ -11,7 +11,7 @@
 
 #include "common/library/frame_export.hpp"
 #include "server/include/hapticast/vision.hpp"
-#include "server/library/images.hpp"
+#include "server/library/vision/images.hpp"
 #include "server/vision/vision.hpp"
 #include "tests/scenes/ball_scene.hpp"
 #include "tests/support/expect_frame.hpp"

@@ -22,8 +22,8 @@
 #include <string>
 #include <string_view>
 
-#include "client/device/device_profile.hpp"
 #include "client/device/hapticast_device.h"
+#include "client/device/profile/device_profile.hpp"
 #include "common/geometry.hpp"
 #include "common/time.hpp"
 

@@ -8,8 +8,8 @@
 #include <cstdint>
 #include <thread>
 
-#include "client/haptics/realtime_thread.hpp"
 #include "client/haptics/renderer.hpp"
+#include "client/loop/realtime_thread.hpp"
 #include "common/histogram.hpp"
 
 namespace hapticast::client {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "client/library/frame_reader.hpp"
+#include "client/library/receive/frame_reader.hpp"
 
 #include <utility>
 

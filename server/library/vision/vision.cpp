@@ -10,9 +10,9 @@
 #include "common/library/frame_import.hpp"
 #include "common/library/require.hpp"
 #include "common/wire_limits.hpp"
-#include "server/library/images.hpp"
 #include "server/library/member_names.hpp"
-#include "server/library/source_impl.hpp"
+#include "server/library/vision/images.hpp"
+#include "server/library/vision/source_impl.hpp"
 #include "server/vision/describe.hpp"
 
 namespace hapticast {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "client/library/frame_inbox.hpp"
+#include "client/library/receive/frame_inbox.hpp"
 
 #include <algorithm>
 #include <chrono>

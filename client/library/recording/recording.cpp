@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "client/library/frame_reader.hpp"
+#include "client/library/receive/frame_reader.hpp"
 #include "client/recording/recording_reader.hpp"
 
 namespace hapticast {

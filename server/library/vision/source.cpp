@@ -4,9 +4,9 @@
 #include <stdexcept>
 #include <utility>
 
-#include "server/library/images.hpp"
 #include "server/library/member_names.hpp"
-#include "server/library/source_impl.hpp"
+#include "server/library/vision/images.hpp"
+#include "server/library/vision/source_impl.hpp"
 
 namespace hapticast {
 

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "client/include/hapticast/stream.hpp"
-#include "client/library/renderer_impl.hpp"
+#include "client/library/haptics/renderer_impl.hpp"
 #include "client/net/client_session.hpp"
 #include "client/net/inline_preparation.hpp"
 

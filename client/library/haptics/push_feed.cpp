@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "client/haptics/playback/fill_slot.hpp"
-#include "client/library/renderer_impl.hpp"
+#include "client/library/haptics/renderer_impl.hpp"
 
 namespace hapticast {
 

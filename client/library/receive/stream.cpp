@@ -12,9 +12,9 @@
 #include <thread>
 #include <utility>
 
-#include "client/library/frame_inbox.hpp"
-#include "client/library/frame_reader.hpp"
-#include "client/library/renderer_impl.hpp"
+#include "client/library/haptics/renderer_impl.hpp"
+#include "client/library/receive/frame_inbox.hpp"
+#include "client/library/receive/frame_reader.hpp"
 #include "client/net/connection.hpp"
 #include "client/net/decode_thread.hpp"
 #include "client/net/receiver.hpp"

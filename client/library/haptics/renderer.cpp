@@ -7,8 +7,8 @@
 #include <string>
 #include <utility>
 
-#include "client/device/device_profile.hpp"
-#include "client/library/renderer_impl.hpp"
+#include "client/device/profile/device_profile.hpp"
+#include "client/library/haptics/renderer_impl.hpp"
 #include "common/library/require.hpp"
 
 namespace hapticast {

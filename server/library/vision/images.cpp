@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/library/images.hpp"
+#include "server/library/vision/images.hpp"
 
 #include <cmath>
 #include <limits>

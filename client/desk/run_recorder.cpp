@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "client/recording/run_recorder.hpp"
+#include "client/desk/run_recorder.hpp"
 
 #include "common/protocol/recorded.hpp"
 
