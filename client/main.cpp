@@ -23,8 +23,10 @@ namespace {
 using hapticast::kDone;
 using hapticast::kFailed;
 using hapticast::kWrongInput;
+using hapticast::client::Command;
+using hapticast::client::Settings;
 
-int runClient(const hapticast::client::Settings& settings) {
+int runClient(const Settings& settings) {
   const hapticast::SteadyClock clock;
   std::unique_ptr<hapticast::client::App> app;
   try {
@@ -52,36 +54,44 @@ int runOrRefuse(const std::function<int()>& command) {
   }
 }
 
-int runCommand(const hapticast::client::Settings& settings) {
-  if (settings.control) {
-    return runOrRefuse(
-        [&] { return hapticast::client::controlServer(settings) ? kDone : kFailed; });
+int runStudy(const Settings& settings) {
+  hapticast::client::requireVirtualHand(settings);
+  hapticast::client::requireDistinctOutputs(settings);
+  return hapticast::client::runStudy(settings, hapticast::SteadyClock(),
+                                     hapticast::client::openViews(settings));
+}
+
+int runList(const Settings& settings) {
+  if (!settings.list_devices) return hapticast::client::listServers() ? kDone : kFailed;
+  hapticast::client::printDevices(settings);
+  return kDone;
+}
+
+int runCommand(const Settings& settings) {
+  switch (settings.command) {
+    case Command::kReplay:
+      return runOrRefuse([&] { return hapticast::client::runReplay(settings); });
+    case Command::kStudy:
+      return runOrRefuse([&] { return runStudy(settings); });
+    case Command::kCheck:
+      return settings.calibration_g > 0.0 ? hapticast::client::runFalconCalibration(settings)
+                                          : hapticast::client::runDeviceCheck(settings);
+    case Command::kControl:
+      return runOrRefuse(
+          [&] { return hapticast::client::controlServer(settings) ? kDone : kFailed; });
+    case Command::kList:
+    case Command::kTouch:
+      break;
   }
-  if (!settings.study.file.empty()) {
-    return runOrRefuse([&] {
-      hapticast::client::requireVirtualHand(settings);
-      hapticast::client::requireDistinctOutputs(settings);
-      return hapticast::client::runStudy(settings, hapticast::SteadyClock(),
-                                         hapticast::client::openViews(settings));
-    });
-  }
-  if (!settings.replay_file.empty())
-    return runOrRefuse([&] { return hapticast::client::runReplay(settings); });
-  if (settings.calibration_g > 0.0) return hapticast::client::runFalconCalibration(settings);
-  if (!settings.check_device.empty()) return hapticast::client::runDeviceCheck(settings);
   return runClient(settings);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  hapticast::client::Settings settings;
+  Settings settings;
   if (const auto exit_code = hapticast::client::readCommandLine(settings, argc, argv))
     return *exit_code;
-  if (settings.list_devices) {
-    hapticast::client::printDevices(settings);
-    return kDone;
-  }
-  if (settings.list_servers) return hapticast::client::listServers() ? kDone : kFailed;
+  if (settings.command == Command::kList) return runList(settings);
   return hapticast::runProgram(settings.quiet, [&settings] { return runCommand(settings); });
 }

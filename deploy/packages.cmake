@@ -1,5 +1,5 @@
 # Packages for Debian: hapticast-server and hapticast-client. deploy/package makes them. The target package_files makes
-# what the programs print themselves: man pages (--help, by help2man) and configuration files (--print-config).
+# what the programs print themselves: man pages (--help-all, by help2man) and configuration files (--print-config).
 find_program(HELP2MAN help2man)
 find_program(SHLIBDEPS dpkg-shlibdeps)
 if(NOT HELP2MAN OR NOT SHLIBDEPS)
@@ -21,7 +21,7 @@ function(hapticast_package name section description)
   set(program hapticast-${name})
   set(page ${program}.${section})
   add_custom_command(OUTPUT ${made}/${page}.gz ${made}/${name}.conf
-    COMMAND ${HELP2MAN} --no-info --section=${section} --name=${description}
+    COMMAND ${HELP2MAN} --no-info --help-option=--help-all --section=${section} --name=${description}
       --version-string=${PROJECT_VERSION} --output=${page} $<TARGET_FILE:${program}>
     COMMAND gzip -9nf ${page}
     COMMAND sh -c "\"$0\" --print-config >${name}.conf" $<TARGET_FILE:${program}>

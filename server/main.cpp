@@ -4,7 +4,6 @@
 #include <exception>
 #include <memory>
 #include <string>
-#include <string_view>
 #include <utility>
 
 #include "common/cli/run_program.hpp"
@@ -27,6 +26,7 @@ namespace {
 using hapticast::kDone;
 using hapticast::kFailed;
 using hapticast::kWrongInput;
+using hapticast::server::Command;
 
 /// Calls `run`, and turns errors of the input into a line of the log and an exit code. `streaming`
 /// returns whether a later error is a failure at run time. `flag`: names the source.
@@ -51,54 +51,47 @@ int runReporting(const char* flag, const Run& run, const Streaming& streaming) {
   }
 }
 
-int serve(const hapticast::server::Settings& settings, hapticast::server::ReadSettings reread) {
+/// Serves viewers until the end of the stream or a signal. `app`: that of a clip.
+void serve(const hapticast::server::Settings& settings, const hapticast::Clock& clock,
+           hapticast::server::ReadSettings reread, std::unique_ptr<hapticast::server::App>& app) {
+  if (settings.command == Command::kRelay)
+    return hapticast::server::runEdge(settings, clock, std::move(reread));
+  if (settings.on_demand)
+    return hapticast::server::playOnDemand(settings, clock, std::move(reread));
+  if (settings.is_recording)
+    return hapticast::server::playRecording(settings, clock, std::move(reread));
+  app = std::make_unique<hapticast::server::App>(settings, clock, std::move(reread));
+  app->run();
+}
+
+int runCommand(const hapticast::server::Settings& settings,
+               hapticast::server::ReadSettings reread) {
   const hapticast::SteadyClock clock;
+  if (settings.command == Command::kBake) {
+    bool started = false;
+    return runReporting(
+        "bake ", [&] { return hapticast::server::bake(settings, clock, started); },
+        [&] { return started; });
+  }
   std::unique_ptr<hapticast::server::App> app;
   const auto run = [&]() -> int {
-    if (!settings.preview.empty()) {
+    if (settings.command == Command::kPreview) {
       hapticast::server::writePreview(settings, clock);
-      return kDone;
+    } else {
+      serve(settings, clock, std::move(reread), app);
     }
-    if (hapticast::server::isEdge(settings)) {
-      hapticast::server::runEdge(settings, clock, std::move(reread));
-      return kDone;
-    }
-    if (settings.on_demand) {
-      hapticast::server::playOnDemand(settings, clock, std::move(reread));
-      return kDone;
-    }
-    if (settings.is_recording) {
-      hapticast::server::playRecording(settings, clock, std::move(reread));
-      return kDone;
-    }
-    app = std::make_unique<hapticast::server::App>(settings, clock, std::move(reread));
-    app->run();
     return kDone;
   };
   return runReporting("--source ", run, [&] { return app && app->streaming(); });
-}
-
-int bakeClip(const hapticast::server::BakeSettings& settings) {
-  const hapticast::SteadyClock clock;
-  bool started = false;
-  return runReporting(
-      "bake ", [&] { return hapticast::server::bake(settings, clock, started); },
-      [&] { return started; });
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   hapticast::server::stopOpenCvThreads();
-  if (argc > 1 && std::string_view(argv[1]) == hapticast::server::kBakeCommand) {
-    hapticast::server::BakeSettings bake;
-    if (const auto exit_code = hapticast::server::readBakeCommandLine(bake, argc, argv))
-      return *exit_code;
-    return hapticast::runProgram(bake.server.quiet, [&] { return bakeClip(bake); });
-  }
   hapticast::server::Settings settings;
   if (const auto exit_code = hapticast::server::readCommandLine(settings, argc, argv))
     return *exit_code;
   const auto reread = [argc, argv] { return hapticast::server::rereadCommandLine(argc, argv); };
-  return hapticast::runProgram(settings.quiet, [&] { return serve(settings, reread); });
+  return hapticast::runProgram(settings.quiet, [&] { return runCommand(settings, reread); });
 }

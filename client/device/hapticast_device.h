@@ -25,7 +25,7 @@
  *   knows. A reader reads and writes no further.
  *
  * The host checks all values of a driver. It cannot detect a driver that renders another force than
- * the commanded one: `hapticast-client --check-device NAME` tests that with the device.
+ * the commanded one: `hapticast-client check NAME` tests that with the device.
  */
 #ifndef HAPTICAST_DEVICE_H
 #define HAPTICAST_DEVICE_H

@@ -9,8 +9,12 @@
 
 #include "client/settings/settings.hpp"
 #include "common/cli/cli11.hpp"
+#include "common/cli/subcommands.hpp"
 
 namespace hapticast::client {
+
+/// Subcommands of command lines that name none.
+extern const SubcommandChoice kSubcommandChoice;
 
 /// Returns the parser of the command line. Pass it to parseCommandLine(), which then fills
 /// `settings`. `settings` must outlive the parser.

@@ -35,12 +35,16 @@ struct StudySettings {
   std::optional<Endpoint> markers;               ///< receives a datagram per event
 };
 
+/// The subcommand of the program.
+enum class Command : std::uint8_t { kTouch, kReplay, kStudy, kCheck, kList, kControl };
+
 struct Settings : ServerSettings {
-  std::optional<Control> control;  ///< request of --control; nullopt: no such request
-  bool list_servers = false;
+  Command command = Command::kTouch;
+  std::optional<Control> control;  ///< request of an operator
   std::string device = "auto";
   std::string profile;  ///< name of a built-in profile, or a file; empty: the default of the device
   std::map<std::string, std::string> device_options;  ///< of --device-option KEY=VALUE
+  bool list_servers = false;  ///< of no use by itself: the flag chooses the subcommand
   bool list_devices = false;
   std::string check_device;    ///< kind of --check-device; empty: no check
   double calibration_g = 0.0;  ///< weight of --falcon-calibrate in g; 0: no calibration

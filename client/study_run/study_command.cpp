@@ -60,16 +60,6 @@ Study readStudy(const std::string& text, const std::string& file) {
   return study;
 }
 
-/// Refuses flags that a study replaces.
-void requireOwnFlags(const Settings& settings) {
-  const std::pair<const char*, bool> flags[] = {
-      {"--replay", !settings.replay_file.empty()},   {"--record", !settings.outputs.record.empty()},
-      {"--summary", !settings.summary_file.empty()}, {"--seconds", settings.seconds > 0.0},
-      {"--method", settings.method_given},           {"--surface", settings.surface_given}};
-  for (const auto& [flag, is_given] : flags)
-    if (is_given) throw std::runtime_error(std::string(flag) + ": has no effect with --study");
-}
-
 void requireWindow(const StudySettings& study, const Views& views) {
   for (const auto& view : views)
     if (view->points()) return;
@@ -221,7 +211,6 @@ int runStudy(const Settings& settings, const Clock& clock, Views views) {
     return kWrongInput;
   };
   try {
-    requireOwnFlags(settings);
     requireWindow(own, views);
     const std::string text = readStudyText(own.file);
     const Study study = readStudy(text, own.file);

@@ -7,12 +7,14 @@
 #include <iomanip>
 #include <istream>
 #include <memory>
+#include <set>
 #include <sstream>
 #include <string_view>
 #include <type_traits>
 #include <vector>
 
 #include "common/cli/program_flags.hpp"
+#include "common/cli/subcommands.hpp"
 #include "common/text.hpp"
 
 namespace hapticast {
@@ -98,11 +100,13 @@ CLI::Option* addPair(CLI::App& app, const std::string& name,
       ->type_name(form.substr(0, form.find(' ')));
 }
 
+std::string lastName(const std::string& names) { return names.substr(names.rfind(',') + 1); }
+
 CLI::Option* addFile(CLI::App& app, const std::string& name, std::string& file,
                      const std::string& ending, const std::string& help) {
-  const auto set = [&file, name, ending](const std::string& text) {
+  const auto set = [&file, flag = lastName(name), ending](const std::string& text) {
     if (!hasEnding(text, ending))
-      throw CLI::ValidationError(name + " " + text,
+      throw CLI::ValidationError(flag + " " + text,
                                  "does not end with " + ending + "; use FILE" + ending);
     file = text;
   };
@@ -152,31 +156,44 @@ class KeyValueConfig : public CLI::ConfigBase {
     if (!pairs.ok()) throw ConfigFileError(pairs.error().message);
     std::vector<CLI::ConfigItem> items;
     for (const KeyValue& pair : pairs.value()) {
-      requireFlag(pair);
+      const CLI::App* const owner = findOwnerOf(pair);
+      if (owner == nullptr) continue;
       const auto same = std::find_if(items.begin(), items.end(),
                                      [&](const auto& item) { return item.name == pair.key; });
       CLI::ConfigItem& item = same != items.end() ? *same : items.emplace_back();
       item.name = pair.key;
+      if (owner != &app_) item.parents = {owner->get_name()};
       item.inputs.push_back(pair.value);
     }
     return items;
   }
 
  private:
-  void requireFlag(const KeyValue& pair) const {
+  /// Returns the parser that has the key: the subcommand or the program. Returns null for a key of
+  /// another subcommand, because one file serves all. Throws for an unknown key.
+  [[nodiscard]] const CLI::App* findOwnerOf(const KeyValue& pair) const {
     const auto complain = [&](const std::string& what) {
       throw ConfigFileError(":" + std::to_string(pair.line) + ": " + what);
     };
     if (pair.key == "config") complain("a config file cannot name another one");
+    std::vector<const CLI::App*> apps(1, &app_);
+    const auto chosen = app_.get_subcommands();
+    apps.insert(apps.begin(), chosen.begin(), chosen.end());
     std::vector<std::string> keys;
-    for (const CLI::Option* const option : app_.get_options()) {
-      if (!option->get_configurable()) continue;
-      if (option->check_lname(pair.key) || option->check_name(pair.key)) return;
-      keys.push_back(findKey(*option));
+    for (const CLI::App* const app : apps) {
+      for (const CLI::Option* const option : app->get_options()) {
+        if (!option->get_configurable()) continue;
+        if (option->check_lname(pair.key) || option->check_name(pair.key)) return app;
+        keys.push_back(findKey(*option));
+      }
+    }
+    for (const std::string& name : {"--" + pair.key, pair.key}) {
+      if (!findOwner(app_, name, *apps.front()).empty()) return nullptr;
     }
     if (const auto owner = ownerOfFlag(pair.key, app_.get_name()); !owner.empty())
       complain(quote(pair.key) + " is a flag of " + std::string(owner));
     complain(quote(pair.key) + " is not the name of a flag" + spellingHint(pair.key, keys));
+    return nullptr;
   }
 
   const CLI::App& app_;
@@ -203,13 +220,18 @@ std::string writeConfig(const CLI::App& app) {
                                  ": KEY = VALUE lines. Each key is a flag of the command line, "
                                  "which wins over this file. A line without a value has no fixed "
                                  "default. Remove the # in front of a key to set it.");
-  for (const CLI::Option* const option : app.get_options()) {
-    if (!option->get_configurable()) continue;
-    const bool is_switch = option->get_items_expected_max() == 0;
-    const std::string value = is_switch ? "false" : option->get_default_str();
-    text += "\n" + makeComment(option->get_description());
-    if (!is_switch) text += makeComment("Value: " + option->get_type_name());
-    text += "#" + findKey(*option) + " =" + (value.empty() ? "" : " " + value) + "\n";
+  std::vector<const CLI::App*> apps = app.get_subcommands({});
+  apps.push_back(&app);
+  std::set<std::string> written;
+  for (const CLI::App* const each : apps) {
+    for (const CLI::Option* const option : each->get_options()) {
+      if (!option->get_configurable() || !written.insert(findKey(*option)).second) continue;
+      const bool is_switch = option->get_items_expected_max() == 0;
+      const std::string value = is_switch ? "false" : option->get_default_str();
+      text += "\n" + makeComment(option->get_description());
+      if (!is_switch) text += makeComment("Value: " + option->get_type_name());
+      text += "#" + findKey(*option) + " =" + (value.empty() ? "" : " " + value) + "\n";
+    }
   }
   return text;
 }

@@ -48,6 +48,9 @@ CLI::Option* addPair(CLI::App& app, const std::string& name,
                      const std::function<bool(const Vec2&)>& set_pair, const std::string& form,
                      const std::string& help);
 
+/// Returns the last of the names of an option, such as --replay of "FILE,--replay".
+[[nodiscard]] std::string lastName(const std::string& names);
+
 /// Returns the error message that `text`, the value of the flag `name`, is no number from `least`
 /// to `most`. Number is double or std::uint64_t.
 template <class Number>
@@ -62,7 +65,7 @@ void showDefault(CLI::Option& option, double value);
 template <class Value, class Number>
 CLI::Option* addNumber(CLI::App& app, const std::string& name, Value& value, Number least,
                        Number most, const std::string& unit, const std::string& help) {
-  const auto set = [&value, name, least, most](const std::string& text) {
+  const auto set = [&value, name = lastName(name), least, most](const std::string& text) {
     const auto number = parseNumberInRange<Number>(text, least, most);
     if (!number) throw notANumber(name, text, least, most);
     value = *number;
@@ -109,7 +112,8 @@ CLI::Option* addChoice(CLI::App& app, const std::string& name, Value& value,
     if (choice.second == value) present = choice.first;
   }
   const std::string names = join(words, "|");
-  const auto set = [&value, &choices, name, names, words, hint](const std::string& text) {
+  const auto set = [&value, &choices, name = lastName(name), names, words,
+                    hint](const std::string& text) {
     const auto found = choices.find(text);
     if (found == choices.end()) {
       std::string meant = hint != nullptr ? hint(text) : "";
@@ -143,12 +147,14 @@ class ConfigFileError : public CLI::ParseError {
       : CLI::ParseError("ConfigFileError", what, CLI::ExitCodes::ConfigError) {}
 };
 
-/// Adds the flags `--config FILE` and `--print-config`. The file may set every flag of `app`. An
-/// unknown key causes a ConfigFileError. Without the flag the program reads the file
+/// Adds the flags `--config FILE` and `--print-config`. The file may set every flag of `app`
+/// and of its subcommands. A key of another subcommand than the present one is ignored. An unknown
+/// key causes a ConfigFileError. Without the flag the program reads the file
 /// `default_file`, if it exists. Call it after all other flags were added.
 void addConfigFile(CLI::App& app, const std::string& default_file = "");
 
-/// Returns the text of a config file with each flag of `app` and its default as a comment.
+/// Returns the text of a config file with each flag of `app` and of its subcommands, and its
+/// default as a comment.
 [[nodiscard]] std::string writeConfig(const CLI::App& app);
 
 }  // namespace hapticast

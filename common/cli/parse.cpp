@@ -12,7 +12,6 @@
 #include "common/cli/options.hpp"
 #include "common/cli/program_flags.hpp"
 #include "common/cli/run_program.hpp"
-#include "common/endpoint.hpp"
 #include "common/mdns.hpp"
 #include "common/text.hpp"
 
@@ -20,30 +19,32 @@ namespace hapticast {
 
 namespace {
 
-bool isAddress(const std::string& word) {
-  const auto endpoint = parseEndpoint(word, Endpoint{});
-  if (!endpoint) return false;
-  return endpoint->host == "localhost" ||
-         endpoint->host.find_first_not_of("0123456789.") == std::string::npos;
+/// Returns the option `name` of the subcommand `app`, or of the program; null if there is none.
+const CLI::Option* findOption(const CLI::App& app, const std::string& name) {
+  const CLI::Option* const own = app.get_option_no_throw(name);
+  if (own != nullptr || app.get_parent() == nullptr) return own;
+  return app.get_parent()->get_option_no_throw(name);
 }
 
-/// Returns a hint for an argument of `app` that is no flag.
-std::string argumentHint(const CLI::App& app, const std::string& word) {
-  if (word == "help") return "; did you mean --help?";
-  if (app.get_option_no_throw("--listen") != nullptr && isAddress(word))
-    return "; is --listen missing in front of it? Only hapticast-client takes a bare address";
-  return "; is a flag missing in front of it?";
+/// Returns the parser of the program.
+const CLI::App& findProgram(const CLI::App& app) {
+  return app.get_parent() != nullptr ? *app.get_parent() : app;
 }
 
 /// Returns a hint for a flag that `app` does not have. It is empty if there is none.
 std::string flagHint(const CLI::App& app, const std::string& word) {
   if (word == "-v" || word == "-V") return "; did you mean --version?";
   const std::string flag = word.substr(0, word.find('='));
-  if (const auto owner = ownerOfFlag(flag, app.get_name()); !owner.empty())
+  const CLI::App& program = findProgram(app);
+  if (const auto owner = findOwner(program, flag, app); !owner.empty())
+    return "; " + flag + " is a flag of " + program.get_name() + " " + owner;
+  if (const auto owner = ownerOfFlag(flag, program.get_name()); !owner.empty())
     return "; " + flag + " is a flag of " + std::string(owner);
   std::vector<std::string> flags;
-  for (const CLI::Option* const option : app.get_options()) {
-    for (const std::string& name : option->get_lnames()) flags.push_back("--" + name);
+  for (const CLI::App* const each : {&app, &program}) {
+    for (const CLI::Option* const option : each->get_options()) {
+      for (const std::string& name : option->get_lnames()) flags.push_back("--" + name);
+    }
   }
   return spellingHint(flag, flags);
 }
@@ -53,14 +54,14 @@ std::string listUnknownWords(const CLI::App& app) {
   std::string words;
   std::string meant;
   bool a_flag = false;
-  const std::vector<std::string> unknown = app.remaining();
+  const std::vector<std::string> unknown = findProgram(app).remaining(true);
   for (const std::string& word : unknown) {
     words += " " + quote(word);
     if (!word.starts_with('-')) continue;
     a_flag = true;
     if (meant.empty()) meant = flagHint(app, word);
   }
-  return words + (a_flag ? meant : argumentHint(app, unknown.front()));
+  return words + (a_flag ? meant : "; is a flag missing in front of it?");
 }
 
 template <class Kind>
@@ -71,7 +72,7 @@ bool is(const CLI::ParseError& error) {
 /// Returns the message for a flag with too many values or none.
 std::string countComplaint(const CLI::App& app, const std::string& what) {
   const std::string flag = what.substr(0, what.find(':'));
-  const CLI::Option* const option = app.get_option_no_throw(flag);
+  const CLI::Option* const option = findOption(app, flag);
   const bool many = option != nullptr && option->count() > 1;
   return flag + (many ? ": this flag may appear only once" : ": its value is missing");
 }
@@ -85,9 +86,10 @@ std::string complaint(const CLI::App& app, const CLI::ParseError& error) {
     return (words == std::string::npos ? what : what.substr(words + 2)) +
            ": a flag is on or off (true or false)";
   }
-  if (is<CLI::ArgumentMismatch>(error) && app.remaining().empty()) return countComplaint(app, what);
+  const bool understood = findProgram(app).remaining(true).empty();
+  if (is<CLI::ArgumentMismatch>(error) && understood) return countComplaint(app, what);
   // A misspelt flag makes a required one missing: state the cause.
-  if (!app.remaining().empty()) return "not understood:" + listUnknownWords(app);
+  if (!understood) return "not understood:" + listUnknownWords(app);
   return what;
 }
 
@@ -104,8 +106,9 @@ bool isFromConfig(const std::string& line, int argc, const char* const* argv) {
 /// Returns the message with the config file's name, if the error is there.
 std::string complaint(const CLI::App& app, const CLI::ParseError& error, int argc,
                       const char* const* argv) {
-  const auto files = app.get_config_ptr()->results();  // several files are an error themselves
-  std::string file = files.empty() ? app.get_config_ptr()->get_default_str() : files.back();
+  const CLI::Option& config_file = *findProgram(app).get_config_ptr();
+  const auto files = config_file.results();  // several files are an error themselves
+  std::string file = files.empty() ? config_file.get_default_str() : files.back();
   // A default file becomes a result only after its lines were read.
   if (files.empty() && ::access(file.c_str(), R_OK) != 0) file.clear();
   const std::string config = "--config " + file;
@@ -118,7 +121,14 @@ std::string complaint(const CLI::App& app, const CLI::ParseError& error, int arg
 
 /// Returns the option of `app` that `word` names, or null.
 const CLI::Option* findFlag(const CLI::App& app, const std::string& word) {
-  return word.starts_with("--") ? app.get_option_no_throw(word.substr(0, word.find('='))) : nullptr;
+  return word.starts_with("--") ? findOption(app, word.substr(0, word.find('='))) : nullptr;
+}
+
+/// Returns whether `word` is a flag of `app` or of another subcommand.
+bool isAnyFlag(const CLI::App& app, const std::string& word) {
+  if (findFlag(app, word) != nullptr) return true;
+  return word.starts_with("--") &&
+         !findOwner(findProgram(app), word.substr(0, word.find('=')), app).empty();
 }
 
 /// Throws CLI::ValidationError for an option whose value is missing before another flag. CLI11
@@ -129,7 +139,7 @@ void requireValues(const CLI::App& app, int argc, const char* const* argv) {
     const CLI::Option* const option = findFlag(app, word);
     const bool wants_value = option != nullptr && option->get_items_expected_min() > 0;
     if (!wants_value || word.find('=') != std::string::npos) continue;
-    if (findFlag(app, argv[i + 1]) == nullptr) {
+    if (!isAnyFlag(app, argv[i + 1])) {
       ++i;
       continue;
     }
@@ -140,29 +150,48 @@ void requireValues(const CLI::App& app, int argc, const char* const* argv) {
 
 }  // namespace
 
-std::optional<std::string> parseArguments(CLI::App& app, int argc, const char* const* argv) {
+std::optional<std::string> parseArguments(CLI::App& app, int argc, const char* const* argv,
+                                          const SubcommandChoice& choice) {
+  const std::vector<std::string> words =
+      chooseSubcommand(app, choice, std::vector<std::string>(argv + 1, argv + argc));
+  std::vector<const char*> arguments(1, argv[0]);
+  for (const std::string& word : words) arguments.push_back(word.c_str());
+  const int count = static_cast<int>(arguments.size());
+  const CLI::App& subcommand = findSubcommand(app, words.empty() ? "" : words.front());
   try {
-    requireValues(app, argc, argv);
-    app.parse(argc, argv);
+    requireValues(subcommand, count, arguments.data());
+    app.parse(count, arguments.data());
   } catch (const CLI::Success&) {
     throw;
   } catch (const CLI::ParseError& error) {
-    return sanitizeUtf8(complaint(app, error, argc, argv));
+    return sanitizeUtf8(complaint(subcommand, error, count, arguments.data()));
   }
   return std::nullopt;
 }
 
-std::optional<int> parseCommandLine(CLI::App& app, int argc, const char* const* argv) {
+/// Prints the help of `app` or of its subcommand; with the mode All of all subcommands. The
+/// descriptions state the defaults.
+void printHelp(CLI::App& app, CLI::AppFormatMode mode) {
+  for (CLI::App* const each : app.get_subcommands({})) {
+    for (CLI::Option* const option : each->get_options()) option->default_str("");
+  }
+  for (CLI::Option* const option : app.get_options()) option->default_str("");
+  std::cout << app.help("", mode);
+}
+
+std::optional<int> parseCommandLine(CLI::App& app, int argc, const char* const* argv,
+                                    const SubcommandChoice& choice) {
   startLog(app.get_name());
   try {
-    const auto problem = parseArguments(app, argc, argv);
+    const auto problem = parseArguments(app, argc, argv, choice);
     if (!problem) return std::nullopt;
     spdlog::error("{} (--help lists the flags and their values)", *problem);
     return kWrongInput;
   } catch (const CLI::CallForHelp&) {
-    // The descriptions state the defaults.
-    for (CLI::Option* const option : app.get_options()) option->default_str("");
-    std::cout << app.help();
+    printHelp(app, CLI::AppFormatMode::Normal);
+    return 0;
+  } catch (const CLI::CallForAllHelp&) {
+    printHelp(app, CLI::AppFormatMode::All);
     return 0;
   } catch (const CLI::CallForVersion& version) {
     std::cout << version.what() << "\n";

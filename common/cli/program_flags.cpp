@@ -25,9 +25,8 @@ constexpr auto kClientFlags = std::to_array<std::string_view>(
     {"check-device",    "control",     "device",        "device-option", "falcon-calibrate",
      "falcon-firmware", "falcon-gain", "falcon-serial", "fault-dir",     "film",
      "forces",          "fullscreen",  "hand",          "interface",     "list",
-     "list-devices",    "log",         "markers",       "max-delay",     "out",
-     "profile",         "rearm",       "redundancy",    "replay",        "resume",
-     "screenshot",      "seconds",     "simulate",      "sound",         "stiffness-limit",
+     "list-devices",    "log",         "markers",       "max-delay",
+     "profile",         "rearm",       "redundancy",    "replay",        "screenshot",      "seconds",     "simulate",      "sound",         "stiffness-limit",
      "study",           "subject",     "summary",       "surface",       "tls-ca",
      "token-file",      "view"});
 // clang-format on

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Analyses the results of a study of hapticast-client --study.
+"""Analyses the results of a study of hapticast-client study.
 
   analyse.py DIR [--task NAME] [--figure FILE.png] [--table FILE.tsv]
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Reads the results of a study of hapticast-client --study, a dataset of BIDS (client/study/README.md)."""
+"""Reads the results of a study of hapticast-client study, a dataset of BIDS (client/study/README.md)."""
 import csv
 import dataclasses
 import json
@@ -73,7 +73,7 @@ def read_rows(file):
     header = lines[0].split("\t") if lines else []
     missing = [name for name in NEEDED if name not in header]
     if missing:
-        raise WrongInput(f"{file}: has no column {missing[0]}; give the folder of --out of hapticast-client --study")
+        raise WrongInput(f"{file}: has no column {missing[0]}; give the folder of --out of hapticast-client study")
     for number, row in enumerate(rows, 2):
         if None in row or None in row.values():
             raise WrongInput(f"{file}:{number}: has not {len(header)} fields; copy it from the machine again")
@@ -83,7 +83,7 @@ def read_rows(file):
 def list_files(folder):
     """Returns the events files of a dataset: task -> files, in the order of the subjects."""
     if not folder.is_dir():
-        raise WrongInput(f"{folder}: is no folder; give the folder of --out of hapticast-client --study")
+        raise WrongInput(f"{folder}: is no folder; give the folder of --out of hapticast-client study")
     tasks = {}
     for file in sorted(folder.glob("sub-*/motion/sub-*_task-*_events.tsv")):
         found = re.fullmatch(r"sub-[0-9A-Za-z]+_task-([0-9A-Za-z]+)_events\.tsv", file.name)
@@ -161,7 +161,7 @@ def read_results(folder, wanted):
     for file in tasks[results.task]:
         read_subject(file, results)
     if not results.answers:
-        raise WrongInput(f"{folder}: task {results.task} has no valid answer; run hapticast-client --study first")
+        raise WrongInput(f"{folder}: task {results.task} has no valid answer; run hapticast-client study first")
     results.conditions = [each for each in results.conditions if results.of(each)]
     results.question = read_question(folder, results.task)
     return results

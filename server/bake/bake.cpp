@@ -58,26 +58,26 @@ struct FileSums {
 };
 
 /// Returns what the frames depend on, as a text.
-std::string makeFingerprint(const BakeSettings& settings, const SourceInfo& info) {
+std::string makeFingerprint(const Settings& settings, const SourceInfo& info) {
   FileSums sums;
-  const std::string& source = settings.server.source;
+  const std::string& source = settings.source;
   for (std::size_t begin = 0; begin <= source.size();) {
     const std::size_t end = std::min(source.find(',', begin), source.size());
     sums.add(source.substr(begin, end - begin));
     begin = end + 1;
   }
-  if (!settings.server.vision.scene_file.empty()) sums.add(settings.server.vision.scene_file);
-  for (const KeyMaskFile& mask : settings.server.key_masks) sums.add(mask.file);
+  if (!settings.vision.scene_file.empty()) sums.add(settings.vision.scene_file);
+  for (const KeyMaskFile& mask : settings.key_masks) sums.add(mask.file);
   return fmt::format(
       "hapticast-server {} baked {}{} ({} x {}, {:g} frames/s; {} files, {} bytes, changed {})",
-      programVersion(), source, settings.flags, info.width_px, info.height_px, info.fps, sums.files,
-      sums.bytes, sums.newest);
+      programVersion(), source, settings.bake.flags, info.width_px, info.height_px, info.fps,
+      sums.files, sums.bytes, sums.newest);
 }
 
 /// One bake.
 class Bake {
  public:
-  Bake(const BakeSettings& settings, const Clock& clock);
+  Bake(const Settings& settings, const Clock& clock);
   /// Scans the clip. Returns false after a signal.
   bool scan();
   /// Writes the frames. Returns whether the file is complete; false after a signal.
@@ -88,7 +88,7 @@ class Bake {
   [[nodiscard]] SourceInfo describe() const;
   void addFrame(VisionResult result);
 
-  const BakeSettings& settings_;
+  const Settings& settings_;
   BakeProgress progress_;
   std::unique_ptr<RgbdSource> source_;
   VisionSettings vision_settings_;
@@ -104,20 +104,20 @@ std::unique_ptr<RgbdSource> openRecorded(const Settings& settings) {
   return source;
 }
 
-Bake::Bake(const BakeSettings& settings, const Clock& clock)
+Bake::Bake(const Settings& settings, const Clock& clock)
     : settings_(settings),
-      progress_(clock, settings.server.quiet),
-      source_(openRecorded(settings.server)),
-      vision_settings_(preparePoints(settings.server.vision, source_->info())),
+      progress_(clock, settings.quiet),
+      source_(openRecorded(settings)),
+      vision_settings_(preparePoints(settings.vision, source_->info())),
       vision_(*source_, describe(), vision_settings_),
       slices_{.error_mm = computeHeightError_mm(vision_settings_)},
-      file_(settings.out, makeFingerprint(settings, source_->info()),
+      file_(settings.bake.out, makeFingerprint(settings, source_->info()),
             static_cast<std::uint64_t>(std::max(1L, std::lround(source_->info().fps))),
-            settings.resume) {}
+            settings.bake.resume) {}
 
 SourceInfo Bake::describe() const {
   SourceInfo info = source_->info();
-  if (!settings_.server.name.empty()) info.name = settings_.server.name;
+  if (!settings_.name.empty()) info.name = settings_.name;
   return info;
 }
 
@@ -135,13 +135,13 @@ bool Bake::scan() {
   if (!vision_.vision().mapped() && can_touch)
     spdlog::warn(
         "{}: no object was found, so there is nothing to touch; name one with --object U,V",
-        settings_.server.source);
+        settings_.source);
   return true;
 }
 
 bool Bake::write() {
   progress_.begin("bakes");
-  const std::uint64_t limit = settings_.server.frames != 0 ? settings_.server.frames : UINT64_MAX;
+  const std::uint64_t limit = settings_.frames != 0 ? settings_.frames : UINT64_MAX;
   const std::uint64_t total = std::min(limit, source_->info().frame_count.value_or(0));
   const std::uint64_t kept = frames();
   for (std::uint64_t done = 0; done < limit; ++done) {
@@ -160,7 +160,7 @@ bool Bake::write() {
 
 void Bake::addFrame(VisionResult result) {
   file_.add(vision_.vision().description(), result.frame, slices_,
-            encodePicture(result.color, settings_.picture_quality));
+            encodePicture(result.color, settings_.bake.picture_quality));
 }
 
 /// Adds the page to the recording in `folder`.
@@ -173,18 +173,19 @@ int completePage(const std::string& folder) {
 
 }  // namespace
 
-int bake(const BakeSettings& settings, const Clock& clock, bool& started) {
+int bake(const Settings& settings, const Clock& clock, bool& started) {
   for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, onStopSignal);
-  if (!settings.folder.empty()) createPageFolder(settings.folder);
+  if (!settings.bake.folder.empty()) createPageFolder(settings.bake.folder);
   Bake work(settings, clock);
   started = work.scan();
   if (started && work.write()) {
-    if (!settings.folder.empty()) return completePage(settings.folder);
-    spdlog::info("{} is complete; --source {} plays it", settings.out, settings.out);
+    if (!settings.bake.folder.empty()) return completePage(settings.bake.folder);
+    spdlog::info("{} is complete; --source {} plays it", settings.bake.out, settings.bake.out);
     return kDone;
   }
   if (work.frames() > 0)
-    spdlog::warn("interrupted: the same command with --resume continues {}.part", settings.out);
+    spdlog::warn("interrupted: the same command with --resume continues {}.part",
+                 settings.bake.out);
   else
     spdlog::warn("interrupted before the first frame");
   return kFailed;

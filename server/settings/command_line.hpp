@@ -7,13 +7,17 @@
 #include <optional>
 
 #include "common/cli/cli11.hpp"
+#include "common/cli/subcommands.hpp"
 #include "common/result.hpp"
 #include "server/settings/settings.hpp"
 
 namespace hapticast::server {
 
+/// Subcommands of command lines that name none.
+extern const SubcommandChoice kSubcommandChoice;
+
 /// Returns the parser of the command line. It writes into `settings`, which must outlive it. Parse
-/// the arguments with parseCommandLine().
+/// the arguments with parseCommandLine() and kSubcommandChoice.
 [[nodiscard]] std::unique_ptr<CLI::App> commandLine(Settings& settings);
 
 /// Writes the program's arguments into `settings`. Returns nullopt if the program should continue.

@@ -22,8 +22,22 @@
 
 namespace hapticast::server {
 
+/// The subcommand of the program.
+enum class Command : std::uint8_t { kServe, kRelay, kPreview, kBake };
+
+/// Values of the flags that only a bake has.
+struct BakeChoices {
+  std::string out;     ///< FILE.mcap, which does not exist
+  std::string folder;  ///< of a page that plays the file, with a slash at its end; empty: none
+  bool resume = false;
+  int picture_quality = 80;  ///< of the JPEGs, 1..100
+  std::string flags;         ///< the flags that change the frames, as one text
+};
+
 /// Values of the flags; --help describes each.
 struct Settings {
+  Command command = Command::kServe;
+  BakeChoices bake;
   std::string source;
   double fps = 0.0;  ///< frames/s; 0: the source's own rate
   bool loop = false;

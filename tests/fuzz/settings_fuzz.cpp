@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT
 // Config files of both programs and the values of flags: any text is taken or refused with a
 // CLI::ParseError, and what is taken is within the limits that the flags promise.
+#include <sys/mman.h>
+#include <unistd.h>
+
 #include <cstdint>
+#include <iterator>
 #include <memory>
-#include <sstream>
 #include <string>
 
 #include "client/settings/command_line.hpp"
@@ -19,23 +22,32 @@ namespace {
 /// A command line, which takes milliseconds to build, for many texts.
 template <class Settings, auto kCommandLine>
 struct Program {
+  explicit Program(const char* subcommand) : name(subcommand) {}
+
+  /// Reads `text` as the config file of the subcommand.
   bool accepts(const std::string& text) {
     settings = {};
     app->clear();
-    std::istringstream in(text);
+    const int file = ::memfd_create("config", 0);
+    require(file >= 0 && ::write(file, text.data(), text.size()) == ssize_t(text.size()));
+    const std::string path = "/proc/self/fd/" + std::to_string(file);
+    const char* const arguments[] = {"program", name, "--config", path.c_str()};
+    bool accepted = true;
     try {
-      app->parse_from_stream(in);
+      app->parse(static_cast<int>(std::size(arguments)), arguments);
     } catch (const CLI::ParseError&) {
-      return false;
+      accepted = false;
     }
-    return true;
+    ::close(file);
+    return accepted;
   }
+  const char* name;
   Settings settings;
   std::unique_ptr<CLI::App> app = kCommandLine(settings);
 };
 
 void server(const std::string& text) {
-  static Program<hapticast::server::Settings, hapticast::server::commandLine> program;
+  static Program<hapticast::server::Settings, hapticast::server::commandLine> program("serve");
   if (!program.accepts(text)) return;
   const auto& settings = program.settings;
   require(settings.fps == 0.0 || (settings.fps >= 1.0 && settings.fps <= 240.0));
@@ -51,7 +63,7 @@ void server(const std::string& text) {
 }
 
 void client(const std::string& text) {
-  static Program<hapticast::client::Settings, hapticast::client::commandLine> program;
+  static Program<hapticast::client::Settings, hapticast::client::commandLine> program("touch");
   if (!program.accepts(text)) return;
   const auto& settings = program.settings;
   require(settings.seconds >= 0.0 && settings.seconds <= 1e8);

@@ -18,7 +18,7 @@
 
 namespace hapticast::testing_support {
 
-template <class Settings, auto kCommandLine>
+template <class Settings, auto kCommandLine, const SubcommandChoice& kChoice>
 struct CommandLineProbe {
   Settings settings;
   std::optional<int> exit_code;
@@ -31,7 +31,7 @@ struct CommandLineProbe {
     const auto app = kCommandLine(settings);
     ::testing::internal::CaptureStdout();
     ::testing::internal::CaptureStderr();
-    exit_code = parseCommandLine(*app, static_cast<int>(argv.size()), argv.data());
+    exit_code = parseCommandLine(*app, static_cast<int>(argv.size()), argv.data(), kChoice);
     output = ::testing::internal::GetCapturedStdout();
     error = ::testing::internal::GetCapturedStderr();
   }
@@ -56,11 +56,21 @@ struct CommandLineProbe {
     return CommandLineProbe(arguments);
   }
 
+  /// Returns the help of the program and of each subcommand.
+  static std::string printHelp() {
+    std::string help = CommandLineProbe({"--help"}).output;
+    Settings settings;
+    const auto app = kCommandLine(settings);
+    for (const CLI::App* const each : app->get_subcommands({}))
+      help += CommandLineProbe({each->get_name(), "--help"}).output;
+    return help;
+  }
+
   /// --print-config has each flag of --help once, and its defaults are those of the program: set
   /// in a config file, they change nothing. `required`: arguments without which nothing starts.
   static void expectConfigOfDefaults(const std::vector<std::string>& required) {
     const std::string config = CommandLineProbe({"--print-config"}).output;
-    std::istringstream help(CommandLineProbe({"--help"}).output);
+    std::istringstream help(printHelp());
     std::size_t flags = 0;
     for (std::string flag; help >> flag;) {
       const bool is_flag = flag.starts_with("--") && flag.size() > 2;

@@ -45,7 +45,7 @@ char DhdSdk::openDevice(const char* serial) const {
     (void)close(static_cast<char>(number));
   }
   throw std::runtime_error("no free device has the serial number " + std::string(serial) +
-                           "; see hapticast-client --list-devices");
+                           "; see hapticast-client list --devices");
 }
 
 std::string DhdSdk::readSerial(char number) const {

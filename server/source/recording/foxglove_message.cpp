@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 
+#include "common/recording/mcap_records.hpp"
 #include "server/source/picture/byte_stream.hpp"
 
 namespace hapticast::server {

@@ -16,7 +16,7 @@ namespace hapticast::server {
 namespace {
 
 using ::testing::HasSubstr;
-using Probe = testing_support::CommandLineProbe<Settings, commandLine>;
+using Probe = testing_support::CommandLineProbe<Settings, commandLine, kSubcommandChoice>;
 
 constexpr const char* kHands = R"({
   "version": 1, "name": "Hands", "map-range": [400, 900.5], "low-latency": true,

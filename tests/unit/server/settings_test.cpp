@@ -14,7 +14,7 @@
 namespace hapticast::server {
 namespace {
 
-using Probe = testing_support::CommandLineProbe<Settings, commandLine>;
+using Probe = testing_support::CommandLineProbe<Settings, commandLine, kSubcommandChoice>;
 
 TEST(ServerSettings, Defaults) {
   const Probe run({"--source", "synthetic:still"});
@@ -51,7 +51,6 @@ void expectAll(const Settings& settings) {
   EXPECT_EQ(settings.multicast_hops, 3U);
   EXPECT_TRUE(settings.quiet);
   EXPECT_TRUE(settings.wait_for_viewer);
-  EXPECT_EQ(settings.preview, "clip.png");
   const VisionSettings& vision = settings.vision;
   EXPECT_EQ(vision.object_points,
             (std::vector<AuthorPoint>{{{505.0, 330.0}, 0.0}, {{10.0, 20.0}, 2.5}}));
@@ -111,7 +110,6 @@ const std::vector<std::pair<std::string, std::string>> kAll = {
     {"transport", "tcp"},
     {"multicast", "[ff12::7]:7448@eth0"},
     {"multicast-ttl", "3"},
-    {"preview", "clip.png"},
     {"signing-key", "origin.pem"},
     {"depth-unit", "0.2"},
     {"color", "c_*.png"},
@@ -229,9 +227,50 @@ TEST(ServerSettings, RefusesEachFlagOfTheClient) {
     EXPECT_EQ(run.exit_code, 2) << word;
     run.expectErrorWith({fmt::format("'{0}' '1'; {0} is a flag of hapticast-client", word)});
   }
-  const Probe own({"--help"});
+  const std::string help = Probe::printHelp();
   for (const std::string_view flag : ownFlags(kServerProgram))
-    EXPECT_NE(own.output.find("--" + std::string(flag)), std::string::npos) << flag;
+    EXPECT_NE(help.find("--" + std::string(flag)), std::string::npos) << flag;
+}
+
+TEST(ServerSettings, EachSubcommandHasItsFlags) {
+  const auto parse = [](const std::vector<std::string>& arguments) {
+    const Probe run(arguments);
+    EXPECT_EQ(run.exit_code, std::nullopt) << arguments[0] << ": " << run.error;
+    return run.settings;
+  };
+  EXPECT_EQ(parse({"serve", "synthetic:still"}).source, "synthetic:still");
+  Settings settings = parse({"preview", "synthetic:still", "-o", "a.png", "--object", "1,2"});
+  EXPECT_EQ(settings.command, Command::kPreview);
+  EXPECT_EQ(settings.preview, "a.png");
+  settings = parse({"bake", "synthetic:still", "-o", "site/", "--fov", "70", "--quiet"});
+  EXPECT_EQ(settings.command, Command::kBake);
+  EXPECT_EQ(settings.bake.folder, "site/");
+  EXPECT_EQ(settings.bake.flags, " --fov 70");
+  settings = parse({"relay", "nats://host/lab", "--page", "off"});
+  EXPECT_EQ(settings.command, Command::kRelay);
+  EXPECT_EQ(settings.source, "nats://host/lab");
+}
+
+TEST(ServerSettings, AFlagOfEarlierVersionsChoosesItsSubcommand) {
+  EXPECT_EQ(Probe({"--source", "synthetic:still", "--preview", "a.png"}).settings.command,
+            Command::kPreview);
+  const Probe edge({"--page", "off", "--source", "nats://host/lab"});
+  EXPECT_EQ(edge.exit_code, std::nullopt) << edge.error;
+  EXPECT_EQ(edge.settings.command, Command::kRelay);
+  const Probe config = Probe::withConfig({{"source", "nats://host/lab"}, {"loop", "true"}});
+  EXPECT_EQ(config.exit_code, std::nullopt) << config.error;
+  EXPECT_EQ(config.settings.command, Command::kRelay);
+  EXPECT_FALSE(config.settings.loop) << "a key of serve";
+  const Probe both =
+      Probe::withConfig({{"source", "nats://host/lab"}}, {"--source", "synthetic:still"});
+  EXPECT_EQ(both.settings.command, Command::kServe) << "the flag wins over the file";
+}
+
+TEST(ServerSettings, RefusesAFlagOfAnotherSubcommandWithItsName) {
+  Probe({"bake", "synthetic:still", "-o", "a.mcap", "--listen", "7447"})
+      .expectErrorWith({"'--listen'", "--listen is a flag of hapticast-server serve"});
+  Probe({"serve", "nats://host/lab"}).expectErrorWith({"use hapticast-server relay CHANNEL"});
+  Probe({"relay", "synthetic:still"}).expectErrorWith({"is not nats://"});
 }
 
 TEST(ServerSettings, AnAddressAndCommonSlipsAreReported) {
@@ -244,9 +283,12 @@ TEST(ServerSettings, AnAddressAndCommonSlipsAreReported) {
 TEST(ServerSettings, HelpAndVersionEndWithZero) {
   const Probe help({"--help"});
   EXPECT_EQ(help.exit_code, 0);
-  for (const auto& [key, value] : kAll) {
-    EXPECT_NE(help.output.find("--" + key), std::string::npos) << key;
-  }
+  for (const char* name : {"serve", "preview", "bake", "relay", "--quiet"})
+    EXPECT_NE(help.output.find(name), std::string::npos) << name;
+  const Probe serve({"serve", "--help"});
+  EXPECT_EQ(serve.exit_code, 0);
+  for (const auto& [key, value] : kAll)
+    EXPECT_TRUE(key == "quiet" || serve.output.find("--" + key) != std::string::npos) << key;
   const Probe version({"--version"});
   EXPECT_EQ(version.exit_code, 0);
   EXPECT_EQ(version.output.find("hapticast-server 0."), 0U) << version.output;

@@ -13,7 +13,7 @@ constexpr int kWrongUsage = 2;
 int printUsage() {
   std::fputs(
       "hapticast-device: hapticast-client starts this program for each device with motors. Run "
-      "hapticast-client --list-devices\n",
+      "hapticast-client list --devices\n",
       stderr);
   return kWrongUsage;
 }
