@@ -14,6 +14,7 @@
 #include "client/haptics/user_controls.hpp"
 #include "client/study/threshold_posterior.hpp"
 #include "client/study/trial_order.hpp"
+#include "common/json/json_error.hpp"
 
 namespace hapticast::client {
 
@@ -32,7 +33,7 @@ struct Condition {
   double delay_ms = 0.0;                      ///< how much later than the picture the force comes
   double jitter_ms = 0.0;  ///< each frame arrives late by a random time up to this one
   std::optional<double> pause_at_s = std::nullopt;  ///< frozen frame: play time stops from here on
-  int line = 0;                                     ///< in the study file
+  JsonPlace place;                                  ///< in the study file
 };
 
 enum class QuestionKind : std::uint8_t { kLikert, kVisualAnalogue, kForcedChoice };

@@ -13,7 +13,7 @@ namespace hapticast::client {
 /// Most trials of a subject. Chosen: a day of trials of 10 s.
 inline constexpr std::size_t kMostTrials = 5000;
 
-/// Returns the study in `text`. Throws LocatedError.
+/// Returns the study in `text`. Throws JsonError.
 [[nodiscard]] Study parseStudy(std::string_view text);
 /// Returns the content of `file`. Throws std::runtime_error with one line that names the file.
 [[nodiscard]] std::string readStudyText(const std::string& file);

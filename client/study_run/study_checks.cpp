@@ -32,11 +32,10 @@ struct RecordingFacts {
   double stiffest_N_mm = 0.0;  // of all objects
 };
 
-RecordingFacts readFacts(const std::string& file, int line, double usual_N_mm) {
+RecordingFacts readFacts(const std::string& file, JsonPlace place, double usual_N_mm) {
   auto opened = StreamReader::open(file);
   if (!opened.ok())
-    throw LocatedError(line,
-                       fmt::format("the recording {} {}", quote(file), opened.error().message));
+    throw JsonError(place, fmt::format("the recording {} {}", quote(file), opened.error().message));
   StreamReader reader = std::move(opened).value();
   RecordingFacts facts{.description = reader.description(), .stiffest_N_mm = 0.0};
   while (const auto item = reader.next()) {
@@ -47,7 +46,7 @@ RecordingFacts readFacts(const std::string& file, int line, double usual_N_mm) {
           std::max(facts.stiffest_N_mm, object.material.stiffness_N_mm.value_or(usual_N_mm));
   }
   if (!reader.problem().empty())
-    throw LocatedError(line, fmt::format("the recording {} {}", quote(file), reader.problem()));
+    throw JsonError(place, fmt::format("the recording {} {}", quote(file), reader.problem()));
   return facts;
 }
 
@@ -55,8 +54,8 @@ void requireStiffness(const Condition& condition, const RecordingFacts& facts, d
   const double stiffest_N_mm = facts.stiffest_N_mm;
   const double wanted_N_mm = condition.stiffness * stiffest_N_mm;
   if (wanted_N_mm <= limit_N_mm * (1.0 + 1e-9)) return;
-  throw LocatedError(
-      condition.line,
+  throw JsonError(
+      condition.place,
       fmt::format("{}: the device cannot render {:.3g} N/mm ({:g} times the {:.3g} N/mm of the "
                   "recording); its limit is {:.3g} N/mm (--stiffness-limit)",
                   quote(condition.name), wanted_N_mm, condition.stiffness, stiffest_N_mm,
@@ -73,10 +72,10 @@ void requireMass(const Condition& condition, const RecordingFacts& facts,
   const double scale = DeviceMapping::fit(facts.description.workspace, profile.workspace_mm).scale;
   const double rendered_kg = force.objectMass_kg({}, timing, scale);
   if (std::abs(rendered_kg - *condition.mass_kg) <= kMassTolerance * *condition.mass_kg) return;
-  throw LocatedError(condition.line,
-                     fmt::format("{}: the device renders {:.3g} kg in place of {:.3g} kg in this "
-                                 "recording",
-                                 quote(condition.name), rendered_kg, *condition.mass_kg));
+  throw JsonError(condition.place,
+                  fmt::format("{}: the device renders {:.3g} kg in place of {:.3g} kg in this "
+                              "recording",
+                              quote(condition.name), rendered_kg, *condition.mass_kg));
 }
 
 void requireServer(const Condition& condition) {
@@ -84,7 +83,7 @@ void requireServer(const Condition& condition) {
     Settings settings;
     setServer(settings, condition.server);
   } catch (const std::exception& error) {
-    throw LocatedError(condition.line, error.what());
+    throw JsonError(condition.place, error.what());
   }
 }
 
@@ -107,13 +106,13 @@ void requireRenderable(const Study& study, const DeviceProfile& profile,
     if (!condition.server.empty()) {
       requireServer(condition);
       if (largest.delay_ms > 0.0 || condition.jitter_ms > 0.0)
-        throw LocatedError(condition.line,
-                           quote(condition.name) + ": a delay or a jitter needs a recording");
+        throw JsonError(condition.place,
+                        quote(condition.name) + ": a delay or a jitter needs a recording");
       continue;
     }
     if (!known.contains(condition.recording))
       known.emplace(condition.recording,
-                    readFacts(condition.recording, condition.line, profile.stiffness_N_mm));
+                    readFacts(condition.recording, condition.place, profile.stiffness_N_mm));
     const RecordingFacts& facts = known.at(condition.recording);
     requireStiffness(largest, facts, limit_N_mm);
     requireMass(largest, facts, profile);

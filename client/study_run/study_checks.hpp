@@ -6,12 +6,12 @@
 #include <filesystem>
 
 #include "client/haptics/haptic_device.hpp"
-#include "client/study/located_json.hpp"
 #include "client/study/study.hpp"
+#include "common/json/json_error.hpp"
 
 namespace hapticast::client {
 
-/// Reads all recordings of `study`. Throws LocatedError with the line of the first condition whose
+/// Reads all recordings of `study`. Throws JsonError with the line of the first condition whose
 /// recording is missing or damaged, or which the device with `profile` cannot render: its stiffness
 /// is above `stiffness_limit_N_mm` (0: three times the profile's stiffness), or the device lowers
 /// its mass.

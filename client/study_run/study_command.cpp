@@ -12,13 +12,13 @@
 
 #include "client/device/device_request.hpp"
 #include "client/study/events_file.hpp"
-#include "client/study/located_json.hpp"
 #include "client/study/study_file.hpp"
 #include "client/study/study_folder.hpp"
 #include "client/study/trial_schedule.hpp"
 #include "client/study_run/study_checks.hpp"
 #include "client/study_run/study_trials.hpp"
 #include "common/cli/run_program.hpp"
+#include "common/json/json_error.hpp"
 #include "common/text.hpp"
 #include "common/transport/asio.hpp"
 
@@ -224,8 +224,8 @@ int runStudy(const Settings& settings, const Clock& clock, Views views) {
   } catch (const DeviceAbsent& error) {
     spdlog::error("{}", sanitizeUtf8(error.what()));
     return kFailed;
-  } catch (const LocatedError& error) {
-    return refuse(fmt::format("{}:{}: {}", own.file, error.line, error.what()));
+  } catch (const JsonError& error) {
+    return refuse(describe(own.file, error));
   } catch (const std::exception& error) {
     return refuse(error.what());
   }

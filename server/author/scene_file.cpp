@@ -5,11 +5,12 @@
 
 #include <algorithm>
 #include <array>
-#include <nlohmann/json.hpp>
 #include <set>
 #include <span>
+#include <utility>
 
 #include "common/haptic_frame.hpp"
+#include "common/json/json_document.hpp"
 #include "common/text.hpp"
 #include "server/author/author_options.hpp"
 
@@ -20,152 +21,102 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int kVersion = 1;
-constexpr int kMostNesting = 8;          // chosen: twice what a scene needs
 constexpr std::size_t kMostList = 1000;  // chosen: points or key masks of one object
 constexpr std::size_t kMostName_bytes = 64;
 constexpr double kMostPixels = 1e5;
+constexpr const char* kStranger = "is not a member of a scene file";
 
 constexpr auto kObjectFlags =
     std::to_array<const char*>({"damping", "friction", "mass", "stiffness", "texture-depth"});
 
-[[noreturn]] void refuse(const std::string& what) { throw SceneFileError(what); }
-
-Json parseBounded(std::string_view text) {
-  bool too_deep = false;
-  const auto bounded = [&](int depth, Json::parse_event_t event, Json&) {
-    const bool opens =
-        event == Json::parse_event_t::object_start || event == Json::parse_event_t::array_start;
-    too_deep = too_deep || (opens && depth >= kMostNesting);
-    return !too_deep;
-  };
-  try {
-    Json out = Json::parse(text.begin(), text.end(), bounded);
-    if (!too_deep && out.is_object()) return out;
-  } catch (const Json::parse_error& error) {
-    refuse(fmt::format("is no JSON (near byte {})", error.byte));
-  } catch (const Json::exception&) {
-    refuse("has a number that is too large");
-  }
-  refuse("is no JSON object with at most 8 levels");
-}
-
-/// Returns a value as on the command line: a text, a number, on or off, or a pair "A,B".
-std::string toFlagText(const Json& value, const std::string& where) {
+/// Returns the member `key` as on the command line: a text, a number, on or off, or a pair "A,B".
+std::string toFlagText(const JsonObject& from, const char* key, const nlohmann::json& value) {
   if (value.is_string()) return value.get<std::string>();
   if (value.is_boolean() || value.is_number()) return value.dump();
-  const auto is_number = [](const Json& part) { return part.is_number(); };
+  const auto is_number = [](const nlohmann::json& part) { return part.is_number(); };
   if (value.is_array() && value.size() == 2 && std::all_of(value.begin(), value.end(), is_number))
     return value[0].dump() + "," + value[1].dump();
-  refuse(where + ": is no text, number, true, false or [A, B]");
+  from.refuse(key, "is no text, number, true, false or [A, B]");
 }
 
-/// Throws SceneFileError: the member `key` is unknown.
-[[noreturn]] void refuseKey(const std::string& where, const std::string& key,
-                            std::span<const char* const> flags,
-                            std::initializer_list<const char*> others) {
-  std::vector<std::string> known(flags.begin(), flags.end());
-  known.insert(known.end(), others.begin(), others.end());
-  refuse(where + quote(key) + " is not a member of a scene file" + spellingHint(key, known));
+FlagTexts parseFlags(JsonObject& from, std::span<const char* const> names) {
+  FlagTexts flags;
+  for (const char* const name : names) {
+    if (const auto* const value = from.read(name))
+      flags.emplace_back(name, toFlagText(from, name, *value));
+  }
+  return flags;
 }
 
-bool isOneOf(std::span<const char* const> flags, const std::string& key) {
-  return std::find(flags.begin(), flags.end(), key) != flags.end();
-}
-
-const Json& requireList(const Json& value, const std::string& where) {
-  if (value.is_array() && value.size() <= kMostList) return value;
-  refuse(fmt::format("{}: is no list with at most {} members", where, kMostList));
-}
-
-std::vector<AuthorPoint> parsePoints(const Json& list, const std::string& where) {
+std::vector<AuthorPoint> parsePoints(JsonObject& from, const char* key) {
   std::vector<AuthorPoint> points;
-  for (const Json& each : requireList(list, where)) {
-    const std::string text = each.is_string() ? each.get<std::string>() : each.dump();
+  const auto* const list = from.read(key);
+  if (list == nullptr) return points;
+  if (!list->is_array() || list->size() > kMostList)
+    from.refuse(key, fmt::format("is no list with at most {} members", kMostList));
+  for (const auto& each : *list) {
+    const std::string text = jsonText(each);
     const auto point = each.is_string() ? parsePoint(text) : std::nullopt;
-    if (!point) refuse(where + ": " + quote(text) + " is not \"U,V\" or \"U,V@SECONDS\" in px");
+    if (!point)
+      from.refuse(key, "has " + quote(text) + ", which is not \"U,V\" or \"U,V@SECONDS\" in px");
     points.push_back(*point);
   }
   return points;
 }
 
-double requireNumber(const Json& object, const char* key, double least, double most,
-                     const std::string& where) {
-  const auto value = object.find(key);
-  if (value != object.end() && value->is_number()) {
-    const double number = value->get<double>();
-    if (number >= least && number <= most) return number;
-  }
-  refuse(fmt::format("{}: \"{}\" is no number from {:g} to {:g}", where, key, least, most));
+double requireNumber(JsonObject& from, const char* key, double least, double most) {
+  const auto number = from.number(key, least, most);
+  if (!number) from.refuse(key, fmt::format("is missing: a number from {:g} to {:g}", least, most));
+  return *number;
 }
 
-CameraModel parseIntrinsics(const Json& value) {
-  const std::string where = "\"camera\"";
-  const auto number = [&](const char* key, double least) {
-    return requireNumber(value, key, least, kMostPixels, where);
+CameraModel parseIntrinsics(JsonObject from) {
+  const auto number = [&from](const char* key, double least) {
+    return requireNumber(from, key, least, kMostPixels);
   };
-  if (!value.is_object() || value.size() != 4)
-    refuse(where + ": is not {\"fx\", \"fy\", \"cx\", \"cy\"} in px");
-  return {number("fx", 1.0), number("fy", 1.0), number("cx", -kMostPixels),
-          number("cy", -kMostPixels)};
+  const CameraModel camera{number("fx", 1.0), number("fy", 1.0), number("cx", -kMostPixels),
+                           number("cy", -kMostPixels)};
+  from.refuseOthers("is no member of a camera");
+  return camera;
 }
 
-std::vector<KeyMaskFile> parseMasks(const Json& list, int number, const std::string& where) {
+std::vector<KeyMaskFile> parseMasks(JsonObject& from, int number) {
   std::vector<KeyMaskFile> masks;
-  for (const Json& each : requireList(list, where)) {
-    const auto file = each.is_object() ? each.find("file") : each.end();
-    if (!each.is_object() || each.size() != 2 || file == each.end() || !file->is_string() ||
-        file->get<std::string>().empty())
-      refuse(where + ": each mask is {\"time\": SECONDS, \"file\": PICTURE}");
-    masks.push_back({number, requireNumber(each, "time", 0.0, kLongestClip_s, where),
-                     file->get<std::string>()});
+  for (JsonObject& each : from.objects("masks", kMostList)) {
+    const auto time_s = each.number("time", 0.0, kLongestClip_s);
+    const auto file = each.text("file", 4096);
+    if (!time_s || !file || each.value().size() != 2)
+      throw JsonError(each.place(), "each mask is {\"time\": SECONDS, \"file\": PICTURE}");
+    masks.push_back({number, *time_s, *file});
   }
   return masks;
 }
 
-std::string parseName(const Json& value, const std::string& where) {
-  if (value.is_string()) {
-    std::string name = value.get<std::string>();
-    const bool printable = std::none_of(name.begin(), name.end(),
-                                        [](unsigned char c) { return c < 0x20 || c == 0x7F; });
-    if (!name.empty() && name.size() <= kMostName_bytes && printable) return name;
-  }
-  refuse(fmt::format("{}: \"name\" is no text of 1 to {} bytes", where, kMostName_bytes));
-}
-
-SceneObject parseObject(const Json& value, int number) {
-  std::string where = fmt::format("object {}", number);
-  if (!value.is_object()) refuse(where + ": is no JSON object");
+SceneObject parseObject(JsonObject from, int number) {
   SceneObject object{fmt::format("object {}", number), {}, {}, {}};
-  if (value.contains("name")) {
-    object.name = parseName(value["name"], where);
-    where = "object " + quote(object.name);
+  if (auto name = from.text("name", kMostName_bytes)) {
+    if (name->find('\n') != std::string::npos) from.refuse("name", "has a line feed");
+    object.name = *std::move(name);
   }
-  for (const auto& [key, member] : value.items()) {
-    if (key == "points") {
-      object.points = parsePoints(member, where);
-      for (AuthorPoint& point : object.points) point.number = number;
-    } else if (key == "masks") {
-      object.masks = parseMasks(member, number, where);
-    } else if (isOneOf(kObjectFlags, key)) {
-      object.flags.emplace_back(key, toFlagText(member, where + ", " + quote(key)));
-    } else if (key != "name") {
-      refuseKey(where + ": ", key, kObjectFlags, {"name", "points", "masks"});
-    }
-  }
+  object.points = parsePoints(from, "points");
+  for (AuthorPoint& point : object.points) point.number = number;
+  object.masks = parseMasks(from, number);
+  object.flags = parseFlags(from, kObjectFlags);
+  from.refuseOthers(kStranger);
   if (object.points.empty() && object.masks.empty())
-    refuse(where + ": has neither points nor masks; give \"points\": [\"U,V\"]");
+    throw JsonError(from.place(), "object " + quote(object.name) +
+                                      " has neither points nor masks; give \"points\": [\"U,V\"]");
   return object;
 }
 
-std::vector<SceneObject> parseObjects(const Json& list) {
-  if (!list.is_array() || list.size() > kMaxObjects)
-    refuse(fmt::format("\"objects\": is no list with at most {} members", kMaxObjects));
+std::vector<SceneObject> parseObjects(JsonObject& from) {
   std::vector<SceneObject> objects;
   std::set<std::string> names;
-  for (const Json& each : list) {
-    objects.push_back(parseObject(each, static_cast<int>(objects.size()) + 1));
+  for (JsonObject& each : from.objects("objects", kMaxObjects)) {
+    const JsonPlace place = each.place();
+    objects.push_back(parseObject(std::move(each), static_cast<int>(objects.size()) + 1));
     if (!names.insert(objects.back().name).second)
-      refuse("object " + quote(objects.back().name) + ": another object has this name");
+      throw JsonError(place, "another object has the name " + quote(objects.back().name));
   }
   return objects;
 }
@@ -194,28 +145,19 @@ Json formatObject(const SceneObject& object) {
 }  // namespace
 
 Scene parseScene(std::string_view text) {
-  const Json file = parseBounded(text);
+  const JsonDocument document = parseJson(text);
+  JsonObject file(document);
+  if (const auto* const version = file.read("version"); version != nullptr && *version != kVersion)
+    file.refuse("version", "is another version than 1, which this server cannot read");
   Scene scene;
-  for (const auto& [key, value] : file.items()) {
-    if (key == "version") {
-      if (value != kVersion) refuse("has another version than 1, which this server cannot read");
-    } else if (key == "camera") {
-      scene.camera = parseIntrinsics(value);
-    } else if (key == "object") {
-      scene.object_points = parsePoints(value, "\"object\"");
-    } else if (key == "not") {
-      scene.not_points = parsePoints(value, "\"not\"");
-    } else if (key == "objects") {
-      scene.objects = parseObjects(value);
-    } else if (isOneOf(kSceneFlags, key)) {
-      scene.flags.emplace_back(key, toFlagText(value, quote(key)));
-    } else {
-      refuseKey("", key, kSceneFlags, {"version", "camera", "object", "not", "objects"});
-    }
-  }
-  const auto is_fov = [](const auto& flag) { return flag.first == "fov"; };
-  if (scene.camera && std::any_of(scene.flags.begin(), scene.flags.end(), is_fov))
-    refuse("has both \"camera\" and \"fov\"; remove one of them");
+  if (file.read("camera") != nullptr) scene.camera = parseIntrinsics(file.object("camera"));
+  scene.object_points = parsePoints(file, "object");
+  scene.not_points = parsePoints(file, "not");
+  scene.objects = parseObjects(file);
+  scene.flags = parseFlags(file, kSceneFlags);
+  file.refuseOthers(kStranger);
+  if (scene.camera && file.read("fov") != nullptr)
+    file.refuse("fov", "and \"camera\" exclude each other; remove one of them");
   return scene;
 }
 

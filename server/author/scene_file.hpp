@@ -50,13 +50,7 @@ struct Scene {
   bool operator==(const Scene&) const = default;
 };
 
-/// Error: a scene file is invalid. what() is one line without the file's name.
-class SceneFileError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
-
-/// Returns the scene in `text`. The values of flags are not checked. Throws SceneFileError.
+/// Returns the scene in `text`. The values of flags are not checked. Throws JsonError.
 [[nodiscard]] Scene parseScene(std::string_view text);
 
 /// Returns `scene` as the text of a scene file. parseScene() returns an equal scene for it.

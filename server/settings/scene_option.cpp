@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "common/cli/options.hpp"
+#include "common/json/json_error.hpp"
 #include "common/private_file.hpp"
 #include "server/author/author_options.hpp"
 
@@ -55,8 +56,8 @@ void loadScene(CLI::App& app, Settings& settings, const std::string& file) {
   if (!text.ok()) throwSceneError(file, text.error().message);
   try {
     settings.scene = parseScene(text.value());
-  } catch (const SceneFileError& error) {
-    throwSceneError(file, error.what());
+  } catch (const JsonError& error) {
+    throw CLI::ParseError("--scene " + describe(file, error), CLI::ExitCodes::ValidationError);
   }
   settings.vision.scene_file = file;
   applyFlags(app, file, settings.scene.flags, "");

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "server/source/folder/bop_scene.hpp"
-#include "server/source/folder/clip_files.hpp"
+#include "server/source/folder/clip_meta.hpp"
 #include "server/source/rgbd_source.hpp"
 #include "server/source/scale/kinect_calibration.hpp"
 #include "tests/fuzz/target.hpp"

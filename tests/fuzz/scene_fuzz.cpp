@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
-// parseScene(): any text is read or refused with a SceneFileError. What is read survives a round
+// parseScene(): any text is read or refused with a JsonError. What is read survives a round
 // trip through formatScene().
 #include <cstdint>
 #include <cstdlib>
 #include <string_view>
 
+#include "common/json/json_error.hpp"
 #include "server/author/scene_file.hpp"
 #include "tests/fuzz/target.hpp"
 
@@ -15,7 +16,7 @@ HAPTICAST_FUZZ_TARGET("scene") {
   Scene scene;
   try {
     scene = parseScene({reinterpret_cast<const char*>(data), size});
-  } catch (const SceneFileError& error) {
+  } catch (const JsonError& error) {
     if (std::string_view(error.what()).empty()) std::abort();
     return 0;
   }

@@ -8,9 +8,9 @@
 #include <string_view>
 
 #include "client/study/events_file.hpp"
-#include "client/study/located_json.hpp"
 #include "client/study/study_file.hpp"
 #include "client/study/trial_schedule.hpp"
+#include "common/json/json_error.hpp"
 #include "tests/fuzz/target.hpp"
 
 namespace hapticast::fuzz::study {
@@ -25,9 +25,9 @@ void checkStudy(std::string_view text) {
       if (schedule.findTrial()->condition >= study.conditions.size()) std::abort();
       i % 2 == 0 ? schedule.onVoid() : schedule.onAnswer(true);
     }
-  } catch (const LocatedError& error) {
+  } catch (const JsonError& error) {
     const auto lines = 1 + std::count(text.begin(), text.end(), '\n');
-    if (error.line < 1 || error.line > lines || *error.what() == '\0') std::abort();
+    if (error.place.line < 1 || error.place.line > lines || *error.what() == '\0') std::abort();
   }
 }
 

@@ -225,7 +225,7 @@ class Refusals(StudyTest):
 
     def test_before_the_first_subject(self):
         self.refuse(make_study(conditions=[{"name": "a", "recording": "none.mcap"}]),
-                    "study.json:23: the recording ")
+                    "study.json:23:")
         self.refuse(make_study(conditions=[{"name": "a"}, {"name": "a"}]), "two conditions have the name 'a'")
         self.refuse(make_study(blocks=4000), "at most 5000 are possible")
         self.refuse(make_study(), "cannot render", "--stiffness-limit", "0.3")

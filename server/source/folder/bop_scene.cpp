@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "common/haptic_frame.hpp"
-#include "server/source/picture/json_object.hpp"
+#include "common/json/json_document.hpp"
 #include "server/source/rgbd_source.hpp"
 
 namespace hapticast::server {
@@ -80,30 +80,31 @@ void addObjectMasks(const fs::path& folder, ClipFiles& clip) {
                  folder.string(), kMaxObjects);
 }
 
+std::map<std::uint32_t, BopCamera> readCameras(JsonObject scene) {
+  std::map<std::uint32_t, BopCamera> cameras;
+  for (const auto& [key, value] : scene.value().items()) {
+    const auto image = parseIndex(key);
+    if (!image || !value.is_object()) scene.refuse(key, "is not the camera of an image");
+    JsonObject camera = scene.object(key);
+    const auto matrix = camera.numbers("cam_K", 9, -1e5, 1e5);
+    if (!(matrix[0] >= 1.0 && matrix[4] >= 1.0))
+      camera.refuse("cam_K", "has no focal length of 1 px or more");
+    cameras[*image] = {{matrix[0], matrix[4], matrix[2] + 0.5, matrix[5] + 0.5},
+                       camera.number("depth_scale", 1e-3, 1e3).value_or(1.0)};
+  }
+  return cameras;
+}
+
 }  // namespace
 
 std::map<std::uint32_t, BopCamera> parseSceneCamera(std::string_view text,
                                                     const std::string& name) {
-  const Json object = parseObject(text, kMaxScene_bytes);
-  if (object.is_null()) {
-    throw SourceError(name +
-                      ": is not a JSON object in UTF-8 (of at most 8 MiB); mend or remove it");
+  try {
+    const JsonDocument document = parseJson(text, {.most_bytes = kMaxScene_bytes});
+    return readCameras(JsonObject(document));
+  } catch (const JsonError& error) {
+    throw SourceError(describe(name, error) + "; mend or remove the file");
   }
-  std::map<std::uint32_t, BopCamera> cameras;
-  for (const auto& [key, value] : object.items()) {
-    const auto image = parseIndex(key);
-    if (!image || !value.is_object())
-      throw SourceError(name + ": a member is not the camera of an image; mend it");
-    const Members members(value, name, std::to_string(*image) + ".");
-    const auto matrix = members.numbers("cam_K", 9, -1e5, 1e5);
-    if (!(matrix[0] >= 1.0 && matrix[4] >= 1.0)) {
-      throw SourceError(name + ": \"" + std::to_string(*image) +
-                        ".cam_K\" has no focal length of 1 px or more; mend it");
-    }
-    cameras[*image] = {{matrix[0], matrix[4], matrix[2] + 0.5, matrix[5] + 0.5},
-                       members.number("depth_scale", 1e-3, 1e3).value_or(1.0)};
-  }
-  return cameras;
 }
 
 void addBopScene(const fs::path& folder, std::string_view text, ClipFiles& clip) {

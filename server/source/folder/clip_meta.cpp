@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: MIT
 #include "server/source/folder/clip_meta.hpp"
 
-#include "server/source/picture/json_object.hpp"
+#include "common/json/json_document.hpp"
 #include "server/source/rgbd_source.hpp"
 
 namespace hapticast::server {
 
 namespace {
 
-std::optional<int> depthBits(const Members& meta, bool has_scale) {
+constexpr std::size_t kMostLevels = 32;  // chosen: programs of others write what they like
+
+std::optional<int> depthBits(JsonObject& meta, bool has_scale) {
   if (const auto bits = meta.number("depth_bits", 8.0, 16.0)) return *bits > 8.0 ? 16 : 8;
-  const std::string words = jsonText(meta.at("depth"));
+  const auto* const depth = meta.read("depth");
+  const std::string words = depth != nullptr ? jsonText(*depth) : "";
   const auto says = [&](const char* a, const char* b) {
     return words.find(a) != std::string::npos || words.find(b) != std::string::npos;
   };
@@ -19,7 +22,7 @@ std::optional<int> depthBits(const Members& meta, bool has_scale) {
   return has_scale ? std::optional(16) : std::nullopt;
 }
 
-std::optional<CameraModel> parseCamera(const Members& intrinsics) {
+std::optional<CameraModel> parseCamera(JsonObject intrinsics) {
   const auto fx = intrinsics.number("fx", 1.0, 1e5);
   const auto fy = intrinsics.number("fy", 1.0, 1e5);
   const auto cx = intrinsics.number("cx", -1e5, 1e5);
@@ -28,15 +31,7 @@ std::optional<CameraModel> parseCamera(const Members& intrinsics) {
   return CameraModel{*fx, *fy, *cx + 0.5, *cy + 0.5};
 }
 
-}  // namespace
-
-ClipMeta parseClipMeta(std::string_view text, const std::string& name) {
-  const Json object = parseObject(text, kMaxMeta_bytes);
-  if (object.is_null()) {
-    throw SourceError(name +
-                      ": is not a JSON object in UTF-8 (of at most 64 KiB); mend or remove it");
-  }
-  const Members meta(object, name, "");
+ClipMeta readMeta(JsonObject meta) {
   ClipMeta out;
   out.fps = meta.number("fps", 1.0, 240.0);
   if (const auto scale = meta.number("depth_scale_m_per_unit", 1e-6, 1.0))
@@ -49,9 +44,21 @@ ClipMeta parseClipMeta(std::string_view text, const std::string& name) {
   };
   out.width_px = side_px("width");
   out.height_px = side_px("height");
-  const Json& intrinsics = meta.at("intrinsics");
-  if (intrinsics.is_object()) out.camera = parseCamera({intrinsics, name, "intrinsics."});
+  const auto* const intrinsics = meta.read("intrinsics");
+  if (intrinsics != nullptr && intrinsics->is_object())
+    out.camera = parseCamera(meta.object("intrinsics"));
   return out;
+}
+
+}  // namespace
+
+ClipMeta parseClipMeta(std::string_view text, const std::string& name) {
+  try {
+    const JsonDocument document = parseJson(text, {kMaxMeta_bytes, kMostLevels});
+    return readMeta(JsonObject(document));
+  } catch (const JsonError& error) {
+    throw SourceError(describe(name, error) + "; mend or remove the file");
+  }
 }
 
 }  // namespace hapticast::server

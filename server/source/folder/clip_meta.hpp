@@ -29,9 +29,9 @@ struct ClipMeta {
 inline constexpr std::size_t kMaxMeta_bytes = 65'536;
 
 /// Returns the declarations in the text of a meta.json. It must be a JSON object in UTF-8, at most
-/// kMaxMeta_bytes long and kMaxJsonDepth (json_object.hpp) deep. Members that are null or unknown
-/// are ignored. Throws SourceError if a value is wrong or the text is not such an object. The
-/// message is one line that begins with `name`.
+/// kMaxMeta_bytes long and 32 levels deep. Members that are null or unknown are ignored. Throws
+/// SourceError if a value is wrong, a member appears twice, or the text is not such an object. The
+/// message is one line that begins with `name`, line and column.
 [[nodiscard]] ClipMeta parseClipMeta(std::string_view text, const std::string& name);
 
 }  // namespace hapticast::server

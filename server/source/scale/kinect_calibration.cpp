@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "server/source/picture/json_object.hpp"
+#include "common/json/json_document.hpp"
 #include "server/source/rgbd_source.hpp"
 #include "server/source/scale/depth_scale.hpp"
 
@@ -15,13 +15,16 @@ namespace {
 constexpr std::size_t kParameters = 14;
 constexpr int kMostSensor_px = 16384;
 
-KinectCalibration::Camera parseLens(const Json& camera, const std::string& name) {
-  const Members members(camera, name, "Cameras.");
-  const Json& intrinsics = members.at("Intrinsics");
-  if (!intrinsics.is_object()) throw SourceError(name + ": a camera has no Intrinsics; remove it");
-  const Members lens(intrinsics, name, "Cameras.Intrinsics.");
-  if (jsonText(lens.at("ModelType")).find("BrownConrady") == std::string::npos)
-    throw SourceError(name + ": a camera has a lens model other than BrownConrady; remove it");
+/// Returns the text of a member; empty if it is missing.
+std::string readText(JsonObject& from, const char* key) {
+  const auto* const value = from.read(key);
+  return value != nullptr ? jsonText(*value) : "";
+}
+
+KinectCalibration::Camera parseLens(JsonObject& camera) {
+  JsonObject lens = camera.object("Intrinsics");
+  if (readText(lens, "ModelType").find("BrownConrady") == std::string::npos)
+    lens.refuse("ModelType", "is another model than BrownConrady");
   // cx, cy, fx, fy, k1..k6, the centre of distortion (0 in this model), p2, p1.
   const std::vector<double> values = lens.numbers("ModelParameters", kParameters, -1e4, 1e4);
   KinectCalibration::Camera out;
@@ -31,13 +34,13 @@ KinectCalibration::Camera parseLens(const Json& camera, const std::string& name)
   out.fy = values[3];
   out.distortion = {values[4], values[5], values[13], values[12],
                     values[6], values[7], values[8],  values[9]};
-  const auto side_px = [&members](const char* key) {
-    return static_cast<int>(members.number(key, 1.0, kMostSensor_px).value_or(0.0));
+  const auto side_px = [&camera](const char* key) {
+    return static_cast<int>(camera.number(key, 1.0, kMostSensor_px).value_or(0.0));
   };
   out.sensor = {side_px("SensorWidth"), side_px("SensorHeight")};
   constexpr double kLeastFocal = 0.05;  // chosen: a picture of 168 degrees
   if (out.sensor.empty() || !(out.fx >= kLeastFocal && out.fy >= kLeastFocal))
-    throw SourceError(name + ": a camera has no sensor size or focal length; remove it");
+    throw JsonError(camera.place(), "a camera has no sensor size or focal length");
   return out;
 }
 
@@ -47,10 +50,8 @@ struct Placement {
   cv::Vec3d translation_mm;
 };
 
-Placement parsePlacement(const Json& camera, const std::string& name) {
-  const Json& rt = Members(camera, name, "Cameras.").at("Rt");
-  if (!rt.is_object()) throw SourceError(name + ": a camera has no Rt; remove it");
-  const Members members(rt, name, "Cameras.Rt.");
+Placement parsePlacement(JsonObject& camera) {
+  JsonObject members = camera.object("Rt");
   const std::vector<double> rotation = members.numbers("Rotation", 9, -1.01, 1.01);
   const std::vector<double> translation_m = members.numbers("Translation", 3, -10.0, 10.0);
   Placement out;
@@ -58,7 +59,7 @@ Placement parsePlacement(const Json& camera, const std::string& name) {
   out.translation_mm = 1000.0 * cv::Vec3d(translation_m.data());
   constexpr double kRigid = 0.01;  // chosen
   if (cv::norm(out.rotation * out.rotation.t() - cv::Matx33d::eye()) > kRigid)
-    throw SourceError(name + ": a camera's Rotation is no rotation; remove it");
+    members.refuse("Rotation", "is no rotation");
   return out;
 }
 
@@ -81,32 +82,39 @@ LensCamera cropCamera(const KinectCalibration::Camera& camera, cv::Size whole, c
   return out;
 }
 
-}  // namespace
+JsonObject& findCamera(std::vector<JsonObject>& cameras, const std::string& purpose) {
+  const auto found = std::find_if(cameras.begin(), cameras.end(), [&](JsonObject& camera) {
+    return readText(camera, "Purpose") == purpose;
+  });
+  if (found == cameras.end()) throw JsonError({}, "has no camera of the kind " + purpose);
+  return *found;
+}
 
-KinectCalibration parseKinectCalibration(std::string_view text, const std::string& name) {
-  const Json object = parseObject(text, kMaxCalibration_bytes);
-  const Json& information = Members(object, name, "").at("CalibrationInformation");
-  const Json& cameras = Members(information, name, "").at("Cameras");
-  if (!cameras.is_array())
-    throw SourceError(name + ": is not the calibration of an Azure Kinect; remove it");
-  const auto find = [&](const char* purpose) -> const Json& {
-    const auto found = std::find_if(cameras.begin(), cameras.end(), [&](const Json& camera) {
-      return camera.is_object() && jsonText(Members(camera, name, "").at("Purpose")) == purpose;
-    });
-    if (found == cameras.end())
-      throw SourceError(name + ": has no camera of the kind " + purpose + "; remove it");
-    return *found;
-  };
-  const Json& depth = find("CALIBRATION_CameraPurposeDepth");
-  const Json& color = find("CALIBRATION_CameraPurposePhotoVideo");
+KinectCalibration readCalibration(JsonObject file) {
+  constexpr std::size_t kMostCameras = 100;  // chosen
+  auto cameras = file.object("CalibrationInformation").objects("Cameras", kMostCameras);
+  JsonObject& depth = findCamera(cameras, "CALIBRATION_CameraPurposeDepth");
+  JsonObject& color = findCamera(cameras, "CALIBRATION_CameraPurposePhotoVideo");
   KinectCalibration out;
-  out.depth = parseLens(depth, name);
-  out.color = parseLens(color, name);
-  const Placement from = parsePlacement(depth, name);
-  const Placement to = parsePlacement(color, name);
+  out.depth = parseLens(depth);
+  out.color = parseLens(color);
+  const Placement from = parsePlacement(depth);
+  const Placement to = parsePlacement(color);
   out.rotation = to.rotation * from.rotation.t();
   out.translation_mm = to.translation_mm - out.rotation * from.translation_mm;
   return out;
+}
+
+}  // namespace
+
+KinectCalibration parseKinectCalibration(std::string_view text, const std::string& name) {
+  constexpr std::size_t kMostLevels = 32;  // chosen
+  try {
+    const JsonDocument document = parseJson(text, {kMaxCalibration_bytes, kMostLevels});
+    return readCalibration(JsonObject(document));
+  } catch (const JsonError& error) {
+    throw SourceError(describe(name, error) + "; remove it");
+  }
 }
 
 std::optional<LensCamera> depthCamera(const KinectCalibration& calibration, cv::Size size) {

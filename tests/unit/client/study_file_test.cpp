@@ -6,7 +6,7 @@
 
 #include <string>
 
-#include "client/study/located_json.hpp"
+#include "common/json/json_error.hpp"
 
 namespace hapticast::client {
 namespace {
@@ -47,8 +47,8 @@ void expectRefused(const std::string& text, int line, const std::string& what) {
   try {
     (void)parseStudy(text);
     ADD_FAILURE() << "accepted: " << what;
-  } catch (const LocatedError& error) {
-    EXPECT_EQ(error.line, line) << error.what();
+  } catch (const JsonError& error) {
+    EXPECT_EQ(error.place.line, line) << error.what();
     EXPECT_NE(std::string(error.what()).find(what), std::string::npos) << error.what();
   }
 }
@@ -64,11 +64,11 @@ TEST(StudyFile, StatesConditionsQuestionAndOrder) {
   EXPECT_FALSE(study.conditions[0].dynamic_on);
   EXPECT_EQ(study.conditions[0].pause_at_s, 2.0);
   EXPECT_EQ(study.conditions[0].seconds, 4.0);
-  EXPECT_EQ(study.conditions[0].line, 10);
+  EXPECT_EQ(study.conditions[0].place.line, 10);
   EXPECT_EQ(study.conditions[1].method, Method::kThesis);
   EXPECT_EQ(study.conditions[1].surface, SurfaceKind::kPerturbed);
   EXPECT_EQ(study.conditions[1].mass_kg, 0.6);
-  EXPECT_EQ(study.conditions[1].line, 11);
+  EXPECT_EQ(study.conditions[1].place.line, 11);
 }
 
 TEST(StudyFile, StatesAForcedChoice) {

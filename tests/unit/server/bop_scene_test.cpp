@@ -91,15 +91,16 @@ TEST_F(BopScene, WrongFilesAreRefusedInOneLine) {
     folder.write("scene_camera.json", text);
     return openError(folder.string());
   };
-  EXPECT_THAT(refusal("{\"3\": 1"), HasSubstr("scene_camera.json: is not a JSON object"));
+  EXPECT_THAT(refusal("{\"3\": 1"), HasSubstr("scene_camera.json:1:8: is no JSON from here on"));
   EXPECT_THAT(refusal("{\"a\": {}}"), HasSubstr("is not the camera of an image"));
-  EXPECT_THAT(refusal("{\"3\": {}}"), HasSubstr("\"3.cam_K\" is missing; expected are 9 numbers"));
+  EXPECT_THAT(refusal("{\"3\": {}}"),
+              HasSubstr("scene_camera.json:1:2: 'cam_K' is missing; expected are 9 numbers"));
   EXPECT_THAT(refusal(R"({"3": {"cam_K": [1, 0, 0, 0, "x", 0, 0, 0, 1]}})"),
-              HasSubstr("\"3.cam_K\" is something else; expected are 9 numbers"));
+              HasSubstr("'cam_K' is no list of 9 numbers"));
   EXPECT_THAT(refusal(R"({"3": {"cam_K": [0, 0, 0, 0, 0, 0, 0, 0, 1]}})"),
               HasSubstr("no focal length"));
   EXPECT_THAT(refusal(R"({"3": {"cam_K": [9, 0, 0, 0, 9, 0, 0, 0, 1], "depth_scale": 0}})"),
-              HasSubstr("\"3.depth_scale\" is '0'"));
+              HasSubstr("'depth_scale' is no number from 0.001 to 1000"));
   EXPECT_THAT(refusal(R"({"3": {"cam_K": [9, 0, 0, 0, 9, 0, 0, 0, 1]}})"),
               HasSubstr("has no camera for 000007.png"));
   writeCameras(0.1, 0.1);

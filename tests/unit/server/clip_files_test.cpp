@@ -8,7 +8,6 @@
 
 #include "server/source/folder/clip_meta.hpp"
 #include "server/source/folder/image_lists.hpp"
-#include "server/source/picture/json_object.hpp"
 #include "server/source/rgbd_source.hpp"
 
 namespace hapticast::server {
@@ -26,21 +25,22 @@ TEST(ClipFiles, NaturalOrder) {
 
 TEST(ClipMetaJson, IsReadAndRefused) {
   const ClipMeta meta = parseClipMeta(
-      R"( {"fps": -1.5e3, "fps": 2.5e1, "depth": "a \"16-bit\"\n", "e": true, "c": [1, {"fps": 0}]} )",
+      R"( {"fps": 2.5e1, "depth": "a \"16-bit\"\n", "e": true, "c": [1, {"fps": 0}]} )",
       "meta.json");
-  EXPECT_EQ(meta.fps, 25.0) << "of two the last one";
+  EXPECT_EQ(meta.fps, 25.0);
   EXPECT_EQ(meta.depth_bits, 16);
   EXPECT_FALSE(meta.mm_per_unit);
   EXPECT_FALSE(meta.camera);
   EXPECT_EQ(parseClipMeta(R"({"fps": "30", "depth": null})", "").fps, 30.0);
   EXPECT_EQ(parseClipMeta(R"({"depth_bits": 8, "depth": "16-bit"})", "").depth_bits, 8);
   EXPECT_EQ(parseClipMeta(R"({"depth_scale_m_per_unit": 0.001})", "").depth_bits, 16);
-  const std::string deep = fmt::format("{{\"a\": {}{}}}", std::string(kMaxJsonDepth, '['),
-                                       std::string(kMaxJsonDepth, ']'));
+  const std::string deep =
+      fmt::format("{{\"a\": {}{}}}", std::string(32, '['), std::string(32, ']'));
   const std::string large = fmt::format("{{\"a\": \"{}\"}}", std::string(kMaxMeta_bytes, 'x'));
-  for (const std::string& bad : std::vector<std::string>{
-           "", "[]", "null", "{", "{}}", "{\"a\"}", "{\"a\": }", "{\"a\": 1,}", "{\"a",
-           "{\"a\": \"\\u12", "{\"a\": \"\xff\"}", "{\"a\": 1e999}", deep, large}) {
+  for (const std::string& bad :
+       std::vector<std::string>{"", "[]", "null", "{", "{}}", "{\"a\"}", "{\"a\": }", "{\"a\": 1,}",
+                                "{\"a", "{\"a\": \"\\u12", "{\"a\": \"\xff\"}", "{\"a\": 1e999}",
+                                "{\"a\": 1, \"a\": 1}", deep, large}) {
     EXPECT_THROW((void)parseClipMeta(bad, "meta.json"), SourceError) << bad.substr(0, 60);
   }
   EXPECT_THROW((void)parseClipMeta(R"({"fps": [25]})", ""), SourceError);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Scene files: what they set, what wins over them, round trips, and refusals.
 #include "server/author/scene_file.hpp"
+#include "common/json/json_error.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -129,7 +130,7 @@ TEST(SceneFile, RefusesWithFileAndPlace) {
       {"", "is no JSON"},
       {"{\"name\": \"x\"", "is no JSON"},
       {"[1]", "is no JSON object"},
-      {"{\"a\":[[[[[[[[[[1]]]]]]]]]]}", "at most 8 levels"},
+      {"{\"a\":[[[[[[[[[[1]]]]]]]]]]}", "more than 8 levels"},
       {R"({"fps": 1e999})", "has a number that is too large"},
       {R"({"version": 2})", "another version than 1"},
       {R"({"stifness": 1})", "did you mean stiffness?"},
@@ -140,26 +141,26 @@ TEST(SceneFile, RefusesWithFileAndPlace) {
       {R"({"stretch": "maybe"})", "'maybe' is not true or false"},
       {R"({"map-range": [900, 400]})", "NEAR,FAR in mm"},
       {R"({"not": "3,4"})", "is no list"},
-      {R"({"not": ["3"]})", "\"not\": '3' is not"},
-      {R"({"camera": {"fx": 1}})", "is not {\"fx\""},
-      {R"({"camera": {"fx": 0, "fy": 1, "cx": 1, "cy": 1}})", "\"fx\" is no number from 1"},
-      {R"({"fov": 50, "camera": {"fx": 9, "fy": 9, "cx": 1, "cy": 1}})", "both \"camera\" and"},
+      {R"({"not": ["3"]})", "'not' has '3', which is not"},
+      {R"({"camera": {"fx": 1}})", "'fy' is missing"},
+      {R"({"camera": {"fx": 0, "fy": 1, "cx": 1, "cy": 1}})", "'fx' is no number from 1"},
+      {R"({"fov": 50, "camera": {"fx": 9, "fy": 9, "cx": 1, "cy": 1}})", "exclude each other"},
       {R"({"objects": {}})", "is no list with at most 16 members"},
-      {R"({"objects": [3]})", "object 1: is no JSON object"},
-      {R"({"objects": [{"name": "cup"}]})", "object 'cup': has neither points nor masks"},
+      {R"({"objects": [3]})", "is no JSON object"},
+      {R"({"objects": [{"name": "cup"}]})", "object 'cup' has neither points nor masks"},
       {R"({"objects": [{"name": ""}]})", "no text of 1 to 64 bytes"},
-      {R"({"objects": [{"name": "a\nb"}]})", "no text of 1 to 64 bytes"},
+      {R"({"objects": [{"name": "a\nb"}]})", "has a line feed"},
       {R"({"objects": [{"points": ["1,2"], "plan": "auto"}]})", "'plan' is not a member"},
       {R"({"objects": [{"points": ["1,2"], "mass": "1e9"}]})", "object 1': --mass"},
       {R"({"objects": [{"points": ["1,2"], "name": "a"}, {"points": ["3,4"], "name": "a"}]})",
-       "another object has this name"},
-      {R"({"objects": [{"masks": [{"time": -1, "file": "a"}]}]})", "\"time\" is no number from 0"},
-      {R"({"objects": [{"masks": ["a.png"]}]})", "each mask is"},
+       "another object has the name 'a'"},
+      {R"({"objects": [{"masks": [{"time": -1, "file": "a"}]}]})", "'time' is no number from 0"},
+      {R"({"objects": [{"masks": ["a.png"]}]})", "is no JSON object"},
   };
   for (const auto& [text, why] : wrong) {
     const Probe run = runWith(text);
     EXPECT_EQ(run.exit_code, 2) << text;
-    run.expectErrorWith({"s.json: ", why});
+    run.expectErrorWith({"s.json:", why});
   }
   const Probe missing({"--source", "synthetic:still", "--scene", "/nowhere/s.json"});
   EXPECT_EQ(missing.exit_code, 2);
@@ -175,7 +176,7 @@ TEST(SceneFile, TheSchemaHasEachMember) {
   for (const auto& [name, member] : members.items()) {
     try {
       (void)parseScene("{\"" + name + "\": null}");
-    } catch (const SceneFileError& error) {
+    } catch (const JsonError& error) {
       EXPECT_EQ(std::string(error.what()).find("is not a member"), std::string::npos) << name;
     }
   }
