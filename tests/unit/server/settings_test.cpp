@@ -267,8 +267,8 @@ TEST(ServerSettings, AFlagOfEarlierVersionsChoosesItsSubcommand) {
 }
 
 TEST(ServerSettings, RefusesAFlagOfAnotherSubcommandWithItsName) {
-  Probe({"bake", "synthetic:still", "-o", "a.mcap", "--listen", "7447"})
-      .expectErrorWith({"'--listen'", "--listen is a flag of hapticast-server serve"});
+  Probe({"bake", "synthetic:still", "-o", "a.mcap", "--max-clients", "3"})
+      .expectErrorWith({"'--max-clients'", "--max-clients is a flag of hapticast-server serve"});
   Probe({"serve", "nats://host/lab"}).expectErrorWith({"use hapticast-server relay CHANNEL"});
   Probe({"relay", "synthetic:still"}).expectErrorWith({"is not nats://"});
 }
