@@ -70,7 +70,7 @@ TEST(JsonDocument, NamesThePlaceOfAWrongMember) {
   EXPECT_EQ(refusal([&] { (void)object.object("rate"); }), "2:3: 'rate' is no JSON object {...}");
 }
 
-TEST(JsonDocument, RefusesWhatIsNoObjectOrBeyondALimit) {
+TEST(JsonDocument, RefusesOtherTextsAndThoseBeyondALimit) {
   EXPECT_EQ(parsing(""), "1:1: is no JSON from here on");
   EXPECT_EQ(parsing("[1]"), "1:1: is no JSON object");
   EXPECT_EQ(parsing("{\n  \"a\": 1,\n  \"a\": 2}"), "3:3: 'a' appears twice");
