@@ -267,10 +267,10 @@ struct Listening {
   const char* to;
 };
 
-class DatagramAddressesTest : public DatagramsTest,
-                              public ::testing::WithParamInterface<Listening> {};
+class DatagramsAddressesTest : public DatagramsTest,
+                               public ::testing::WithParamInterface<Listening> {};
 
-TEST_P(DatagramAddressesTest, DatagramsLeaveFromWhereTheConnectionCameTo) {
+TEST_P(DatagramsAddressesTest, DatagramsLeaveFromWhereTheConnectionCameTo) {
   const Listening& way = GetParam();
   DatagramServer server(io, clock, std::nullopt, way.server);
   RawPeer tcp(io, {asio::ip::make_address(way.to), server.port()},
@@ -292,7 +292,7 @@ TEST_P(DatagramAddressesTest, DatagramsLeaveFromWhereTheConnectionCameTo) {
   EXPECT_TRUE(tcp.all<CodedFrame>().empty()) << "its hello wanted none by TCP";
 }
 
-INSTANTIATE_TEST_SUITE_P(All, DatagramAddressesTest,
+INSTANTIATE_TEST_SUITE_P(All, DatagramsAddressesTest,
                          ::testing::Values(Listening{"0.0.0.0", "127.0.0.1", "127.0.0.1"},
                                            Listening{"0.0.0.0", "127.0.0.5", "127.0.0.9"},
                                            Listening{"::", "::1", "::1"},

@@ -181,9 +181,9 @@ TEST_F(UntrustedClientsTest, TheLogStaysReadable) {
 }
 
 /// A server with one valid token, of which time passes only by hand.
-class GuessedTokensTest : public StreamTest {
+class UntrustedClientsGuessTest : public StreamTest {
  protected:
-  GuessedTokensTest() {
+  UntrustedClientsGuessTest() {
     const std::string digest_of_a =
         "ca978112ca1bbdcafac231b39a23dc4da786eff8147c4e72b9807785afee48bb";
     server.broadcaster.setAccess(
@@ -227,7 +227,7 @@ class GuessedTokensTest : public StreamTest {
   TestServer server{io, still};
 };
 
-TEST_F(GuessedTokensTest, OneOfANetworkIsAnsweredInASecond) {
+TEST_F(UntrustedClientsGuessTest, OneOfANetworkIsAnsweredInASecond) {
   const Peers peers = guess(3, "wrong");
   const Peers elsewhere = guess(1, "wrong", 2);
   EXPECT_TRUE(answers(elsewhere, 1)) << "another network does not wait";
@@ -241,7 +241,7 @@ TEST_F(GuessedTokensTest, OneOfANetworkIsAnsweredInASecond) {
   for (const auto& each : peers) EXPECT_EQ(farewell(*each).code, ErrorCode::kUnauthorized);
 }
 
-TEST_F(GuessedTokensTest, AConnectionThatWaitsForItsAnswerDoesNothingElse) {
+TEST_F(UntrustedClientsGuessTest, AConnectionThatWaitsForItsAnswerDoesNothingElse) {
   const Peers peers = guess(2, "wrong");
   for (const auto& each : peers) {
     each->send(Hello{kProtocolVersion, "guess", false, true, "a"});
@@ -255,7 +255,7 @@ TEST_F(GuessedTokensTest, AConnectionThatWaitsForItsAnswerDoesNothingElse) {
   EXPECT_EQ(server.broadcaster.counts().welcomed, 1U);
 }
 
-TEST_F(GuessedTokensTest, GuessesBeyondTheDeadlineOfTheHelloAreClosedAtOnce) {
+TEST_F(UntrustedClientsGuessTest, GuessesBeyondTheDeadlineOfTheHelloAreClosedAtOnce) {
   constexpr std::size_t kGuesses = 30;
   constexpr std::size_t kAnswered = 6;  // now and each second until the deadline, 5 s
   const Peers peers = guess(kGuesses, "wrong");
@@ -273,7 +273,7 @@ TEST_F(GuessedTokensTest, GuessesBeyondTheDeadlineOfTheHelloAreClosedAtOnce) {
   EXPECT_EQ(server.broadcaster.counts().timed_out, 0U);
 }
 
-TEST_F(GuessedTokensTest, TheEndOfTheServerLeavesNoneOfThemBehind) {
+TEST_F(UntrustedClientsGuessTest, TheEndOfTheServerLeavesNoneOfThemBehind) {
   const Peers peers = guess(3, "wrong");
   expectRead();
   server.stop();
@@ -331,7 +331,7 @@ TEST_F(UntrustedClientsTest, AnotherViewerIsServedFirstEveryTime) {
   for (std::size_t i = 0; i < 2; ++i) EXPECT_EQ(first.count(i), 3U) << i;
 }
 
-TEST(FileLimit, IsRaisedForTheViewersOrReportsHowManyFit) {
+TEST(UntrustedClientsFileLimit, IsRaisedForTheViewersOrReportsHowManyFit) {
   rlimit before{};
   ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &before), 0);
   rlimit low = before;

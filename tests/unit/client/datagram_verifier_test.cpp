@@ -10,7 +10,7 @@ using Want = FrameAssembler::Want;
 constexpr std::uint64_t kToken = 0x1122334455667788;
 constexpr std::uint32_t kStream = 77;
 
-class DatagramInboxTest : public ::testing::Test {
+class DatagramVerifierTest : public ::testing::Test {
  protected:
   static std::vector<std::uint8_t> withToken(std::vector<std::uint8_t> body,
                                              std::uint64_t token = kToken) {
@@ -32,7 +32,7 @@ class DatagramInboxTest : public ::testing::Test {
   DatagramVerifier verifier{kToken, kStream, VerifyingKey::from(key.verifyingKey()).value(), keys};
 };
 
-TEST_F(DatagramInboxTest, AcceptsDatagramsThatTheServerHasSigned) {
+TEST_F(DatagramVerifierTest, AcceptsDatagramsThatTheServerHasSigned) {
   const auto bytes = datagram(9);
   const auto taken = verifier.verify(bytes, localTime(1), [](const auto&) { return Want::kNew; });
   ASSERT_TRUE(taken);
@@ -41,7 +41,7 @@ TEST_F(DatagramInboxTest, AcceptsDatagramsThatTheServerHasSigned) {
   EXPECT_EQ(verifier.counts().received, 1U);
 }
 
-TEST_F(DatagramInboxTest, CountsEachCauseApart) {
+TEST_F(DatagramVerifierTest, CountsEachCauseApart) {
   EXPECT_FALSE(takes({}));
   EXPECT_FALSE(takes(std::vector<std::uint8_t>(1233, 1)));
   EXPECT_FALSE(takes(datagram(1, kStream + 1)));
@@ -57,7 +57,7 @@ TEST_F(DatagramInboxTest, CountsEachCauseApart) {
   EXPECT_EQ(verifier.counts().received, 0U);
 }
 
-TEST_F(DatagramInboxTest, NoByteOfADatagramCanBeChanged) {
+TEST_F(DatagramVerifierTest, NoByteOfADatagramCanBeChanged) {
   const auto good = datagram(3);
   for (std::size_t i = 0; i < good.size(); ++i) {
     auto bad = good;
@@ -67,7 +67,7 @@ TEST_F(DatagramInboxTest, NoByteOfADatagramCanBeChanged) {
   EXPECT_TRUE(takes(good));
 }
 
-TEST_F(DatagramInboxTest, AFloodCostsABoundedNumberOfSignatures) {
+TEST_F(DatagramVerifierTest, AFloodCostsABoundedNumberOfSignatures) {
   auto forged = datagram(1);
   forged.back() ^= 1U;
   // Ten seconds of 50,000 a second.
@@ -80,7 +80,7 @@ TEST_F(DatagramInboxTest, AFloodCostsABoundedNumberOfSignatures) {
   EXPECT_TRUE(takes(datagram(2), 12.0)) << "the flood is over";
 }
 
-TEST_F(DatagramInboxTest, ATimeThatGoesBackGivesNothing) {
+TEST_F(DatagramVerifierTest, ATimeThatGoesBackGivesNothing) {
   auto forged = datagram(1);
   forged.back() ^= 1U;
   for (int i = 0; i < 2000; ++i) (void)takes(forged, i % 2 == 0 ? 1.0 : 0.0);

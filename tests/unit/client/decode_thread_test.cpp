@@ -180,7 +180,7 @@ TEST_F(PreparerTest, AReliefIsPreparedOnceHoweverOftenItComes) {
   EXPECT_EQ(field, first);
 }
 
-TEST(PreparerThread, BringsFramesFromTheNetworkToTheLoop) {
+TEST(DecodeThreadRuns, BringsFramesFromTheNetworkToTheLoop) {
   constexpr std::uint64_t kFrames = 500;
   const SteadyClock clock;
   const auto pool = std::make_unique<FramePool>();

@@ -47,7 +47,7 @@ KeyBytes drawKey(std::mt19937_64& random) {
   return key;
 }
 
-TEST(WebSignature, HashesAsFips180Says) {
+TEST(Ed25519Signature, HashesAsFips180Says) {
   const std::string_view text = "abc";
   const std::span bytes(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
   const std::array<std::span<const std::uint8_t>, 2> parts{bytes.first(1), bytes.subspan(1)};
@@ -57,7 +57,7 @@ TEST(WebSignature, HashesAsFips180Says) {
                     "2192992a274fc1a836ba3c23a3feebbd454d4423643ce80e2a9ac94fa54ca49f"));
 }
 
-TEST(WebSignature, AcceptsTheSignaturesOfOpenSsl) {
+TEST(Ed25519Signature, AcceptsTheSignaturesOfOpenSsl) {
   std::mt19937_64 random(52);
   for (int i = 0; i < 100; ++i) {
     SigningKey key(drawKey(random));
@@ -66,7 +66,7 @@ TEST(WebSignature, AcceptsTheSignaturesOfOpenSsl) {
   }
 }
 
-TEST(WebSignature, AgreesWithOpenSslOnChangedBytes) {
+TEST(Ed25519Signature, AgreesWithOpenSslOnChangedBytes) {
   std::mt19937_64 random(53);
   SigningKey key(drawKey(random));
   for (int i = 0; i < 400; ++i) {
@@ -95,7 +95,7 @@ Signature addOrder(Signature signature) {
   return signature;
 }
 
-TEST(WebSignature, RefusesASecondFormOfASignature) {
+TEST(Ed25519Signature, RefusesASecondFormOfASignature) {
   std::mt19937_64 random(54);
   SigningKey key(drawKey(random));
   const auto bytes = drawBytes(random, 40);
@@ -106,7 +106,7 @@ TEST(WebSignature, RefusesASecondFormOfASignature) {
 
 // Encodings of points of small order and of numbers of p or more (RFC 8032 allows none of them in
 // an honest signature). With such a key and R, a signature may be valid for many texts.
-TEST(WebSignature, AgreesWithOpenSslOnStrangePoints) {
+TEST(Ed25519Signature, AgreesWithOpenSslOnStrangePoints) {
   std::vector<KeyBytes> points;
   for (const char* const hex :
        {"0100000000000000000000000000000000000000000000000000000000000000",
@@ -138,7 +138,7 @@ TEST(WebSignature, AgreesWithOpenSslOnStrangePoints) {
   EXPECT_GT(accepted, 10) << "the test reaches valid ones";
 }
 
-TEST(WebSignature, AgreesWithOpenSslOnRandomBytes) {
+TEST(Ed25519Signature, AgreesWithOpenSslOnRandomBytes) {
   std::mt19937_64 random(56);
   for (int i = 0; i < 200; ++i) {
     const KeyBytes key = drawKey(random);

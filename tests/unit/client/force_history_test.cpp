@@ -51,7 +51,7 @@ std::vector<int> greenRows(const cv::Mat& plot) {
   return rows;
 }
 
-TEST(RecentPlot, ItsScaleIncludesAllItsCurves) {
+TEST(ForceHistoryPlot, ItsScaleIncludesAllItsCurves) {
   ForceHistory history;
   for (std::size_t tick = 0; tick < 9000; ++tick) {
     TickReport report = tickOf(tick, 0.5);
@@ -67,7 +67,7 @@ TEST(RecentPlot, ItsScaleIncludesAllItsCurves) {
   EXPECT_NEAR(rows.front(), 19 + 79.0 * 3.0 / 8.0, 2.0);
 }
 
-TEST(RecentPlot, HasAZeroLineATimeAxisAndNames) {
+TEST(ForceHistoryPlot, HasAZeroLineATimeAxisAndNames) {
   const cv::Size size(300, 117);
   const std::array unnamed{Curve{&ForcePoint::force_N, {9, 9, 200}}};
   const std::array named{Curve{&ForcePoint::force_N, {9, 9, 200}, "device"}};

@@ -135,7 +135,7 @@ std::vector<HandTarget> readTargets(const std::string& text) {
 }
 std::string targetsComplaint(const std::string& text) { return complaint(readHandTargets, text); }
 
-TEST(HandTargetsFile, IsFollowedLinearly) {
+TEST(HandScriptFile, IsFollowedLinearly) {
   HandScript hand(HandKind::kFile, {},
                   readTargets("t_s,x_mm,y_mm,z_mm\r\n0.5,0,0,40\n1.5, 10,-20 ,30\n2,10,-20,30\n"));
   Scenery scenery;
@@ -148,14 +148,14 @@ TEST(HandTargetsFile, IsFollowedLinearly) {
   EXPECT_EQ(scenery.target_mm, Vec3(1.0, 2.0, 3.0));
 }
 
-TEST(HandTargetsFile, IsReadFromAFile) {
+TEST(HandScriptFile, IsReadFromAFile) {
   const TempFolder folder;
   const auto targets = loadHandTargets(folder.write("hand.csv", "0.5,1,2,3\n"));
   ASSERT_EQ(targets.size(), 1U);
   EXPECT_EQ(targets[0].position_mm, Vec3(1.0, 2.0, 3.0));
 }
 
-TEST(HandTargetsFile, ComplaintsNameTheLine) {
+TEST(HandScriptFile, ComplaintsNameTheLine) {
   const std::string row = ": a row is four numbers: t_s,x_mm,y_mm,z_mm";
   EXPECT_EQ(targetsComplaint("0,1,2"), ":1" + row);
   EXPECT_EQ(targetsComplaint("0,1,2,3\n1,1,2,3,4"), ":2" + row);

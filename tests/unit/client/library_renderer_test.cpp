@@ -194,7 +194,7 @@ TEST(LibraryRenderer, HasTheBitsOfTheClient) {
   }
 }
 
-TEST(LibraryMessagePlayer, DamagedMessagesAreErrorsAndTheForceFades) {
+TEST(LibraryRendererMessages, DamagedMessagesAreErrorsAndTheForceFades) {
   std::mt19937 random(7);
   Renderer renderer;
   MessagePlayer player(renderer);

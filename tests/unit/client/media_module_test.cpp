@@ -31,19 +31,19 @@ std::string findError(const std::function<void()>& action) {
 }
 
 /// Files of a process cannot grow beyond `most_bytes` while this object lives.
-class FileLimit {
+class UntrustedClientsFileLimit {
  public:
-  explicit FileLimit(rlim_t most_bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+  explicit UntrustedClientsFileLimit(rlim_t most_bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
     getrlimit(RLIMIT_FSIZE, &before_);
     const rlimit limit{most_bytes, before_.rlim_max};
     setrlimit(RLIMIT_FSIZE, &limit);
   }
-  ~FileLimit() {
+  ~UntrustedClientsFileLimit() {
     setrlimit(RLIMIT_FSIZE, &before_);
     std::signal(SIGXFSZ, handler_);
   }
-  FileLimit(const FileLimit&) = delete;
-  FileLimit& operator=(const FileLimit&) = delete;
+  UntrustedClientsFileLimit(const UntrustedClientsFileLimit&) = delete;
+  UntrustedClientsFileLimit& operator=(const UntrustedClientsFileLimit&) = delete;
 
  private:
   rlimit before_{};
@@ -92,7 +92,7 @@ TEST_F(MediaModuleTest, AFilmKeepsItsColors) {
 
 TEST_F(MediaModuleTest, AFilmThatIsNotWrittenCompletelyIsRemoved) {
   {
-    const FileLimit limit(1000);
+    const UntrustedClientsFileLimit limit(1000);
     EXPECT_EQ(findError([this] { makeFilm(25.0, 100); }),
               file + ": not written completely (File too large)");
   }

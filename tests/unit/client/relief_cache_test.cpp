@@ -72,7 +72,7 @@ TEST(ReliefCache, AMissingReliefIsThePreviousOneMovedWithTheObject) {
   EXPECT_FALSE(cache.resolve(moved, 8).field);
 }
 
-TEST(CarriedRect, HoldsATurnedRelief) {
+TEST(ReliefCacheRect, HoldsATurnedRelief) {
   const Workspace workspace;
   PosedRelief before{flatRelief({300, 200, 40, 20}), {}};
   before.motion.position_mm.head<2>() = workspace.toNominal({320.0, 210.0});

@@ -193,9 +193,9 @@ TEST_F(CommandLineTest, MissingConfigFileIsNamed) {
   EXPECT_NE(testing::internal::GetCapturedStderr().find("/nowhere/x.conf"), std::string::npos);
 }
 
-class DefaultConfigTest : public testing::Test {
+class CommandLineDefaultFileTest : public testing::Test {
  protected:
-  DefaultConfigTest() {
+  CommandLineDefaultFileTest() {
     addNumber(app_, "--fps", fps_, 1.0, 240.0, "1..240", "rate");
     addConfigFile(app_, (folder_ / "default.conf").string());
   }
@@ -209,7 +209,7 @@ class DefaultConfigTest : public testing::Test {
   double fps_ = 25.0;
 };
 
-TEST_F(DefaultConfigTest, IsReadIfItExists) {
+TEST_F(CommandLineDefaultFileTest, IsReadIfItExists) {
   EXPECT_EQ(parse({}), std::nullopt);
   EXPECT_EQ(fps_, 25.0);
   (void)folder_.write("default.conf", "fps = 50\n");
@@ -217,14 +217,14 @@ TEST_F(DefaultConfigTest, IsReadIfItExists) {
   EXPECT_EQ(fps_, 50.0);
 }
 
-TEST_F(DefaultConfigTest, AFileOnTheCommandLineReplacesIt) {
+TEST_F(CommandLineDefaultFileTest, AFileOnTheCommandLineReplacesIt) {
   (void)folder_.write("default.conf", "fps = 50\nspeed = 1\n");
   const std::string other = folder_.write("other.conf", "fps = 60\n");
   EXPECT_EQ(parse({"--config", other.c_str()}), std::nullopt);
   EXPECT_EQ(fps_, 60.0);
 }
 
-TEST_F(DefaultConfigTest, AnErrorInItNamesIt) {
+TEST_F(CommandLineDefaultFileTest, AnErrorInItNamesIt) {
   for (const char* wrong : {"fps = 50\nspeed = 1\n", "fps = 900\n"}) {
     const std::string file = folder_.write("default.conf", wrong);
     testing::internal::CaptureStderr();
@@ -234,7 +234,7 @@ TEST_F(DefaultConfigTest, AnErrorInItNamesIt) {
   }
 }
 
-TEST_F(DefaultConfigTest, AnErrorOnTheCommandLineDoesNotNameAMissingFile) {
+TEST_F(CommandLineDefaultFileTest, AnErrorOnTheCommandLineDoesNotNameAMissingFile) {
   testing::internal::CaptureStderr();
   EXPECT_EQ(parse({"--fps", "900"}), 2);
   const std::string line = testing::internal::GetCapturedStderr();

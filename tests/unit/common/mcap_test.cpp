@@ -349,20 +349,20 @@ TEST_F(Mcap, OtherFilesAreRefused) {
 }
 
 /// While it lives, files cannot grow beyond a limit.
-class FileLimit {
+class UntrustedClientsFileLimit {
  public:
-  explicit FileLimit(rlim_t bytes) {
+  explicit UntrustedClientsFileLimit(rlim_t bytes) {
     ::getrlimit(RLIMIT_FSIZE, &before_);
     const rlimit limit{bytes, before_.rlim_max};
     ::setrlimit(RLIMIT_FSIZE, &limit);
     signal_ = std::signal(SIGXFSZ, SIG_IGN);
   }
-  ~FileLimit() {
+  ~UntrustedClientsFileLimit() {
     ::setrlimit(RLIMIT_FSIZE, &before_);
     (void)std::signal(SIGXFSZ, signal_);
   }
-  FileLimit(const FileLimit&) = delete;
-  FileLimit& operator=(const FileLimit&) = delete;
+  UntrustedClientsFileLimit(const UntrustedClientsFileLimit&) = delete;
+  UntrustedClientsFileLimit& operator=(const UntrustedClientsFileLimit&) = delete;
 
  private:
   rlimit before_{};
@@ -375,7 +375,7 @@ TEST_F(Mcap, AFullDiskLosesChunksAndKeepsTheFile) {
   McapWriter writer(file, threeChannels());
   std::vector<Kept> kept;
   {
-    const FileLimit limit(60'000);
+    const UntrustedClientsFileLimit limit(60'000);
     for (std::size_t i = 0; i < messages.size(); ++i) {
       writeAll(writer, {messages[i]});
       writer.flush();

@@ -86,8 +86,8 @@ TEST_F(TcpChannelTest, ReportsTheEndOfTheConnectionByTheWrite) {
 }
 
 /// The end of a server, and a socket that writes to it.
-struct TcpServerEndTest : TcpChannelTest {
-  TcpServerEndTest() {
+struct TcpChannelServerEndTest : TcpChannelTest {
+  TcpChannelServerEndTest() {
     tcp::acceptor acceptor(io, {asio::ip::address_v4::loopback(), 0});
     peer.connect(acceptor.local_endpoint());
     channel = std::make_unique<TcpChannel>(acceptor.accept(), kMaxSmallMessageBytes, nullptr,
@@ -138,14 +138,14 @@ struct TcpServerEndTest : TcpChannelTest {
   tcp::socket peer{io};
 };
 
-TEST_F(TcpServerEndTest, ReadsAMessageWhosePrefixArrivesByteByByte) {
+TEST_F(TcpChannelServerEndTest, ReadsAMessageWhosePrefixArrivesByteByByte) {
   const auto payload =
       read({std::string("\x02", 1), std::string("\0", 1), std::string("\0\0", 2), "a", "b"});
   ASSERT_TRUE(payload.ok() && payload.value());
   EXPECT_EQ(*payload.value(), (Bytes{'a', 'b'}));
 }
 
-TEST_F(TcpServerEndTest, AnswersARequestOfHttpWithOneSentence) {
+TEST_F(TcpChannelServerEndTest, AnswersARequestOfHttpWithOneSentence) {
   const auto payload = read({"G", "ET", " / HTTP/1.1\r\nHost: a\r\n\r\n"});
   EXPECT_TRUE(payload.ok() && !payload.value()) << "it carries no payloads";
   EXPECT_EQ(channel->carrier(), Carrier::kHttp);

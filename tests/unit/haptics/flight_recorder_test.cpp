@@ -67,10 +67,10 @@ TEST(FlightRecorder, DumpsRowsAndRecordsAgain) {
   EXPECT_TRUE(recorder->frozen());
 }
 
-class FaultFilesTest : public ::testing::Test {
+class FlightRecorderFilesTest : public ::testing::Test {
  protected:
-  FaultFilesTest() { std::filesystem::remove_all(folder_); }
-  ~FaultFilesTest() override { std::filesystem::remove_all(folder_); }
+  FlightRecorderFilesTest() { std::filesystem::remove_all(folder_); }
+  ~FlightRecorderFilesTest() override { std::filesystem::remove_all(folder_); }
   void fault() {
     TickReport report = numbered(++tick_);
     report.fault = Fault::kDeviceLost;
@@ -89,7 +89,7 @@ class FaultFilesTest : public ::testing::Test {
   std::uint64_t tick_ = 0;
 };
 
-TEST_F(FaultFilesTest, OfEveryRunStay) {
+TEST_F(FlightRecorderFilesTest, OfEveryRunStay) {
   for (int run = 0; run < 2; ++run) {
     FaultLogWriter out(folder_ / "made");
     for (int i = 0; i < 2 * FaultLogWriter::kMaxFiles; ++i) {
@@ -106,7 +106,7 @@ TEST_F(FaultFilesTest, OfEveryRunStay) {
   folder_ = folder_.parent_path();
 }
 
-TEST_F(FaultFilesTest, AFolderThatCannotBeMadeIsReportedAtOnce) {
+TEST_F(FlightRecorderFilesTest, AFolderThatCannotBeMadeIsReportedAtOnce) {
   std::ofstream(folder_.string()) << "a file";
   try {
     const FaultLogWriter out(folder_ / "below");
@@ -117,7 +117,7 @@ TEST_F(FaultFilesTest, AFolderThatCannotBeMadeIsReportedAtOnce) {
   }
 }
 
-TEST_F(FaultFilesTest, WithoutAFlagLieInTheStateFolderAndTheRunGoesOnWithoutOne) {
+TEST_F(FlightRecorderFilesTest, WithoutAFlagLieInTheStateFolderAndTheRunGoesOnWithoutOne) {
   std::filesystem::create_directories(folder_);
   ::setenv("XDG_STATE_HOME", folder_.c_str(), 1);
   EXPECT_EQ(stateFolder(), folder_ / "hapticast");

@@ -64,7 +64,7 @@ void press(RendererFixture& stage) {
   (void)stage.run(2000);
 }
 
-TEST(RendererMaterial, StiffnessChangesSlowlyUnderTheHand) {
+TEST(ParameterRateLimiterUse, StiffnessChangesSlowlyUnderTheHand) {
   RendererFixture stage({}, nullptr);
   stage.material.stiffness_N_mm = 0.3;
   press(stage);
@@ -78,7 +78,7 @@ TEST(RendererMaterial, StiffnessChangesSlowlyUnderTheHand) {
   EXPECT_NEAR(settleStiffness_N_mm(stage, 500), 1.5, 0.03);
 }
 
-TEST(RendererMaterial, AnAuthorsStiffnessHasALimit) {
+TEST(ParameterRateLimiterUse, AnAuthorsStiffnessHasALimit) {
   struct Case {
     double limit, asked, settled;
   };
@@ -95,7 +95,7 @@ TEST(RendererMaterial, AnAuthorsStiffnessHasALimit) {
   }
 }
 
-TEST(RendererMaterial, FrictionChangesSlowlyUnderTheHandAndHasALimit) {
+TEST(ParameterRateLimiterUse, FrictionChangesSlowlyUnderTheHandAndHasALimit) {
   Table table;
   table.put(1, relief(20.0, level(10.0), slantedBox()));
   Material& material = table.object(0).material;

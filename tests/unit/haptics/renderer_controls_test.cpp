@@ -69,7 +69,7 @@ TEST_F(RendererControls, MethodAndSurfaceAreSwitchedUnderTheHand) {
   EXPECT_EQ(stage.max_excess_N, 0.0);
 }
 
-TEST(RendererPaused, TheThesissMethodLetsTheHandLeaveAFrameThatStands) {
+TEST(RendererControlsPaused, TheThesissMethodLetsTheHandLeaveAFrameThatStands) {
   RendererSettings settings;
   settings.method = Method::kThesis;
   settings.surface = SurfaceKind::kPerturbed;

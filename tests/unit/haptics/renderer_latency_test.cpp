@@ -77,7 +77,7 @@ TEST(RendererLatency, ANewConnectionTrustsTheProfileAgain) {
   EXPECT_EQ(slow.softened, 0);
 }
 
-TEST(RendererWork, ARisingPlatePushesAtTheSurfacesPort) {
+TEST(RendererLatencyWork, ARisingPlatePushesAtTheSurfacesPort) {
   Attack attack{RendererSettings{}};
   attack.name = "a plate to and fro";
   attack.scene = [&](PlayFrame& frame, double time_s) {
@@ -99,7 +99,7 @@ TEST(RendererWork, ARisingPlatePushesAtTheSurfacesPort) {
   EXPECT_NEAR(after.object_mJ, before.object_mJ, 0.1);  // the hand's own inertia only
 }
 
-TEST(RendererWork, TheAuthorsDampingReachesTheWall) {
+TEST(RendererLatencyWork, TheAuthorsDampingReachesTheWall) {
   double mean_N[2] = {0.0, 0.0};
   for (const bool damped : {false, true}) {
     Attack attack{RendererSettings{}, 14.0};

@@ -40,9 +40,9 @@ double ballHeight(int u, int v) {
       static_cast<float>(std::sqrt(kRadius_mm * kRadius_mm - at.squaredNorm())));
 }
 
-class StillBall : public ::testing::TestWithParam<double> {};
+class SurfaceModelOfStillBall : public ::testing::TestWithParam<double> {};
 
-TEST_P(StillBall, PerturbedEqualsEq3ByHand) {
+TEST_P(SurfaceModelOfStillBall, PerturbedEqualsEq3ByHand) {
   const double z = GetParam();
   const auto field = makeBall(Vec3::Zero(), kRadius_mm, 18.0, kWorkspace);
   const PlayObject object = makeObject(1, field.get(), Vec3::Zero());
@@ -76,7 +76,7 @@ TEST_P(StillBall, PerturbedEqualsEq3ByHand) {
 }
 
 // Just under the surface, deep, and under the base plane (d > K h_bar).
-INSTANTIATE_TEST_SUITE_P(SurfaceModel, StillBall, ::testing::Values(9.0, 3.0, -2.0));
+INSTANTIATE_TEST_SUITE_P(SurfaceModel, SurfaceModelOfStillBall, ::testing::Values(9.0, 3.0, -2.0));
 
 TEST(SurfaceModel, ThresholdOfEq3FollowsK) {
   const Vec2 g(0.5, -0.2);

@@ -71,7 +71,7 @@ TEST(Trust, SeveralInOneTickAreOne) {
   EXPECT_FALSE(trust.lost());
 }
 
-TEST(SafetyTrust, EndsAForceThatShakesAndWaitsForTheUser) {
+TEST(TrustInChain, EndsAForceThatShakesAndWaitsForTheUser) {
   const PlantProfile profile = omni(0.5, 1);
   ChainFixture rig(profile, profile, Hand::light());
   rig.device.reset({0.0, 0.0, -1.0}, Vec3::Zero());
@@ -97,7 +97,7 @@ TEST(SafetyTrust, EndsAForceThatShakesAndWaitsForTheUser) {
   EXPECT_GT(rig.out.force_N.z(), 0.3);
 }
 
-TEST(SafetyTrust, AStepOfTheStreamCountsOnceThoughTheForceCatchesUpForTicks) {
+TEST(TrustInChain, AStepOfTheStreamCountsOnceThoughTheForceCatchesUpForTicks) {
   const PlantProfile profile = omni(0.5, 1);
   ChainFixture rig(profile, profile, Hand::firm());
   rig.device.reset({0.0, 0.0, 5.0}, Vec3::Zero());

@@ -159,7 +159,7 @@ TEST(ReportCheck, AnotherUnitFails) {
                         "got 1 mN, baseline 1, limit 1.301 N"));
 }
 
-TEST(ReportCsv, ReadsAWrittenReport) {
+TEST(ReportCheckCsv, ReadsAWrittenReport) {
   const TempFolder folder;
   Row other{"box", "roughness", "normal", 1e-13, "mN per tick", 0.0, false, true};
   writeRows(folder / "accuracy.csv", {makeFigure(-0.7148), other});
@@ -176,7 +176,7 @@ TEST(ReportCsv, ReadsAWrittenReport) {
   EXPECT_TRUE(!rows[1].is_default && rows[1].is_thesis);
 }
 
-TEST(ReportCsv, ATableKeepsCommasAndQuotes) {
+TEST(ReportCheckCsv, ATableKeepsCommasAndQuotes) {
   const TempFolder folder;
   const Table lines{{"lie", "verdict, N"}, {"a \"false\" one", ""}, {"\"", ",\",\""}};
   writeTable(folder / "probe_lies.csv", lines);
@@ -184,7 +184,7 @@ TEST(ReportCsv, ATableKeepsCommasAndQuotes) {
   EXPECT_EQ(readTable(folder / "absent.csv"), Table());
 }
 
-TEST(ReportCsv, RefusesALineThatIsNoRow) {
+TEST(ReportCheckCsv, RefusesALineThatIsNoRow) {
   EXPECT_TRUE(contains(readBadLine("a,b,c,1,%,0,1\n"), "accuracy.csv:2: 7 fields instead of 8"));
   EXPECT_TRUE(contains(readBadLine("a,b,c,1,%,0,1,0,0\n"), "9 fields"));
   EXPECT_TRUE(contains(readBadLine("a,\"b,c,1,%,0,1,0\n"), "2 fields"));
@@ -195,7 +195,7 @@ TEST(ReportCsv, RefusesALineThatIsNoRow) {
   EXPECT_TRUE(contains(readBadLine("a,b,c,1,%,0,1,0\na,b,c,2,%,0,1,0\n"), ":3: the same figure"));
 }
 
-TEST(ReportCsv, RefusesOtherColumns) {
+TEST(ReportCheckCsv, RefusesOtherColumns) {
   const TempFolder folder;
   const std::string file = folder.write("codec.csv", "scene,error\n");
   EXPECT_TRUE(

@@ -69,7 +69,7 @@ TEST_P(FalseStreamTest, HasTheSameVerdictByDatagrams) {
   EXPECT_LE(nailed.max_fall_N, kFall_N + 1e-9);
 }
 
-TEST(OtherOriginTest, TheForceFallsAndRisesAgainWithoutAStep) {
+TEST(MaliciousServerAfterChangeTest, TheForceFallsAndRisesAgainWithoutAStep) {
   const auto found = std::find_if(
       testing::falseStreams().begin(), testing::falseStreams().end(),
       [](const testing::FalseStream& each) { return each.name == "clock_of_another_origin"; });

@@ -222,7 +222,7 @@ TEST_P(RendererAttack, KeepsItsBoundsWithEachRenderer) {
 INSTANTIATE_TEST_SUITE_P(Rows, RendererAttack, ::testing::ValuesIn(listAttacks()),
                          [](const auto& row) { return row.param.name; });
 
-TEST(RendererSurfaces, ADeepObjectThatVanishesLetsTheForceRampDown) {
+TEST(RendererAttackSurfaces, ADeepObjectThatVanishesLetsTheForceRampDown) {
   for (const SurfaceKind surface :
        {SurfaceKind::kProxy, SurfaceKind::kNormal, SurfaceKind::kPerturbed}) {
     RendererSettings renderer;

@@ -46,7 +46,7 @@ constexpr MalformedField kMalformedFields[] = {
     },
 };
 
-TEST(MalformedInput, RecoversAfterMalformedValuesInEachField) {
+TEST(RendererMalformed, RecoversAfterMalformedValuesInEachField) {
   std::size_t number = 0;
   for (const RendererSettings& renderer : listRendererSettings()) {
     for (std::size_t field = 0; field < std::size(kMalformedFields); ++field) {
@@ -135,13 +135,13 @@ void liveThrough(const RendererSettings& renderer, unsigned& seed, bool moving) 
   EXPECT_GT(max_force_N, 0.1) << "chaos up to " << seed;
 }
 
-TEST(MalformedInput, ChaosDoesNotStepAHandThatStandsStill) {
+TEST(RendererMalformed, ChaosDoesNotStepAHandThatStandsStill) {
   unsigned seed = 0;
   for (const RendererSettings& renderer : listRendererSettings())
     liveThrough(renderer, seed, false);
 }
 
-TEST(MalformedInput, ChaosDoesNotStepAHandThatMoves) {
+TEST(RendererMalformed, ChaosDoesNotStepAHandThatMoves) {
   unsigned seed = 100;
   for (const RendererSettings& renderer : listRendererSettings()) liveThrough(renderer, seed, true);
 }

@@ -35,9 +35,9 @@ Vec3 live(int seconds) {
   return result.end;
 }
 
-TEST(SafetyLife, LivesTheSameLifeTwice) { EXPECT_EQ(live(20), live(20)); }
+TEST(SafetyRunsLife, LivesTheSameLifeTwice) { EXPECT_EQ(live(20), live(20)); }
 
-TEST(SafetySilence, ALightHandOnTheStiffestWall) {
+TEST(SafetyRunsSilence, ALightHandOnTheStiffestWall) {
   const PlantProfile profile = sweepProfile(stiffnessLimit_N_mm(omni(1.0, 1)), 1);
   const Silence got = pressSteadily(profile, profile, Hand::light(), {.wall_mm = 0.02});
   EXPECT_LE(got.above_50Hz_N, 0.05);

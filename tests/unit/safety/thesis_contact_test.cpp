@@ -51,7 +51,7 @@ Beats pressBall(double x_mm, double y_mm, double from_s) {
   return beats;
 }
 
-TEST(SafetyThesis, DoesNotBeatOnASlope) {
+TEST(ThesisContactSafety, DoesNotBeatOnASlope) {
   struct Place {
     double x_mm, y_mm;
   };

@@ -13,9 +13,9 @@ enum class Kind : std::uint8_t { kStructured, kFlight, kRoom8, kEstimate };
 constexpr double kLevel_mm = 1.57;
 
 // A furry ball: half of it is hardly measured.
-class StillBall {
+class SurfaceModelOfStillBall {
  public:
-  explicit StillBall(Kind kind) : kind_(kind), exact_(scene_.frame(0, 70, 56)) {
+  explicit SurfaceModelOfStillBall(Kind kind) : kind_(kind), exact_(scene_.frame(0, 70, 56)) {
     cv::cvtColor(exact_.color, gray_, cv::COLOR_BGR2GRAY);
     fixed_ = noise(0.7, 0.0);
     noise_.sigma_mm = {kind == Kind::kEstimate ? 0.3 : 1.0};
@@ -94,7 +94,7 @@ class StillBall {
 class StillSensors : public ::testing::TestWithParam<Kind> {};
 
 TEST_P(StillSensors, AMinuteWithoutAReleaseOrATremor) {
-  StillBall ball(GetParam());
+  SurfaceModelOfStillBall ball(GetParam());
   Surface settled;
   int changes = 0;
   for (int i = 0; i < 1500; ++i) {
@@ -113,9 +113,9 @@ INSTANTIATE_TEST_SUITE_P(All, StillSensors,
                                            Kind::kEstimate));
 
 // A part comes nearer while its colours stay: it is let go, but no frame makes a step of it.
-TEST(StillBalls, ATileReleasedByItsDepthChangesSmoothly) {
+TEST(StillSensorsBalls, ATileReleasedByItsDepthChangesSmoothly) {
   const cv::Rect part(64, 40, 32, 32);
-  StillBall ball(Kind::kFlight);
+  SurfaceModelOfStillBall ball(Kind::kFlight);
   Surface last;
   for (int i = 0; i < 30; ++i) last = ball.next();
   double largest_mm = 0.0;
@@ -136,8 +136,8 @@ TEST(StillBalls, ATileReleasedByItsDepthChangesSmoothly) {
   EXPECT_LT(largest_mm, 5.0);
 }
 
-TEST(StillBalls, OneFrameReleasesNothing) {
-  StillBall ball(Kind::kStructured);
+TEST(StillSensorsBalls, OneFrameReleasesNothing) {
+  SurfaceModelOfStillBall ball(Kind::kStructured);
   Surface settled;
   for (int i = 0; i < 30; ++i) settled = ball.next();
   for (int i = 0; i < 40; ++i) {

@@ -16,7 +16,7 @@ using test::FunctionSource;
 
 constexpr std::uint64_t kFrames = 10;
 
-class ClipLook : public testing::Test {
+class ClipScanLook : public testing::Test {
  protected:
   bool look(const VisionSettings& settings = {}) {
     Vision vision(source.info(), settings);
@@ -40,7 +40,7 @@ class ClipLook : public testing::Test {
   std::vector<double> shares;
 };
 
-TEST_F(ClipLook, ReportsHowFarItIsEveryTwoSecondsAndReportsEachFrame) {
+TEST_F(ClipScanLook, ReportsHowFarItIsEveryTwoSecondsAndReportsEachFrame) {
   const LogLines log;
   EXPECT_TRUE(look());
   ASSERT_EQ(shares.size(), kFrames);
@@ -48,13 +48,13 @@ TEST_F(ClipLook, ReportsHowFarItIsEveryTwoSecondsAndReportsEachFrame) {
   EXPECT_EQ(log.text(), "info scanning the clip: 40 %\ninfo scanning the clip: 80 %\n");
 }
 
-TEST_F(ClipLook, EndsAtTheFrameInWhichItIsStopped) {
+TEST_F(ClipScanLook, EndsAtTheFrameInWhichItIsStopped) {
   stop_after = 3;
   EXPECT_FALSE(look());
   EXPECT_EQ(read, 3U);
 }
 
-TEST_F(ClipLook, IsLeftOutWhereNothingIsToBeFound) {
+TEST_F(ClipScanLook, IsLeftOutWhereNothingIsToBeFound) {
   VisionSettings settings;
   settings.motion = MotionMode::kNone;
   EXPECT_TRUE(look(settings));

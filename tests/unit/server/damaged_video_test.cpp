@@ -16,13 +16,13 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-TEST_F(SingleVideoFiles, AColourVideoAloneIsRefusedWithoutAGuess) {
+TEST_F(DamagedVideoFiles, AColourVideoAloneIsRefusedWithoutAGuess) {
   ffmpeg("-f lavfi -i mandelbrot=size=64x48:rate=30 -frames:v 3 -c:v mjpeg c.avi");
   EXPECT_THAT(openError("c.avi"), AllOf(HasSubstr("c.avi: is a single file with one video track"),
                                         HasSubstr("COLOR,DEPTH")));
 }
 
-TEST_F(SingleVideoFiles, TooLargePicturesAreRefusedBeforeTheyAreDecoded) {
+TEST_F(DamagedVideoFiles, TooLargePicturesAreRefusedBeforeTheyAreDecoded) {
   ffmpeg("-f lavfi -i color=size=16400x64 -frames:v 1 -c:v mjpeg wide.avi");
   EXPECT_THAT(openError("wide.avi", {Layout::kSideBySide, DepthCode::kGrey}),
               HasSubstr("wide.avi: is 8200x64, larger than 8192 px a side"));
@@ -32,7 +32,7 @@ TEST_F(SingleVideoFiles, TooLargePicturesAreRefusedBeforeTheyAreDecoded) {
       HasSubstr("large.avi: has pictures that cannot be decoded or are larger than 8192x4320"));
 }
 
-TEST_F(SingleVideoFiles, PlaylistsAndFilesOfManyTracksAreRefused) {
+TEST_F(DamagedVideoFiles, PlaylistsAndFilesOfManyTracksAreRefused) {
   ffmpeg("-f lavfi -i color=size=32x32:duration=1 -c:v libx264 -f hls list.m3u8");
   EXPECT_THAT(openError("list.m3u8"), HasSubstr("list.m3u8: "));
   std::string maps;
@@ -41,7 +41,7 @@ TEST_F(SingleVideoFiles, PlaylistsAndFilesOfManyTracksAreRefused) {
   EXPECT_THAT(openError("many.mkv"), HasSubstr("many.mkv: has 17 tracks; allowed are 16"));
 }
 
-TEST_F(SingleVideoFiles, FlagsOfVideosAreRefusedForOtherSources) {
+TEST_F(DamagedVideoFiles, FlagsOfVideosAreRefusedForOtherSources) {
   const VideoLayout beside{Layout::kSideBySide, DepthCode::kGrey};
   const VideoLayout hue{Layout::kSeparate, DepthCode::kHue};
   for (const std::string& spec : {std::string("synthetic:still"), folder.string()}) {
@@ -54,7 +54,7 @@ TEST_F(SingleVideoFiles, FlagsOfVideosAreRefusedForOtherSources) {
               HasSubstr("only a single video file has a --layout"));
 }
 
-TEST_F(SingleVideoFiles, DamagedFilesPlayTheirCompleteFramesOrEndInOneSentence) {
+TEST_F(DamagedVideoFiles, DamagedFilesPlayTheirCompleteFramesOrEndInOneSentence) {
   ffmpeg(rawColor() + rawDepth() + kCopyTwo + "two.mkv");
   ffmpeg("-i two.mkv -map 0 -c:v:0 copy -c:v:1 png -pix_fmt:v:1 gray16be two.mov");
   ffmpeg("-i two.mkv -map 0:0 -c copy -movflags +faststart beside.mp4");
@@ -101,7 +101,7 @@ TEST_F(SingleVideoFiles, DamagedFilesPlayTheirCompleteFramesOrEndInOneSentence) 
   EXPECT_GT(refused, 30);
 }
 
-TEST_F(SingleVideoFiles, ACutFileReportsWhereItEnds) {
+TEST_F(DamagedVideoFiles, ACutFileReportsWhereItEnds) {
   ffmpeg(
       "-f lavfi -i testsrc2=size=128x96:rate=30:duration=2 -c:v mjpeg -movflags +faststart c.mp4");
   std::ifstream in(folder / "c.mp4", std::ios::binary);
@@ -116,7 +116,7 @@ TEST_F(SingleVideoFiles, ACutFileReportsWhereItEnds) {
               AllOf(HasSubstr("cut.mp4: ends after frame "), HasSubstr("states 60 frames")));
 }
 
-TEST_F(SingleVideoFiles, TwoSizesInOneFileLeaveTheSecondOut) {
+TEST_F(DamagedVideoFiles, TwoSizesInOneFileLeaveTheSecondOut) {
   ffmpeg("-f lavfi -i testsrc=size=64x48:rate=25 -frames:v 3 -c:v mjpeg a.mjpeg");
   ffmpeg("-f lavfi -i testsrc=size=96x80:rate=25 -frames:v 3 -c:v mjpeg b.mjpeg");
   std::string bytes;

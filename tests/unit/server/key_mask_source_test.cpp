@@ -14,9 +14,9 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-class SceneKeyMasks : public ::testing::Test {
+class KeyMaskSourceOfScene : public ::testing::Test {
  protected:
-  SceneKeyMasks() {
+  KeyMaskSourceOfScene() {
     for (int i = 0; i < 5; ++i) {
       const std::string name = std::to_string(i) + ".png";
       folder.write("rgb/" + name, cv::Mat(24, 32, CV_8UC3, cv::Scalar::all(10 * i)));
@@ -42,7 +42,7 @@ class SceneKeyMasks : public ::testing::Test {
   int drawn = 0;
 };
 
-TEST_F(SceneKeyMasks, AppearInTheFramesOfTheirTimesInEachRound) {
+TEST_F(KeyMaskSourceOfScene, AppearInTheFramesOfTheirTimesInEachRound) {
   const auto source = open(
       {draw(2, 0.04, {1, 1, 4, 4}), draw(1, 0.04, {10, 1, 3, 3}), draw(1, 0.125, {10, 9, 3, 3})});
   EXPECT_TRUE(source->info().key_masks);
@@ -61,7 +61,7 @@ TEST_F(SceneKeyMasks, AppearInTheFramesOfTheirTimesInEachRound) {
   }
 }
 
-TEST_F(SceneKeyMasks, ThatDoNotFitAreRefusedWithTheirFile) {
+TEST_F(KeyMaskSourceOfScene, ThatDoNotFitAreRefusedWithTheirFile) {
   refuses(draw(1, 0.0, {0, 0, 2, 2}, {16, 12}), "is 16x12, but the pictures are 32x24");
   refuses(draw(1, 0.0, {0, 0, 0, 0}), "shows no object");
   refuses(draw(1, 9.0, {0, 0, 2, 2}), "after the end of the clip, which lasts 0.2 s");
@@ -70,7 +70,7 @@ TEST_F(SceneKeyMasks, ThatDoNotFitAreRefusedWithTheirFile) {
   refuses({1, 0.0, (folder / "grey.png").string()}, "white on black");
 }
 
-TEST_F(SceneKeyMasks, FitOnlyRecordedSourcesWithoutMasksOfTheirOwn) {
+TEST_F(KeyMaskSourceOfScene, FitOnlyRecordedSourcesWithoutMasksOfTheirOwn) {
   EXPECT_THAT(errorOf([&] {
                 (void)addKeyMasks(std::make_unique<SyntheticSource>(SceneKind::kStill),
                                   {draw(1, 0.0, {0, 0, 2, 2}, {640, 480})});

@@ -41,7 +41,7 @@ TEST(PictureScale, SizesThatAreRead) {
 }
 
 /// A clip of two frames: a white square of half the height in the middle, 800 mm before 1600 mm.
-class LargePictures : public testing::Test {
+class PictureScaleLarge : public testing::Test {
  protected:
   static cv::Rect squareIn(cv::Size size) {
     return {size.width / 4, size.height / 4, size.width / 2, size.height / 2};
@@ -80,7 +80,7 @@ class LargePictures : public testing::Test {
   SourceFolder folder;
 };
 
-TEST_F(LargePictures, OfFoldersAreScaledWithMasksAndIntrinsics) {
+TEST_F(PictureScaleLarge, OfFoldersAreScaledWithMasksAndIntrinsics) {
   const struct {
     cv::Size own, scaled;
   } cases[] = {{{3840, 2160}, {1920, 1080}}, {{1080, 1920}, {608, 1080}}};
@@ -112,7 +112,7 @@ TEST_F(LargePictures, OfFoldersAreScaledWithMasksAndIntrinsics) {
   EXPECT_THAT(log.text(), HasSubstr("states 1920x1080, but the pictures are 1080x1920"));
 }
 
-TEST_F(LargePictures, MayHaveSmallerDepth) {
+TEST_F(PictureScaleLarge, MayHaveSmallerDepth) {
   fill({3840, 2160});
   for (const char* name : {"0.png", "1.png"})
     folder.write(std::string("depth/") + name, draw({960, 540}, CV_16UC1, 800, 1600));
@@ -122,7 +122,7 @@ TEST_F(LargePictures, MayHaveSmallerDepth) {
   expectSquare(source, {1920, 1080});
 }
 
-TEST_F(LargePictures, OfVideosAreScaled) {
+TEST_F(PictureScaleLarge, OfVideosAreScaled) {
   fill({3840, 2160});
   folder.ffmpeg("-i rgb/%d.png -c:v libx264 -preset ultrafast -crf 4 -pix_fmt yuv420p c.mp4");
   folder.ffmpeg("-i depth/%d.png -c:v ffv1 -pix_fmt gray16le d.mkv");
@@ -142,7 +142,7 @@ TEST_F(LargePictures, OfVideosAreScaled) {
   }
 }
 
-TEST_F(LargePictures, TwoOf4kSideBySideAreRead) {
+TEST_F(PictureScaleLarge, TwoOf4kSideBySideAreRead) {
   const cv::Size size(3840, 2160);
   cv::Mat both;
   cv::hconcat(draw(size, CV_8UC3, 255, 0), draw(size, CV_8UC3, 200, 40), both);
@@ -173,7 +173,7 @@ TEST(AuthorPoints, CountInThePixelsOfTheOwnPictures) {
               HasSubstr("--object 3840,3: outside the picture, which is 3840x2160"));
 }
 
-TEST(PreviewAxes, NumbersAreThoseOfTheOwnPictures) {
+TEST(PictureScaleAxes, NumbersAreThoseOfTheOwnPictures) {
   // The grid of a picture of 3840 x 2160 px that was halved: a line each 200 own px is one each 100
   // px of the frame.
   const cv::Mat black = cv::Mat::zeros(540, 960, CV_8UC3);

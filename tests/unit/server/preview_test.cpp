@@ -167,7 +167,7 @@ TEST(PreviewAdvice, NeverContradictsAClickOfTheAuthor) {
   EXPECT_TRUE(!other || cv::norm(other->at_px - arm->at_px) > 19.0);
 }
 
-TEST(PreviewAxes, TicksAreRoundNumbersThatDoNotTouch) {
+TEST(PictureScaleAxes, TicksAreRoundNumbersThatDoNotTouch) {
   EXPECT_EQ(tickStep_px(1.0), 100);
   EXPECT_EQ(tickStep_px(1.5), 50);
   EXPECT_EQ(tickStep_px(0.5), 200);
@@ -176,7 +176,7 @@ TEST(PreviewAxes, TicksAreRoundNumbersThatDoNotTouch) {
   EXPECT_EQ(computePixelPlace({110, 60}, {100, 50, 160, 120}, 4.0), cv::Point(42, 42));
 }
 
-TEST(PreviewAxes, SmallObjectsHaveACloseUpInsideThePicture) {
+TEST(PictureScaleAxes, SmallObjectsHaveACloseUpInsideThePicture) {
   const cv::Size size(640, 480);
   const cv::Rect whole({0, 0}, size);
   EXPECT_EQ(selectCloseUp({}, size), whole);

@@ -28,9 +28,9 @@ SignedDatagrams sized(const std::vector<std::size_t>& sizes) {
   return std::make_shared<const std::vector<std::vector<std::uint8_t>>>(std::move(made));
 }
 
-class DatagramOutTest : public ::testing::Test {
+class UdpFanoutTest : public ::testing::Test {
  protected:
-  DatagramOutTest() { socket.non_blocking(true); }
+  UdpFanoutTest() { socket.non_blocking(true); }
 
   DatagramTarget target(std::uint64_t token, std::uint32_t copies = 1) {
     return {token, reader.local_endpoint(), {}, copies, std::make_shared<DatagramCounts>()};
@@ -62,7 +62,7 @@ class DatagramOutTest : public ::testing::Test {
   UdpFanout out{socket};
 };
 
-TEST_F(DatagramOutTest, AFrameGoesToAllAndCopiesComeLast) {
+TEST_F(UdpFanoutTest, AFrameGoesToAllAndCopiesComeLast) {
   const auto once = target(1);
   const auto twice = target(2, 2);
   out.send({bodies(2, 10), bodies(1, 20)}, {once, twice});
@@ -74,7 +74,7 @@ TEST_F(DatagramOutTest, AFrameGoesToAllAndCopiesComeLast) {
   EXPECT_EQ(twice.counts->bytes, 3U * 108U);
 }
 
-TEST_F(DatagramOutTest, BodiesOfAllSizesArriveAsTheyAre) {
+TEST_F(UdpFanoutTest, BodiesOfAllSizesArriveAsTheyAre) {
   // One message each: the two longest with a shorter one, two of one size with another, the last.
   const std::vector<std::size_t> sizes{60, 1224, 700, 1224, 60, 700, 700, 1};
   const auto viewer = target(7);
@@ -96,7 +96,7 @@ TEST_F(DatagramOutTest, BodiesOfAllSizesArriveAsTheyAre) {
   EXPECT_EQ(had[1], all);
 }
 
-TEST_F(DatagramOutTest, SendsDatagramsOneByOneWhereTheSystemDoesNotSegment) {
+TEST_F(UdpFanoutTest, SendsDatagramsOneByOneWhereTheSystemDoesNotSegment) {
   // More than the loopback's own least unit, so that the system refuses to cut there.
   const auto viewer = target(1);
   const std::size_t whole = 65'507 - 8;
@@ -106,7 +106,7 @@ TEST_F(DatagramOutTest, SendsDatagramsOneByOneWhereTheSystemDoesNotSegment) {
   EXPECT_EQ(viewer.counts->bytes, 2U * 65'507U);
 }
 
-TEST_F(DatagramOutTest, ANewerFrameReplacesTheRestOfAnOlderOne) {
+TEST_F(UdpFanoutTest, ANewerFrameReplacesTheRestOfAnOlderOne) {
   const auto viewer = target(1);
   out.send({bodies(UdpFanout::kAtOnce + 500, 1)}, {viewer});
   EXPECT_EQ(viewer.counts->sent, UdpFanout::kAtOnce) << "then it lets others have their turn";
@@ -117,7 +117,7 @@ TEST_F(DatagramOutTest, ANewerFrameReplacesTheRestOfAnOlderOne) {
   EXPECT_EQ(viewer.counts->dropped, 500U);
 }
 
-TEST_F(DatagramOutTest, ALongRoundGoesOnByItself) {
+TEST_F(UdpFanoutTest, ALongRoundGoesOnByItself) {
   const auto viewer = target(1);
   out.send({bodies(3 * UdpFanout::kAtOnce, 1)}, {viewer});
   io.run();
@@ -125,7 +125,7 @@ TEST_F(DatagramOutTest, ALongRoundGoesOnByItself) {
   EXPECT_EQ(viewer.counts->dropped, 0U);
 }
 
-TEST_F(DatagramOutTest, ARefusalOfTheSystemDoesNotAffectOtherViewers) {
+TEST_F(UdpFanoutTest, ARefusalOfTheSystemDoesNotAffectOtherViewers) {
   auto impossible = target(1);
   impossible.from = asio::ip::make_address("203.0.113.77");  // not this machine's
   const auto other = target(2);
@@ -137,7 +137,7 @@ TEST_F(DatagramOutTest, ARefusalOfTheSystemDoesNotAffectOtherViewers) {
   EXPECT_EQ(came().size(), 20U);
 }
 
-TEST_F(DatagramOutTest, AcceptsAnEmptyFrameAndNoTargets) {
+TEST_F(UdpFanoutTest, AcceptsAnEmptyFrameAndNoTargets) {
   const auto viewer = target(1);
   out.send({}, {viewer});
   out.send({bodies(1, 1)}, {});

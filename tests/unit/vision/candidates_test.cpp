@@ -90,7 +90,7 @@ TEST(MinimumCut, FollowsTheEdgeOfColourWhereTheEvidenceIsCoarse) {
   EXPECT_GT(test::overlap(cut, truth), 0.95);
 }
 
-TEST(JoinedPieces, AFingerDoesNotSplitAnObjectAndTheBackgroundDoes) {
+TEST(CandidatesJoined, AFingerDoesNotSplitAnObjectAndTheBackgroundDoes) {
   std::mt19937 random(5);
   const cv::Rect whole(100, 80, 60, 100);
   const cv::Rect between(100, 120, 60, 20);
@@ -151,7 +151,7 @@ TEST(FindHands, TheLearntHandCountsAndNoOtherSkin) {
   EXPECT_LT(cv::mean(hands({130, 40, 30, 160}))[0], 0.05 * 255);  // grey: no colour of skin
 }
 
-TEST(ChooseAt, ABoxThatAnArmHoldsIsTakenWithoutTheArm) {
+TEST(CandidatesAtPoint, ABoxThatAnArmHoldsIsTakenWithoutTheArm) {
   std::mt19937 random(7);
   for (int trial = 0; trial < 6; ++trial) {
     const cv::Rect box(110 + static_cast<int>(random() % 20), 60 + static_cast<int>(random() % 20),
@@ -191,7 +191,7 @@ struct HeldBox {
   }
 };
 
-TEST(ChooseAt, AThingOfSkinsColourIsChosenWithoutTheArm) {
+TEST(CandidatesAtPoint, AThingOfSkinsColourIsChosenWithoutTheArm) {
   std::mt19937 random(11);
   for (int trial = 0; trial < 6; ++trial) {
     HeldBox held(cv::Scalar(60, 75, 140), {60, 70}, random);
@@ -206,7 +206,7 @@ TEST(ChooseAt, AThingOfSkinsColourIsChosenWithoutTheArm) {
   }
 }
 
-TEST(ChooseAt, ASmallThingInAHandIsChosen) {
+TEST(CandidatesAtPoint, ASmallThingInAHandIsChosen) {
   std::mt19937 random(13);
   for (int trial = 0; trial < 6; ++trial) {
     HeldBox held(cv::Scalar(170, 60, 40), {14, 14}, random);
@@ -217,7 +217,7 @@ TEST(ChooseAt, ASmallThingInAHandIsChosen) {
   }
 }
 
-TEST(ChooseAt, DistinctCandidatesAreRankedAfterTheChosenOne) {
+TEST(CandidatesAtPoint, DistinctCandidatesAreRankedAfterTheChosenOne) {
   std::mt19937 random(29);
   HeldBox held(cv::Scalar(170, 60, 40), {60, 70}, random);
   const FrameImages images = held.drawn.finish(random);
@@ -231,7 +231,7 @@ TEST(ChooseAt, DistinctCandidatesAreRankedAfterTheChosenOne) {
   }
 }
 
-TEST(ChooseAt, TheChoiceIsTheSameHoweverThePictureIsTurned) {
+TEST(CandidatesAtPoint, TheChoiceIsTheSameHoweverThePictureIsTurned) {
   std::mt19937 random(17);
   for (const cv::Scalar& paint : {cv::Scalar(170, 60, 40), cv::Scalar(60, 75, 140)}) {
     HeldBox held(paint, {60, 70}, random);
@@ -261,7 +261,7 @@ TEST(ChooseAt, TheChoiceIsTheSameHoweverThePictureIsTurned) {
   }
 }
 
-TEST(ChooseAt, TheExplanationNamesEachCandidateAndTheChosenOne) {
+TEST(CandidatesAtPoint, TheExplanationNamesEachCandidateAndTheChosenOne) {
   std::mt19937 random(19);
   HeldBox held(cv::Scalar(170, 60, 40), {60, 70}, random);
   const FrameImages images = held.drawn.finish(random);
@@ -275,7 +275,7 @@ TEST(ChooseAt, TheExplanationNamesEachCandidateAndTheChosenOne) {
     EXPECT_NE(line.find("score "), std::string::npos) << line;
 }
 
-TEST(ChooseAutomatically, AThingInAHandCountsMoreThanAFartherThingThatStandsAlone) {
+TEST(CandidatesAutomatic, AThingInAHandCountsMoreThanAFartherThingThatStandsAlone) {
   std::mt19937 random(23);
   for (int trial = 0; trial < 4; ++trial) {
     HeldBox held(cv::Scalar(170, 60, 40), {60, 70}, random);
@@ -288,7 +288,7 @@ TEST(ChooseAutomatically, AThingInAHandCountsMoreThanAFartherThingThatStandsAlon
   }
 }
 
-TEST(ChooseAutomatically, OfThingsThatStandAloneTheNearestInTheMiddleIsChosen) {
+TEST(CandidatesAutomatic, OfThingsThatStandAloneTheNearestInTheMiddleIsChosen) {
   std::mt19937 random(29);
   Drawn drawn(kGrey);
   const cv::Rect middle(130, 80, 60, 70);
@@ -304,7 +304,7 @@ TEST(ChooseAutomatically, OfThingsThatStandAloneTheNearestInTheMiddleIsChosen) {
   EXPECT_GT(test::overlap(start.object->mask(), truth), 0.9);
 }
 
-TEST(ChooseAutomatically, NothingIsChosenBeforeABareBackground) {
+TEST(CandidatesAutomatic, NothingIsChosenBeforeABareBackground) {
   std::mt19937 random(31);
   Drawn drawn(kGrey);
   const FrameImages images = drawn.finish(random);

@@ -158,7 +158,7 @@ TEST(Segment, AMaskOfAJumpingBallDoesNotStayOnTheBackground) {
 }
 
 // A torso from the border with a lap in the middle, and a ball beside it.
-TEST(ChooseAutomatically, ALapIsNoHeldObject) {
+TEST(DoubtfulMaskChoice, ALapIsNoHeldObject) {
   test::BallScene scene;
   scene.width = 640;
   scene.height = 480;

@@ -10,7 +10,7 @@
 namespace hapticast::server {
 namespace {
 
-class CleanBodies : public testing::TestWithParam<double> {
+class ScaleOfCleanBodies : public testing::TestWithParam<double> {
  protected:
   // What of `mask` is dropped, as a share, and the worst that is made of it: nominal mm, where the
   // body fills the workspace's depth of 30.
@@ -43,7 +43,7 @@ class CleanBodies : public testing::TestWithParam<double> {
   }
 };
 
-TEST_P(CleanBodies, ABallKeepsItsRim) {
+TEST_P(ScaleOfCleanBodies, ABallKeepsItsRim) {
   const double z_mm = GetParam();
   const test::BallScene scene{
       .radius_px = 80, .near_mm = z_mm, .bulge_mm = 0.25 * z_mm, .background_mm = 1.8 * z_mm};
@@ -56,7 +56,7 @@ TEST_P(CleanBodies, ABallKeepsItsRim) {
   EXPECT_EQ(loss(rounded, images.mask * 255, true).dropped, 0.0);
 }
 
-TEST_P(CleanBodies, ASlopeKeepsItsRim) {
+TEST_P(ScaleOfCleanBodies, ASlopeKeepsItsRim) {
   const double z_mm = GetParam();
   cv::Mat depth(240, 320, CV_32FC1, cv::Scalar(3 * z_mm));
   cv::Mat mask = cv::Mat::zeros(240, 320, CV_8UC1);
@@ -70,11 +70,11 @@ TEST_P(CleanBodies, ASlopeKeepsItsRim) {
   expectWhole(depth, mask);
 }
 
-INSTANTIATE_TEST_SUITE_P(FromAnArmsLengthToARoom, CleanBodies,
+INSTANTIATE_TEST_SUITE_P(FromAnArmsLengthToARoom, ScaleOfCleanBodies,
                          testing::Values(300.0, 800.0, 1500.0, 3000.0, 5000.0));
 
 // A seam of mixed pixels between body and background is no rim, however even it is.
-TEST(CleanBodies, ASeamOfMixedPixelsIsDroppedStill) {
+TEST(ScaleOfCleanBodies, ASeamOfMixedPixelsIsDroppedStill) {
   for (const int seam_px : {1, 2, 3}) {
     cv::Mat depth(200, 200, CV_32FC1, cv::Scalar(1500));
     cv::Mat mask = cv::Mat::zeros(200, 200, CV_8UC1);

@@ -89,9 +89,9 @@ TEST(Segment, AClipThatBeginsAgainStartsAsItDid) {
   EXPECT_LT(overlap(other.segments[0].mask, masks[0]), 0.95);
 }
 
-class MovingBall : public testing::TestWithParam<std::pair<SegmentMode, double>> {};
+class SegmentMovingBall : public testing::TestWithParam<std::pair<SegmentMode, double>> {};
 
-TEST_P(MovingBall, IsHeldOverFrames) {
+TEST_P(SegmentMovingBall, IsHeldOverFrames) {
   std::uint32_t id = 1;
   test::BallScene scene;
   VisionSettings settings;
@@ -127,7 +127,8 @@ TEST(Segment, LargeObjectsOfLargePicturesAreDecidedSmallerButOutlinedAsFinely) {
 
 // Canny on a textured ball breaks it up: the thesis's fusion is held to much less, and is right to
 // be.
-INSTANTIATE_TEST_SUITE_P(Segment, MovingBall, testing::Values(std::pair{SegmentMode::kBand, 0.95}));
+INSTANTIATE_TEST_SUITE_P(Segment, SegmentMovingBall,
+                         testing::Values(std::pair{SegmentMode::kBand, 0.95}));
 
 TEST(Segment, EdgesHoldAPlainObject) {
   std::uint32_t id = 1;
