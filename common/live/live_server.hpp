@@ -22,7 +22,7 @@ namespace hapticast {
 /// A port for watchers.
 class LiveServer {
  public:
-  /// Largest number of connections. The server closes one more connection at once. Chosen.
+  /// Largest number of connections. The server closes any further one at once. Chosen.
   static constexpr std::size_t kMostWatchers = 8;
 
   /// Opens the port of `address` as openPort() does, and starts the thread. `name`: of the program,

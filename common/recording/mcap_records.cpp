@@ -16,13 +16,13 @@ void McapOut::endRecord(std::size_t place) {
     bytes_[place + 1 + i] = static_cast<std::uint8_t>(length >> (8 * i));
 }
 
-void McapOut::schema(std::uint16_t id, const McapSchema& schema) {
+void McapOut::writeSchema(std::uint16_t id, const McapSchema& schema) {
   const std::size_t place = beginRecord(McapCode::kSchema);
   number(id).text(schema.name).text(schema.encoding).text(schema.data);
   endRecord(place);
 }
 
-void McapOut::channel(std::uint16_t id, std::uint16_t schema_id, const McapChannel& channel) {
+void McapOut::writeChannel(std::uint16_t id, std::uint16_t schema_id, const McapChannel& channel) {
   const std::size_t place = beginRecord(McapCode::kChannel);
   number(id).number(schema_id).text(channel.topic).text(channel.message_encoding);
   number(std::uint32_t{0});  // no metadata

@@ -83,9 +83,9 @@ class McapOut {
   std::size_t beginRecord(McapCode code);
   /// Ends the record that began at `place`: writes the length of its content.
   void endRecord(std::size_t place);
-  /// Append the record of a schema, or of a channel.
-  void schema(std::uint16_t id, const McapSchema& schema);
-  void channel(std::uint16_t id, std::uint16_t schema_id, const McapChannel& channel);
+  /// Write the record of a schema, or of a channel.
+  void writeSchema(std::uint16_t id, const McapSchema& schema);
+  void writeChannel(std::uint16_t id, std::uint16_t schema_id, const McapChannel& channel);
 
  private:
   std::vector<std::uint8_t>& bytes_;

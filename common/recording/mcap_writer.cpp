@@ -45,8 +45,8 @@ McapWriter::~McapWriter() { finish(); }
 void McapWriter::writeHead(McapOut& out) const {
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     const auto id = static_cast<std::uint16_t>(i + 1);  // 0 means that there is no schema
-    out.schema(id, channels_[i].schema);
-    out.channel(id, id, channels_[i]);
+    out.writeSchema(id, channels_[i].schema);
+    out.writeChannel(id, id, channels_[i]);
   }
 }
 

@@ -25,7 +25,7 @@ class FirstBytes {
   /// Number of bytes that decide: a length prefix.
   static constexpr std::size_t kNeededBytes = 4;
 
-  /// `undecided`: whether the bytes have to decide at all.
+  /// `undecided`: the bytes decide the kind. If it is false, the kind is known.
   explicit FirstBytes(bool undecided) : undecided_(undecided) {}
 
   [[nodiscard]] bool undecided() const { return undecided_; }

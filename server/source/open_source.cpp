@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -45,41 +44,34 @@ std::unique_ptr<RgbdSource> openSynthetic(std::string_view name, double fps) {
                     join(names, ", ") + spellingHint(name, names));
 }
 
-std::unique_ptr<RgbdSource> openCamera(const std::string& spec, std::string_view numbers,
-                                       double fps, const VideoLayout& layout) {
-  const std::size_t comma = numbers.find(',');
-  const auto parse = [&](std::string_view text) {
-    int number = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-    if (error != std::errc() || end != text.data() + text.size() || number < 0) {
-      throw SourceError(spec + ": \"" + std::string(text) +
-                        "\" is not a camera number; use camera:N,M with colour N and depth M");
-    }
-    return number;
-  };
-  const int color = parse(numbers.substr(0, comma));
-  if (layout.color_only && comma == std::string_view::npos)
-    return openV4l2Camera("/dev/video" + std::to_string(color), "", fps);
-  if (comma == std::string_view::npos) {
-    throw SourceError(spec + ": depth is needed too; use camera:" + std::to_string(color) +
-                      ",M where M is the depth camera's number");
-  }
-  const int depth = parse(numbers.substr(comma + 1));
-  return openV4l2Camera("/dev/video" + std::to_string(color), "/dev/video" + std::to_string(depth),
-                        fps, layout.depth_unit_mm.value_or(1.0));
+/// Returns the node of a camera number.
+std::string toNode(const std::string& spec, const std::string& number) {
+  const auto parsed = parseNumberInRange<std::uint64_t>(number, 0, 1'000'000);
+  if (!parsed)
+    throw SourceError(spec + ": \"" + number +
+                      "\" is not a camera number; use camera:N,M with colour N and depth M");
+  return "/dev/video" + std::to_string(*parsed);
 }
 
-std::unique_ptr<RgbdSource> openV4l2(const std::string& spec, const std::string& nodes, double fps,
-                                     const VideoLayout& layout) {
+/// Opens the nodes in "COLOR,DEPTH", or "COLOR" if no depth is needed. With `are_numbers` they are
+/// camera numbers.
+std::unique_ptr<RgbdSource> openNodes(const std::string& spec, const std::string& nodes,
+                                      bool are_numbers, double fps, const VideoLayout& layout) {
+  const auto find = [&](const std::string& text) {
+    return are_numbers ? toNode(spec, text) : text;
+  };
   const std::size_t comma = nodes.find(',');
+  const std::string color = find(nodes.substr(0, comma));
   if (layout.color_only && comma == std::string::npos && !nodes.empty())
-    return openV4l2Camera(nodes, "", fps);
-  if (comma == std::string::npos || comma == 0 || comma + 1 == nodes.size()) {
-    throw SourceError(spec +
-                      ": colour and depth are needed; use v4l2:COLOR,DEPTH with two nodes, " +
-                      "for example v4l2:/dev/video4,/dev/video2");
+    return openV4l2Camera(color, "", fps);
+  const bool is_empty = !are_numbers && (comma == 0 || comma + 1 == nodes.size());
+  if (comma == std::string::npos || is_empty) {
+    throw SourceError(spec + ": colour and depth are needed; use " +
+                      (are_numbers ? "camera:N,M with two camera numbers"
+                                   : "v4l2:COLOR,DEPTH with two nodes, for example "
+                                     "v4l2:/dev/video4,/dev/video2"));
   }
-  return openV4l2Camera(nodes.substr(0, comma), nodes.substr(comma + 1), fps,
+  return openV4l2Camera(color, find(nodes.substr(comma + 1)), fps,
                         layout.depth_unit_mm.value_or(1.0));
 }
 
@@ -238,8 +230,10 @@ std::unique_ptr<RgbdSource> openSource(const std::string& named, double fps, boo
   refuseOtherKinds(spec);
   requireFlags(spec, !is_named && (isFile(spec) || isPair(spec)), is_named, layout);
   if (view.starts_with(kSynthetic)) return openSynthetic(view.substr(kSynthetic.size()), fps);
-  if (view.starts_with(kCamera)) return openCamera(spec, view.substr(kCamera.size()), fps, layout);
-  if (view.starts_with(kV4l2)) return openV4l2(spec, spec.substr(kV4l2.size()), fps, layout);
+  if (view.starts_with(kCamera))
+    return openNodes(spec, spec.substr(kCamera.size()), true, fps, layout);
+  if (view.starts_with(kV4l2))
+    return openNodes(spec, spec.substr(kV4l2.size()), false, fps, layout);
   if (view.starts_with(kOpenni)) return openOpenniCamera(spec.substr(kOpenni.size()), fps);
   if (is_folder) return openFolder(spec, fps, to_and_fro, layout);
   if (isFile(spec)) {

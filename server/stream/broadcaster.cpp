@@ -13,6 +13,7 @@ constexpr auto kCheckEvery = std::chrono::milliseconds(50);
 // Checks of a thousand viewers last a while.
 constexpr auto kCheckViewersEvery = std::chrono::milliseconds(250);
 constexpr auto kCountEvery = std::chrono::seconds(1);
+constexpr const char* kStrangers = "connections that are not viewers";
 }  // namespace
 
 Broadcaster::Broadcaster(asio::io_context& io, const Clock& clock, const MediaClock& media_clock,
@@ -22,7 +23,10 @@ Broadcaster::Broadcaster(asio::io_context& io, const Clock& clock, const MediaCl
       media_clock_(media_clock),
       description_(std::move(description)),
       settings_(settings),
+      access_(settings.insecure),
       timer_(io),
+      pending_(settings.max_pending),
+      answers_(settings.max_answers),
       counted_(clock.now()) {
   asio::co_spawn(
       io_, [this] { return startTimer(); }, asio::detached);
@@ -140,7 +144,7 @@ void Broadcaster::stop() {
   asio::post(io_, [this] {
     stopped_ = true;
     // close() and abort() change the lists.
-    const Sessions pending = pending_sessions_, viewers = viewers_, answers = answers_;
+    const Sessions pending = pending_.all(), viewers = viewers_, answers = answers_.all();
     for (const Sessions* each : {&pending, &viewers}) {
       for (const auto& session : *each) session->close(serverEnds());
     }
@@ -152,18 +156,16 @@ void Broadcaster::stop() {
 
 void Broadcaster::setAccess(AccessList list) {
   onIo([this, list = std::move(list)] {
-    access_ = list;
+    access_.set(list);
     checkAccess();
   });
 }
 
 void Broadcaster::checkAccess() {
-  if (!access_) return;
-  const auto now = std::chrono::system_clock::now();
   bool removed = false;
   const Sessions all(viewers_.begin(), viewers_.end());  // close() changes the list
   for (const auto& session : all) {
-    if (session->grant() && access_->permits(*session->grant(), now)) continue;
+    if (access_.permits(session->grant())) continue;
     session->close({ErrorCode::kUnauthorized, "your access token is no longer valid"});
     removed = true;
   }
@@ -205,34 +207,13 @@ void Broadcaster::confirm(Session& sender, Control control) const {
   sender.confirm(control);
 }
 
-std::optional<Grant> Broadcaster::findGrant(const Hello& hello) const {
-  return access_ ? access_->find(hello.access_token) : std::nullopt;
-}
-
-std::optional<WireError> Broadcaster::refuseToken(const Hello& hello,
-                                                  const Channel& channel) const {
-  if (!access_) return std::nullopt;
-  if (!channel.encrypted() && !channel.ofThisMachine() && !settings_.insecure)
-    return WireError{ErrorCode::kUnauthorized,
-                     std::string("this server needs TLS: ") +
-                         (channel.carrier() == Carrier::kWebSocket ? "open its page by https"
-                                                                   : "use hapticasts://HOST")};
-  if (hello.access_token.empty())
-    return WireError{ErrorCode::kUnauthorized, "this server needs an access token (--token-file)"};
-  const auto grant = access_->find(hello.access_token);
-  if (!grant) return WireError{ErrorCode::kUnauthorized, "the access token is unknown"};
-  if (grant->expired(std::chrono::system_clock::now()))
-    return WireError{ErrorCode::kUnauthorized, "the access token has expired"};
-  return std::nullopt;
-}
-
 std::optional<WireError> Broadcaster::refuse(const Hello& hello, const Channel& channel) const {
   if (hello.protocol_version != kProtocolVersion) {
     return WireError{ErrorCode::kVersion, "this server has protocol version " +
                                               std::to_string(kProtocolVersion) + ", the client " +
                                               std::to_string(hello.protocol_version)};
   }
-  if (auto refusal = refuseToken(hello, channel)) return refusal;
+  if (auto refusal = access_.refuse(hello.access_token, channel)) return refusal;
   if (viewers_.size() < settings_.max_clients) return std::nullopt;
   return WireError{ErrorCode::kServerFull,
                    "all " + std::to_string(settings_.max_clients) + " places are taken"};
@@ -253,12 +234,12 @@ void Broadcaster::completeWelcome(const Channel& channel, Welcome& welcome) {
 }
 
 void Broadcaster::deliver(std::uint64_t datagram_token, const Delivery& delivery) {
-  if (datagrams_ != nullptr) datagrams_->deliver(datagram_token, delivery);
+  if (datagrams_ != nullptr) datagrams_->setDelivery(datagram_token, delivery);
 }
 
 void Broadcaster::onJoined(Session& session) {
   const auto self = session.shared_from_this();
-  std::erase(pending_sessions_, self);
+  pending_.remove(self);
   viewers_.push_back(self);
   ++counts_.welcomed;
   countViewers();
@@ -272,11 +253,11 @@ void Broadcaster::onJoined(Session& session) {
 void Broadcaster::onClosing(const std::shared_ptr<Session>& session,
                             const std::optional<WireError>& why) {
   const bool was_viewer = std::erase(viewers_, session) > 0;
-  std::erase(pending_sessions_, session);
+  pending_.remove(session);
   countViewers();
   if (was_viewer && streams_ != nullptr) streams_->onLeft(*session);
-  if (datagrams_ != nullptr) datagrams_->left(session->datagramToken());
-  addPending(session);
+  if (datagrams_ != nullptr) datagrams_->removeViewer(session->datagramToken());
+  addWithin(pending_, session, kStrangers);
   if (!why) {
     if (was_viewer) log(spdlog::level::info, session->label() + " left");
   } else if (why->code != ErrorCode::kShuttingDown) {
@@ -286,7 +267,7 @@ void Broadcaster::onClosing(const std::shared_ptr<Session>& session,
 }
 
 void Broadcaster::onClosed(const std::shared_ptr<Session>& session) {
-  if (std::erase(pending_sessions_, session) + std::erase(answers_, session) == 0) return;
+  if (!pending_.remove(session) && !answers_.remove(session)) return;
   counts_.sent += session->counts();
   counts_.bytes += session->bytesSent();
   if (stopped_ && connections() == 0) timer_.cancel();
@@ -305,7 +286,7 @@ StreamCounts Broadcaster::counts() const {
   counts.clients = viewers_.size();
   counts.websockets = static_cast<std::size_t>(std::count_if(
       viewers_.begin(), viewers_.end(), [](const auto& each) { return each->ofWebSocket(); }));
-  for (const Sessions* each : {&pending_sessions_, &answers_, &viewers_}) {
+  for (const Sessions* each : {&pending_.all(), &answers_.all(), &std::as_const(viewers_)}) {
     for (const auto& session : *each) {
       counts.sent += session->counts();
       counts.bytes += session->bytesSent();
@@ -326,35 +307,60 @@ asio::awaitable<void> Broadcaster::startTimer() {
     co_await timer_.async_wait(asio::redirect_error(asio::use_awaitable, ec));
     if (const auto late = stale_.poll(media_clock_.now())) send(*late);
     const LocalTime now = clock_.now();
-    check(pending_sessions_, now);
+    check(pending_.all(), now);
     if (now - checked_ >= kCheckViewersEvery) {
       checked_ = now;
       check(viewers_, now);
-      check(answers_, now);
+      check(answers_.all(), now);
     }
     if (now - counted_ < kCountEvery) continue;
     counted_ = now;
     checkAccess();  // tokens expire
     if (datagrams_ != nullptr) datagrams_->check(now);
-    logStaleFrames();
-    logSlowViewers(now);
-    logDatagrams(now);
-    logHidden();
+    log_.logStaleFrames(stale_.dropped(), now);
+    log_.logSlowViewers(counts(), now);
+    if (datagrams_ != nullptr) log_.logDatagrams(datagrams_->counts(), now);
+    log_.logHidden(now, stopped_);
   }
-  logHidden();
+  log_.logHidden(clock_.now(), true);
 }
 
 bool Broadcaster::isTooLarge(const EncodedFrame& frame) {
   const bool too_large = frame.delta->size() > kMaxMessageBytes;
-  const LocalTime now = clock_.now();
-  if ((too_large || frame.too_many_datagrams) && large_interval_.isReady(now) &&
-      log(spdlog::level::warn,
-          fmt::format("a frame of {} kB, more than {}", frame.delta->size() / 1000,
-                      too_large ? "viewers accept: the server leaves it out"
-                                : "datagrams carry: the server sends it by TCP only"))) {
-    (void)large_interval_.allow(now);
-  }
+  if (too_large || frame.too_many_datagrams)
+    log_.logLargeFrame(frame.delta->size(), too_large, clock_.now());
   return too_large;
+}
+
+void Broadcaster::accept(std::unique_ptr<Channel> channel) {
+  const auto session = std::make_shared<Session>(
+      io_, std::move(channel), static_cast<SessionHost&>(*this), ++last_session_id_);
+  session->start();
+  addWithin(pending_, session, kStrangers);
+  if (stopped_) session->close(serverEnds());
+}
+
+void Broadcaster::addWithin(LimitedSessions& list, const std::shared_ptr<Session>& session,
+                            std::string_view what) {
+  const std::shared_ptr<Session> peer = list.add(session);
+  if (peer == nullptr || stopped_) return;  // at shutdown all receive a goodbye
+  ++counts_.refused;
+  log(spdlog::level::warn, fmt::format("too many {}: closing {}", what, peer->label()));
+  peer->abort();
+}
+
+void Broadcaster::onRequest(const std::shared_ptr<Session>& session, const std::string& problem) {
+  pending_.remove(session);
+  if (!problem.empty()) {
+    ++counts_.refused;
+    log(spdlog::level::warn, fmt::format("closing {}: {}", session->label(), problem));
+  }
+  addWithin(answers_, session, "requests at once");
+}
+
+void Broadcaster::logStatus() const {
+  spdlog::info("status: {} viewers, {} frames, delay {:.1f} ms", viewers_.size(), counts_.frames,
+               1e3 * toSeconds(counts_.delay));
 }
 
 }  // namespace hapticast::server

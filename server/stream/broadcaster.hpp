@@ -14,21 +14,17 @@
 #include <vector>
 
 #include "common/protocol/messages.hpp"
-#include "common/rate_limiter.hpp"
 #include "common/transport/asio.hpp"
-#include "server/stream/access_list.hpp"
 #include "server/stream/datagram_sender.hpp"
 #include "server/stream/encoded.hpp"
-#include "server/stream/refusal_schedule.hpp"
+#include "server/stream/limited_sessions.hpp"
 #include "server/stream/session.hpp"
 #include "server/stream/stale_frame_filter.hpp"
+#include "server/stream/stream_access.hpp"
 #include "server/stream/stream_identity.hpp"
+#include "server/stream/stream_log.hpp"
 #include "server/stream/stream_settings.hpp"
 #include "server/stream/stream_sink.hpp"
-
-namespace spdlog::level {
-enum level_enum : int;  // NOLINT(readability-identifier-naming): the name of spdlog
-}
 
 namespace hapticast::server {
 
@@ -120,13 +116,15 @@ class Broadcaster final : public StreamSink, private SessionHost {
 
   /// Returns the number of connections: viewers, answers to requests of HTTP, and all others.
   [[nodiscard]] std::size_t connections() const {
-    return viewers_.size() + pending_sessions_.size() + answers_.size();
+    return viewers_.size() + pending_.all().size() + answers_.all().size();
   }
   /// Begins a session for the new connection `channel`.
   void accept(std::unique_ptr<Channel> channel);
   /// Logs `line`, unless a limit is reached: 10 warnings a minute, and 10 other lines a minute. So
   /// other hosts cannot fill the log. Returns whether the line was written.
-  bool log(spdlog::level::level_enum level, std::string_view line);
+  bool log(spdlog::level::level_enum level, std::string_view line) {
+    return log_.log(level, line, clock_.now());
+  }
   /// Logs one line with viewers, frames, and the delay of the newest frame since its capture.
   void logStatus() const;
   /// Returns the counts since the broadcaster's creation.
@@ -139,11 +137,13 @@ class Broadcaster final : public StreamSink, private SessionHost {
   [[nodiscard]] const MediaClock& mediaClock() const override { return media_clock_; }
   [[nodiscard]] std::optional<WireError> refuse(const Hello& hello,
                                                 const Channel& channel) const override;
-  [[nodiscard]] std::optional<WireError> refuseToken(const Hello& hello,
-                                                     const Channel& channel) const;
   [[nodiscard]] std::optional<LocalTime> reserveRefusal(const Session& session,
-                                                        LocalTime latest) override;
-  [[nodiscard]] std::optional<Grant> findGrant(const Hello& hello) const override;
+                                                        LocalTime latest) override {
+    return access_.reserveRefusal(session.network(), clock_.now(), latest);
+  }
+  [[nodiscard]] std::optional<Grant> findGrant(const Hello& hello) const override {
+    return access_.findGrant(hello.access_token);
+  }
   [[nodiscard]] std::optional<WireError> control(const Control& request,
                                                  const std::shared_ptr<Session>& sender) override;
   /// Returns a request to its sender. An operator also receives the number of viewers.
@@ -156,20 +156,13 @@ class Broadcaster final : public StreamSink, private SessionHost {
                  const std::optional<WireError>& why) override;
   void onClosed(const std::shared_ptr<Session>& session) override;
 
-  using Sessions = std::vector<std::shared_ptr<Session>>;
   [[nodiscard]] static WireError serverEnds() {
     return {ErrorCode::kShuttingDown, "the server ends"};
   }
-  /// Adds `session` to the pending connections (see addWithin()), because its client is not a
-  /// viewer yet, or no longer one.
-  void addPending(const std::shared_ptr<Session>& session);
-  /// Adds `session` to `list`. If there are more than `most` then, closes the evictionCandidate()
-  /// at once. `what`: what the connections in `list` are, for the log.
-  void addWithin(Sessions& list, const std::shared_ptr<Session>& session, std::size_t most,
+  /// Adds `session` to `list`. If there are too many then, closes one at once. `what`: what the
+  /// connections in `list` are, for the log.
+  void addWithin(LimitedSessions& list, const std::shared_ptr<Session>& session,
                  std::string_view what);
-  /// Returns the session of `list` to close when there are too many. It is the oldest one of the
-  /// network with most of these sessions, so that a single host cannot occupy all places.
-  [[nodiscard]] static std::shared_ptr<Session> evictionCandidate(const Sessions& list);
   /// Calls `visit` later on the network thread. Thread: any.
   template <class Visit>
   void onIo(Visit visit);
@@ -178,7 +171,6 @@ class Broadcaster final : public StreamSink, private SessionHost {
   template <class... What>
   void sendAll(const What&... what);
   void send(const EncodedFrame& frame);
-  void logStaleFrames();
   /// Returns whether the frame exceeds the limit of a message; viewers would close the connection
   /// for it. Returns false if the frame only exceeds the limit of datagrams. Viewers then receive
   /// no datagrams and change to TCP a second later. Logs both cases, at most once a minute.
@@ -187,10 +179,6 @@ class Broadcaster final : public StreamSink, private SessionHost {
   asio::awaitable<void> startTimer();
   /// Closes the connections whose token is no longer valid.
   void checkAccess();
-  void logSlowViewers(LocalTime now);
-  void logDatagrams(LocalTime now);
-  /// Logs how many lines the limit suppressed, unless a later line has reported it.
-  void logHidden();
   void countViewers();
 
   asio::io_context& io_;
@@ -199,16 +187,15 @@ class Broadcaster final : public StreamSink, private SessionHost {
   StreamDescription description_;
   StreamSettings settings_;
   std::optional<StreamIdentity> identity_;  // absent: frames are not signed
-  std::optional<AccessList> access_;        // absent: no tokens are needed
-  RefusalSchedule refusals_;                // of wrong tokens
+  StreamAccess access_;
   std::function<void()> on_removed_;
   OnControl control_;
   ViewerStreams* streams_ = nullptr;
   DatagramSender* datagrams_ = nullptr;
   asio::steady_timer timer_;
-  Sessions viewers_;           // welcomed and not closing; in the order in which frames are sent
-  Sessions pending_sessions_;  // before their hello, or closing; the oldest first
-  Sessions answers_;           // to requests of HTTP; the oldest first
+  Sessions viewers_;         // welcomed and not closing; in the order in which frames are sent
+  LimitedSessions pending_;  // before their hello, or closing
+  LimitedSessions answers_;  // to requests of HTTP
   std::uint32_t last_session_id_ = 0;
   SharedBytes preparing_;  // message with the progress of the scan, until the first frame
   std::optional<EncodedFrame> last_frame_;
@@ -219,17 +206,9 @@ class Broadcaster final : public StreamSink, private SessionHost {
   std::atomic<std::size_t> video_viewers_{0};
   bool stopped_ = false;
   StreamCounts counts_;  // its members `clients`, `sent` and `bytes` count viewers that left
-  SendCounts logged_;    // last logged counts of slow viewers
+  StreamLog log_;
   LocalTime checked_;
   LocalTime counted_;
-  DatagramSenderCounts logged_datagrams_;
-  std::uint64_t logged_stale_ = 0;
-  RateLimiter stale_interval_ = RateLimiter::makeOnceAMinute();
-  RateLimiter slow_interval_ = RateLimiter::makeOnceAMinute();
-  RateLimiter large_interval_ = RateLimiter::makeOnceAMinute();
-  RateLimiter datagrams_interval_ = RateLimiter::makeOnceAMinute();
-  RateLimiter connections_log_limit_;  // separate, so that many viewers do not hide problems
-  RateLimiter problems_;
 };
 
 }  // namespace hapticast::server

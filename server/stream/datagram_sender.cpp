@@ -77,13 +77,13 @@ void DatagramSender::changeOrigin(const StreamIdentity& identity) {
   updateWanted();
 }
 
-void DatagramSender::left(std::uint64_t token) {
+void DatagramSender::removeViewer(std::uint64_t token) {
   counts_.viewers += subscribers_.remove(token);
   updateWanted();
 }
 
-void DatagramSender::deliver(std::uint64_t token, const Delivery& delivery) {
-  subscribers_.deliver(token, delivery);
+void DatagramSender::setDelivery(std::uint64_t token, const Delivery& delivery) {
+  subscribers_.setDelivery(token, delivery);
   updateWanted();
 }
 

@@ -73,9 +73,9 @@ class DatagramSender {
   /// viewer.
   void changeOrigin(const StreamIdentity& identity);
   /// Removes the viewer with this token.
-  void left(std::uint64_t token);
+  void removeViewer(std::uint64_t token);
   /// Sets whether the viewer with this token receives datagrams, and with which redundancy.
-  void deliver(std::uint64_t token, const Delivery& delivery);
+  void setDelivery(std::uint64_t token, const Delivery& delivery);
   /// Sends the frame's datagrams to all subscribers and to the multicast group. A viewer with a
   /// redundancy above 1 also receives the datagrams of earlier frames again.
   void send(const EncodedFrame& frame);

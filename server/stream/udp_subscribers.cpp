@@ -35,7 +35,7 @@ UdpSubscribers::Viewer* UdpSubscribers::find(std::uint64_t token) {
   return found == viewers_.end() ? nullptr : &found->second;
 }
 
-void UdpSubscribers::deliver(std::uint64_t token, const Delivery& delivery) {
+void UdpSubscribers::setDelivery(std::uint64_t token, const Delivery& delivery) {
   Viewer* const viewer = find(token);
   if (viewer == nullptr) return;
   viewer->wanted = delivery.datagrams;

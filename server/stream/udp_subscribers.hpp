@@ -65,7 +65,7 @@ class UdpSubscribers {
   /// counts of the viewers' datagrams.
   DatagramCounts restart(std::uint32_t stream);
   /// Sets transport and redundancy of the viewer with this token, from now on.
-  void deliver(std::uint64_t token, const Delivery& delivery);
+  void setDelivery(std::uint64_t token, const Delivery& delivery);
   /// Checks an echo `bytes` that arrived from `from`, and returns the result. A valid echo makes
   /// `from` the viewer's address.
   AddressValidation onEcho(std::span<const std::uint8_t> bytes, const asio::ip::udp::endpoint& from,

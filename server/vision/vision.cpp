@@ -120,15 +120,15 @@ class Vision::Impl {
 
   bool scan(RgbdSource& source, const Progress& progress) {
     const bool nothing_to_find =
-        mapped_ && !settings_.moves() && !info_.key_masks && lastWord_s() == 0.0;
+        mapped_ && !settings_.moves() && !info_.key_masks && lastAnnotation_s() == 0.0;
     if (info_.live || nothing_to_find) return true;
     // The second pass has the author's non-objects from its first frame on.
-    const int needs_scan = lastTime_s(settings_.not_points) > 0.0 ? 2 : 1;
-    for (int look = 0; look < needs_scan; ++look) {
+    const int passes = lastTime_s(settings_.not_points) > 0.0 ? 2 : 1;
+    for (int pass = 0; pass < passes; ++pass) {
       annotations_.start = nullptr;
       annotations_.masks.clear();
       annotations_.open = true;
-      const bool whole = browseOnce(source, look, needs_scan, progress);
+      const bool whole = browseOnce(source, pass, passes, progress);
       annotations_.open = false;
       if (!whole) return false;
     }
@@ -195,16 +195,16 @@ class Vision::Impl {
     std::uint64_t clip_frame = 0;
   };
 
-  [[nodiscard]] double lastWord_s() const {
+  [[nodiscard]] double lastAnnotation_s() const {
     return std::max(lastTime_s(settings_.object_points), lastTime_s(settings_.not_points));
   }
 
-  bool browseOnce(RgbdSource& source, int look, int needs_scan, const Progress& progress) {
+  bool browseOnce(RgbdSource& source, int pass, int passes, const Progress& progress) {
     std::uint32_t ids = 1;
     Tracker tracker(info_, settings_, nullptr, ids, annotations_);
     ClipMotion clip;
     RangeFinder finder;
-    const auto with_annotations = static_cast<std::uint64_t>(lastWord_s() * info_.fps) + 2;
+    const auto with_annotations = static_cast<std::uint64_t>(lastAnnotation_s() * info_.fps) + 2;
     const std::uint64_t longest =
         settings_.offline ? UINT64_MAX : std::max(kLongestScan, with_annotations);
     const std::uint64_t total =
@@ -220,12 +220,12 @@ class Vision::Impl {
         if (object.seen) finder.add(object.id, object.surface, tracker.noise());
       }
       const std::uint64_t all = std::max(total, done + 1);
-      const auto before = static_cast<std::uint64_t>(look) * total;
-      if (progress && !progress(before + done + 1, static_cast<std::uint64_t>(needs_scan) * all))
+      const auto before = static_cast<std::uint64_t>(pass) * total;
+      if (progress && !progress(before + done + 1, static_cast<std::uint64_t>(passes) * all))
         return false;
     }
     source.rewind();
-    if (look == needs_scan - 1) setClip(std::move(clip), finder, done < longest);
+    if (pass == passes - 1) setClip(std::move(clip), finder, done < longest);
     return true;
   }
 
@@ -298,7 +298,7 @@ class Vision::Impl {
   // continues without a new epoch.
   void track(const RgbdFrame& frame, double time_s) {
     const bool wraps = tracker_ && frame.epoch != source_epoch_;
-    if (wraps && haveSameObjects(tracked_, began_)) {
+    if (wraps && haveSameObjects(tracked_, first_objects_)) {
       std::vector<TrackedObject> now = tracker_->next(frame, time_s);
       if (!tracker_->sceneCut() && isAllAtRest(tracked_, now, nominal(), settings_)) {
         source_epoch_ = frame.epoch;
@@ -309,7 +309,7 @@ class Vision::Impl {
     const bool begins = !tracker_ || wraps;
     if (begins) restart(frame.epoch);
     tracked_ = tracker_->next(frame, time_s);
-    if (begins) began_ = tracked_;
+    if (begins) first_objects_ = tracked_;
   }
 
   // Completes pending frames with shortened windows; no window reaches into the new epoch.
@@ -364,9 +364,9 @@ class Vision::Impl {
   std::uint32_t source_epoch_ = 0;
   ClipAnnotations annotations_;  // of a looped or scanned clip
   std::unique_ptr<Tracker> tracker_;
-  std::vector<TrackedObject> tracked_;    // objects of the last frame
-  std::vector<TrackedObject> began_;      // objects of the tracker's first frame
-  std::map<std::uint32_t, int> numbers_;  // by object id
+  std::vector<TrackedObject> tracked_;        // objects of the last frame
+  std::vector<TrackedObject> first_objects_;  // objects of the tracker's first frame
+  std::map<std::uint32_t, int> numbers_;      // by object id
   std::deque<VisionResult> ready_;
 
   // Used by describe(). Other functions use these members after collect().

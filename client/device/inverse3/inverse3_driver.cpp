@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -123,9 +124,11 @@ class Inverse3 {
 
   void exchange(const Vec3& force_N, hapticast_state& state) {
     force_N_ = force_N;
-    state.status = !socket_ || !found_ ? HAPTICAST_LOST : fresh_ ? HAPTICAST_OK : HAPTICAST_NO_DATA;
+    state.status = !socket_ || reading_ == Reading::kNoDevice ? HAPTICAST_LOST
+                   : reading_ == Reading::kNew                ? HAPTICAST_OK
+                                                              : HAPTICAST_NO_DATA;
     if (socket_ && !device_.calibrated) state.status = HAPTICAST_NO_DATA;
-    fresh_ = false;
+    if (reading_ == Reading::kNew) reading_ = Reading::kOld;
     if (device_.position_mm) std::copy_n(device_.position_mm->data(), 3, state.position_mm);
     state.buttons = buttons_;
     state.taken_ns = answered_.time_since_epoch().count();
@@ -176,7 +179,7 @@ class Inverse3 {
                                    ? "the Inverse service has no device: is it plugged in?"
                                    : "the Inverse service has no device " + quote(settings_.id));
     device_ = *wanted;
-    found_ = true;
+    reading_ = Reading::kOld;
     key_ = settings_.force_key.empty()       ? selectForceKey(inventory)
            : settings_.force_key == "vector" ? Inverse3ForceKey::kVector
                                              : Inverse3ForceKey::kValues;
@@ -209,12 +212,11 @@ class Inverse3 {
       ++damaged_;
       return;
     }
-    found_ = device != nullptr;
-    if (!found_) return;
+    reading_ = device != nullptr ? Reading::kNew : Reading::kNoDevice;
+    if (device == nullptr) return;
     device_.position_mm = device->position_mm;
     device_.calibrated = device->calibrated;
     buttons_ = message->buttons;
-    fresh_ = true;
   }
 
   const Inverse3Device* findDevice(const Inverse3Message& message) const {
@@ -223,6 +225,9 @@ class Inverse3 {
                      [this](const Inverse3Device& each) { return each.id == device_.id; });
     return found == message.devices.end() ? nullptr : &*found;
   }
+
+  /// The newest reading. kNoDevice: the service does not have the device any more.
+  enum class Reading : std::uint8_t { kNoDevice, kOld, kNew };
 
   const SteadyClock clock_;
   const Inverse3Settings settings_;
@@ -233,9 +238,8 @@ class Inverse3 {
   Vec3 force_N_ = Vec3::Zero();
   std::atomic<bool> zero_{false};
   bool awaited_ = false;  // a message is not answered yet
-  bool fresh_ = false;
-  bool found_ = false;  // the service still has the device
-  LocalTime due_{};     // time of the last message
+  Reading reading_ = Reading::kNoDevice;
+  LocalTime due_{};  // time of the last message
   LocalTime answered_{};
   LocalTime tried_{};
   std::uint32_t buttons_ = 0;

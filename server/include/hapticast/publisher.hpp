@@ -3,14 +3,13 @@
 //
 // Contract
 // - Frames. Each frame goes to all viewers. A slow viewer loses old frames and does not delay the
-// others.
+//   others.
 // - Time. A frame has the time of its publish() call, unless the argument `time_s` gives another
 //   one. Times have to rise. The impacts of a frame keep their distance to Frame::time_s, which has
 //   no other effect.
 // - Heights are rounded to 0.02 mm on the wire.
 // - Threads. publish() and close() have one thread; all other functions may be called by any
-// thread.
-//   A Publisher has a network thread of its own, which receives no signals.
+//   thread. A Publisher has a network thread of its own, which receives no signals.
 // - fork(). A Publisher belongs to the process that made it. In a child every function but the
 //   destructor throws std::runtime_error. The child keeps the port open until it ends.
 // - Log. News and warnings go to the default logger of spdlog, which belongs to the program:

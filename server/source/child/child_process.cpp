@@ -70,7 +70,7 @@ std::string replaceShell(const std::string& command) {
 }
 
 /// The new process: becomes the shell. Only functions that are safe between fork() and exec().
-[[noreturn]] void becomeShell(pid_t parent, const std::array<int, 3>& ends, const char* command) {
+[[noreturn]] void execShell(pid_t parent, const std::array<int, 3>& ends, const char* command) {
   (void)::prctl(PR_SET_PDEATHSIG, SIGTERM);  // it does not outlive the server
   if (::getppid() != parent) ::_exit(1);
   (void)::setsid();
@@ -114,7 +114,7 @@ ChildProcess::ChildProcess(const std::string& command) {
   pid_ = ::fork();
   if (pid_ < 0) throwStartError(command, errno);
   if (pid_ == 0)
-    becomeShell(parent, {their_in.get(), their_out.get(), their_err.get()}, text.c_str());
+    execShell(parent, {their_in.get(), their_out.get(), their_err.get()}, text.c_str());
   input = std::move(in.write);
   output = std::move(out.read);
   errors = std::move(err.read);

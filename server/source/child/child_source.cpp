@@ -44,7 +44,7 @@ ChildSource::ChildSource(std::unique_ptr<RgbdSource> source, std::unique_ptr<Chi
       skipped_(info_.live) {
   spdlog::info("{} runs: {}", task_->flag(), task_->command());
   waitForFirst();
-  opened_ = true;
+  if (phase_ == Phase::kOpening) phase_ = Phase::kServing;
   task_->describe(info_);
 }
 
@@ -83,7 +83,7 @@ std::optional<RgbdFrame> ChildSource::readRecorded() {
     }
     receive(Duration{});
     if (auto frame = popReady()) {
-      any_read_ = true;
+      ++frames_read_;
       return frame;
     }
     if (pending_.empty() && ended_) break;
@@ -93,7 +93,7 @@ std::optional<RgbdFrame> ChildSource::readRecorded() {
     logGap();
     receive(kSlice);
   }
-  if (!any_read_ && !skipped_.problem().empty())
+  if (frames_read_ == 0 && !skipped_.problem().empty())
     throw SourceError(skipped_.cancelRun() + ", and no frame after it can be used either; mend it");
   skipped_.endRun();
   return std::nullopt;
@@ -121,7 +121,7 @@ std::optional<RgbdFrame> ChildSource::popReady() {
     if (is_late)
       oldest.problem = "answers after more than 1 s; a live source needs a faster program";
     if (!oldest.problem.empty() && !task_->isRequired()) {
-      if (!std::exchange(problem_logged_, true))
+      if (!std::exchange(logged_.problem, true))
         spdlog::warn("{}: {}; frame {} has no mask of it", name(), oldest.problem,
                      oldest.frame.index);
       oldest.problem.clear();
@@ -165,13 +165,13 @@ bool ChildSource::askNext() {
   waiting->ready = task_->recall(waiting->frame);
   // Without a child receive() starts one, and sends what waits in its order.
   if (!waiting->ready && pipe_ != nullptr) send(waiting);
-  if (pipe_ == nullptr && !task_->isRequired() && (given_up_ || opened_)) waiting->ready = true;
+  if (pipe_ == nullptr && !task_->isRequired() && phase_ != Phase::kOpening) waiting->ready = true;
   return true;
 }
 
 void ChildSource::startChild() {
   const LocalTime now = clock_.now();
-  if (given_up_ || now < restart_at_) return;
+  if (phase_ == Phase::kGivenUp || now < restart_at_) return;
   const bool waits = std::any_of(pending_.begin(), pending_.end(),
                                  [](const Waiting& each) { return !each->ready; });
   if (!waits && !wants_child_) return;
@@ -231,8 +231,8 @@ void ChildSource::addAnswer(const ChildAnswer& answer) {
   const LocalTime now = clock_.now();
   if (++answers_ == 1) most_live_ = 2;  // it has grown while the child was loading
   usual_ = (usual_ + (now - last_sign_)) / 2;
-  if (in_gap_ && info_.live && task_->isRequired() && waiting != nullptr &&
-      std::exchange(begins_epoch_, false)) {
+  if (gap_.is_logged && info_.live && task_->isRequired() && waiting != nullptr &&
+      std::exchange(gap_.begins_epoch, false)) {
     ++gaps_;
     epoch_begin_s_ = waiting->frame.clip_time_s;
   }
@@ -240,8 +240,8 @@ void ChildSource::addAnswer(const ChildAnswer& answer) {
   // A child that dies after each few answers stays in the gap.
   if (failures_ == 0 || answers_ > kMostRecorded) {
     failures_ = 0;
-    if (std::exchange(in_gap_, false))
-      spdlog::info("{}: answers are back after {:.1f} s", name(), toSeconds(now - gap_begin_));
+    if (std::exchange(gap_.is_logged, false))
+      spdlog::info("{}: answers are back after {:.1f} s", name(), toSeconds(now - gap_.begin));
   }
   if (waiting == nullptr || waiting->ready) return;
   late_ = 0;
@@ -250,19 +250,19 @@ void ChildSource::addAnswer(const ChildAnswer& answer) {
 }
 
 void ChildSource::restart(const std::string& problem) {
-  const bool first = !opened_ && answers_ == 0;  // the command never worked
+  const bool first = phase_ == Phase::kOpening && answers_ == 0;  // the command never worked
   ++failures_;
   pipe_.reset();
   asked_.clear();
   sent_again_ = 0;
-  begins_epoch_ = true;
+  gap_.begins_epoch = true;
   wants_child_ = !task_->isRequired();
   restart_at_ = clock_.now() + kRestartPause;
   const bool gives_up = !info_.live && failures_ >= kMostFailures;
   if (first || (gives_up && task_->isRequired()))
     throw SourceError(name() + ": " + problem + "; mend the command");
-  given_up_ = gives_up;
   if (gives_up) {
+    phase_ = Phase::kGivenUp;
     spdlog::warn("{}: {} three times; the server goes on without it", name(), problem);
   } else {
     beginGap(problem + "; the server starts it again each second");
@@ -284,9 +284,9 @@ void ChildSource::passLate() {
 
 void ChildSource::logGap() {
   const Duration longest = std::max<Duration>(kGapLine, 3 * usual_);
-  if (asked_.empty() || in_gap_ || clock_.now() - last_sign_ <= longest) return;
+  if (asked_.empty() || gap_.is_logged || clock_.now() - last_sign_ <= longest) return;
   if (answers_ == 0) {
-    if (!std::exchange(wait_logged_, true))
+    if (!std::exchange(logged_.wait, true))
       spdlog::info("waiting for the first answer of {}", name());
     return;
   }
@@ -294,9 +294,8 @@ void ChildSource::logGap() {
 }
 
 void ChildSource::beginGap(const std::string& line) {
-  if (std::exchange(in_gap_, true)) return;
-  gap_begin_ = last_sign_;
-  begins_epoch_ = true;
+  if (gap_.is_logged) return;
+  gap_ = {.is_logged = true, .begins_epoch = true, .begin = last_sign_};
   spdlog::warn("{}: {}", name(), line);
 }
 
@@ -307,12 +306,12 @@ bool ChildSource::skip() {
 }
 
 void ChildSource::rewind() {
-  if (ended_ && !std::exchange(advised_, true) && *task_->advise() != '\0')
+  if (ended_ && !std::exchange(logged_.advice, true) && *task_->advise() != '\0')
     spdlog::info("{}: {}", name(), task_->advise());
   source_->rewind();
   pending_.clear();
   ended_ = false;
-  any_read_ = false;
+  frames_read_ = 0;
   sent_again_ = 0;
 }
 

@@ -106,6 +106,21 @@ class ChildSource final : public RgbdSource {
   void beginGap(const std::string& line);
   [[nodiscard]] std::string name() const;
 
+  /// kOpening: no frame has its answer yet. kGivenUp: no child starts any more.
+  enum class Phase : std::uint8_t { kOpening, kServing, kGivenUp };
+  /// A time without answers.
+  struct Gap {
+    bool is_logged = false;
+    bool begins_epoch = false;  ///< whether the next answer of a live source begins an epoch
+    LocalTime begin{};
+  };
+  /// What the log has already.
+  struct Logged {
+    bool advice = false;   ///< for the next pass of the clip
+    bool wait = false;     ///< for the first answer
+    bool problem = false;  ///< of an answer that is not required
+  };
+
   const SteadyClock clock_;
   std::unique_ptr<RgbdSource> source_;
   std::unique_ptr<ChildTask> task_;
@@ -115,29 +130,24 @@ class ChildSource final : public RgbdSource {
   std::deque<Waiting> pending_;      // frames that read() has not returned, oldest first
   std::deque<Waiting> asked_;        // frames without an answer, oldest first; null: sent again
   std::vector<std::uint8_t> last_request_;
-  LocalTime last_sign_{};        // when the child answered last, or received a picture while idle
-  LocalTime restart_at_{};       // when the next child may start
-  int failures_ = 0;             // since a child has answered a while
-  std::size_t answers_ = 0;      // of this child
-  Duration usual_{};             // usual time between answers
-  bool begins_epoch_ = false;    // whether the next answer of a live source begins an epoch
-  bool advised_ = false;         // whether the log has the advice for the next pass
-  bool given_up_ = false;        // no child starts any more
-  bool ended_ = false;           // whether the source has ended
-  bool opened_ = false;          // whether the first frame has its answer
-  bool any_read_ = false;        // whether a frame was read since the clip's start
-  bool wait_logged_ = false;     // whether the log says that the first answer is awaited
-  std::size_t most_live_ = 2;    // frames of a live source in flight; more would be a delay
-  bool wants_child_ = false;     // whether a child starts even if no frame waits
-  bool problem_logged_ = false;  // whether the log has a problem of an answer that is not required
-  int late_ = 0;                 // answers of a live source in a row that came too late
+  LocalTime last_sign_{};    // when the child answered last, or received a picture while idle
+  LocalTime restart_at_{};   // when the next child may start
+  int failures_ = 0;         // since a child has answered a while
+  std::size_t answers_ = 0;  // of this child
+  Duration usual_{};         // usual time between answers
+  Phase phase_ = Phase::kOpening;
+  Gap gap_;
+  Logged logged_;
+  std::size_t most_live_ = 2;       // frames of a live source in flight; more would be a delay
+  bool ended_ = false;              // whether the source has ended
+  std::uint64_t frames_read_ = 0;   // since the start of the clip
+  bool wants_child_ = false;        // whether a child starts even if no frame waits
+  int late_ = 0;                    // answers of a live source in a row that came too late
   std::uint32_t source_epoch_ = 0;  // of the last frame
-  bool in_gap_ = false;             // whether a gap was logged
-  LocalTime gap_begin_{};
-  std::size_t lag_ = 0;         // pictures behind a frame that the child needs for its answer
-  std::size_t sent_again_ = 0;  // at this end of the clip
-  std::uint32_t gaps_ = 0;      // of a live source: each begins an epoch
-  double epoch_begin_s_ = 0;    // of a live source: clip time at which the epoch began
+  std::size_t lag_ = 0;             // pictures behind a frame that the child needs for its answer
+  std::size_t sent_again_ = 0;      // at this end of the clip
+  std::uint32_t gaps_ = 0;          // of a live source: each begins an epoch
+  double epoch_begin_s_ = 0;        // of a live source: clip time at which the epoch began
   SkippedFrames skipped_;
 };
 

@@ -162,7 +162,8 @@ void slowDevices(const StabilityReport& to) {
     left_mm = std::max(left_mm, c.detects.way_mm);
   }
   to.report.require(
-      "two ticks more than told, 300 pushes at random: those that swing by more than ten "
+      "two ticks more than the profile states, 300 pushes at random: those that swing by more than "
+      "ten "
       "counts and are found by the latency watch",
       "all, within 1 s",
       text("%d of %d, within %d ms; then at most %.2f mm", found, swinging, latest_ms, left_mm),

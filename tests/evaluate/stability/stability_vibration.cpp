@@ -88,14 +88,14 @@ void planes(const StabilityReport& to) {
                       worst.rubbed_N <= 0.03 && worst.smooth_N <= 0.05 && worst.counts <= 2.0);
   };
   claim("seven hands", quietHands(), 0, kOmniMass_kg);
-  claim("seven hands, a tick later than told", quietHands(), 1, kOmniMass_kg);
-  claim("seven hands, a tick earlier than told", quietHands(), -1, kOmniMass_kg);
+  claim("seven hands, a tick later than the profile states", quietHands(), 1, kOmniMass_kg);
+  claim("seven hands, a tick earlier than the profile states", quietHands(), -1, kOmniMass_kg);
   claim("seven hands, 35 g", quietHands(), 0, 0.035);
   claim("seven hands, 70 g", quietHands(), 0, 0.07);
   for (const int later : {0, 1}) {
     for (const double real_kg : {0.035, kOmniMass_kg, 0.07}) {
-      claim(text("rigid arms, %.0f g, %d later than told", 1e3 * real_kg, later), heavyArms(),
-            later, real_kg);
+      claim(text("rigid arms, %.0f g, %d later than the profile states", 1e3 * real_kg, later),
+            heavyArms(), later, real_kg);
     }
   }
   claim("1 kg behind grips of 2 and 5 kN/m", stiffGrips(), 0, kOmniMass_kg);

@@ -102,7 +102,7 @@ FalseStreams structure() {
          t.bytes->insert(t.bytes->end(), also.begin(), also.end());
        })},
       {"structure_clients_word", kHold, kRefused, later([](OutgoingFrame& t) {
-         t.bytes = encode(Hello{kProtocolVersion, "liar", false, true});
+         t.bytes = encode(Hello{kProtocolVersion, "server", false, true});
        })},
       {"structure_second_welcome", kHold, kRefused,
        later([](OutgoingFrame& t) { t.bytes = encode(Welcome{}); })},

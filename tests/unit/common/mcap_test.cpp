@@ -252,9 +252,9 @@ Bytes makeForeign(const std::function<void(McapOut&)>& writeRecords) {
 Bytes makeRecords(const std::vector<Kept>& messages) {
   Bytes bytes;
   McapOut out(bytes);
-  out.schema(7, {"sensor_msgs/msg/Image", "ros2msg", "uint32 height"});
+  out.writeSchema(7, {"sensor_msgs/msg/Image", "ros2msg", "uint32 height"});
   for (std::uint16_t id = 1; id <= 3; ++id)
-    out.channel(id, id == 1 ? std::uint16_t{7} : std::uint16_t{0}, {"/a", "cdr", {}});
+    out.writeChannel(id, id == 1 ? std::uint16_t{7} : std::uint16_t{0}, {"/a", "cdr", {}});
   for (const Kept& each : messages) {
     const std::size_t place = out.beginRecord(McapCode::kMessage);
     out.number(each.channel).number(std::uint32_t{0}).number(each.time_ns).number(each.time_ns);

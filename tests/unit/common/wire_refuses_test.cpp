@@ -99,7 +99,7 @@ TEST(WireRefuses, GridsThatDoNotCoverTheRelief) {
 TEST(WireRefuses, OffersOfDatagramsThatCannotBeTaken) {
   Welcome welcome = testing::goldenWelcome();
   welcome.verifying_key.reset();
-  EXPECT_EQ(refusal(welcome), ErrorCode::kMalformed) << "who shall be believed?";
+  EXPECT_EQ(refusal(welcome), ErrorCode::kMalformed) << "two origins for one stream";
   welcome = testing::goldenWelcome();
   welcome.group->port = 0;
   EXPECT_EQ(refusal(welcome), ErrorCode::kMalformed);

@@ -18,7 +18,8 @@ TEST(Camera, AMissingDeviceIsNamed) {
 }
 
 TEST(Camera, DepthIsAskedFor) {
-  EXPECT_THAT(openError("camera:3"), AllOf(HasSubstr("depth is needed"), HasSubstr("camera:3,M")));
+  EXPECT_THAT(openError("camera:3"),
+              AllOf(HasSubstr("colour and depth are needed"), HasSubstr("camera:N,M")));
 }
 
 TEST(Camera, NumbersAreChecked) {

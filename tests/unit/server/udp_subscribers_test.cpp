@@ -55,7 +55,7 @@ TEST_F(UdpSubscribersTest, AcceptsEchoesOfTheHostOfTheConnectionOnly) {
   EXPECT_EQ(takers(), 0U);
   EXPECT_EQ(echo(ann, udp("192.0.2.1", 5000)), AddressValidation::kValidated);
   EXPECT_EQ(echo(ann, udp("198.51.100.1", 5000)), AddressValidation::kForeign);
-  EXPECT_EQ(book.find(ann)->at, udp("192.0.2.1", 5000)) << "a stranger moves nothing";
+  EXPECT_EQ(book.find(ann)->at, udp("192.0.2.1", 5000)) << "an unknown sender moves nothing";
 }
 
 TEST_F(UdpSubscribersTest, BothVersionsOfAnAddressAreTheSameHost) {
@@ -94,12 +94,12 @@ TEST_F(UdpSubscribersTest, RemovesASilentViewerAfterHalfAMinute) {
 
 TEST_F(UdpSubscribersTest, DeliverySetsWhetherAndHowOften) {
   EXPECT_EQ(echo(ann, udp("192.0.2.1", 5000)), AddressValidation::kValidated);
-  book.deliver(ann, {true, false, 1});
+  book.setDelivery(ann, {true, false, 1});
   EXPECT_EQ(takers(), 0U);
-  book.deliver(ann, {false, true, 3});
+  book.setDelivery(ann, {false, true, 3});
   EXPECT_EQ(takers(), 1U);
   EXPECT_EQ(book.find(ann)->copies, 3U);
-  book.deliver(ann + 1, {false, true, 3});
+  book.setDelivery(ann + 1, {false, true, 3});
   EXPECT_EQ(book.size(), 1U) << "nobody's token makes nobody";
 }
 
@@ -132,9 +132,9 @@ TEST_F(UdpSubscribersTest, TheGroupGetsTheCopiesThatNineOfTenViewersNeed) {
   EXPECT_EQ(book.groupCopies(), 1U);
   for (std::uint32_t i = 0; i < 10; ++i) {
     const std::uint64_t token = book.add(make_address("192.0.2.1"), make_address("192.0.2.9"));
-    book.deliver(token, {false, false, i < 8 ? 1U : i == 8 ? 2U : 4U});
+    book.setDelivery(token, {false, false, i < 8 ? 1U : i == 8 ? 2U : 4U});
   }
-  book.deliver(ann, {false, true, 4});  // not the group's
+  book.setDelivery(ann, {false, true, 4});  // not the group's
   EXPECT_EQ(book.groupCopies(), 2U) << "the tenth has to do with it";
 }
 
