@@ -95,10 +95,10 @@ void storeResult(const HapticDevice& device, const DeviceCheck& check) {
 
 void requireConfirmation(const HapticDevice& device, const UserInterface& ui) {
   if (ui.hasWindow() || hasTerminal()) return;
-  throw DeviceAbsent(fmt::format(
-      "the device {} has passed no check: run hapticast-client check {} first, "
-      "or start the client in a terminal or with a window",
-      device.id(), nameDevice(device)));
+  throw DeviceAbsent(
+      fmt::format("the device {} has passed no check: run hapticast-client check {} first, "
+                  "or start the client in a terminal or with a window",
+                  device.id(), nameDevice(device)));
 }
 
 bool runFirstCheck(HapticDevice& device, const Clock& clock, const std::atomic<bool>& stop,
