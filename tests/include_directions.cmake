@@ -48,7 +48,7 @@ set(rules
   "server/author/.*"   "^(common/|server/(source/[a-z_]+\\.hpp$|vision/vision_settings\\.hpp$|author/))"
   "server/bake/.*"     "^(common|server)/"
   "server/(pipeline|preview)/.*" "^(common/|server/(settings/settings\\.hpp$|author/scene_file\\.hpp$|source/|vision/|stream/|pipeline/|preview/))"
-  "server/settings/.*" "^(common/|server/(settings/|author/|source/|vision/vision_settings\\.hpp$|stream/|relay/nats_address\\.hpp$|page/page_folder\\.hpp$))"
+  "server/settings/.*" "^(common/|server/(settings/|author/|source/|vision/vision_settings\\.hpp$|stream/|relay/nats_address\\.hpp$))"
   "server/show/.*"     "^(common/|server/(settings|show|source|vision|stream|recording|relay|pipeline|http|page)/)"
   "server/main\\.cpp"  "^(common|server)/"
   "client/recording/.*" "^(common/|client/(haptics/|loop/|net/|device/profile/|recording/))"

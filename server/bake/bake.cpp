@@ -74,6 +74,11 @@ std::string makeFingerprint(const Settings& settings, const SourceInfo& info) {
       sums.files, sums.bytes, sums.newest);
 }
 
+/// Returns the file of the recording.
+std::string findRecording(const BakeChoices& bake) {
+  return bake.out + (bake.out.ends_with('/') ? kPageRecording : "");
+}
+
 /// One bake.
 class Bake {
  public:
@@ -111,7 +116,7 @@ Bake::Bake(const Settings& settings, const Clock& clock)
       vision_settings_(preparePoints(settings.vision, source_->info())),
       vision_(*source_, describe(), vision_settings_),
       slices_{.error_mm = computeHeightError_mm(vision_settings_)},
-      file_(settings.bake.out, makeFingerprint(settings, source_->info()),
+      file_(findRecording(settings.bake), makeFingerprint(settings, source_->info()),
             static_cast<std::uint64_t>(std::max(1L, std::lround(source_->info().fps))),
             settings.bake.resume) {}
 
@@ -175,17 +180,18 @@ int completePage(const std::string& folder) {
 
 int bake(const Settings& settings, const Clock& clock, bool& started) {
   for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, onStopSignal);
-  if (!settings.bake.folder.empty()) createPageFolder(settings.bake.folder);
+  const std::string& out = settings.bake.out;
+  if (out.ends_with('/')) createPageFolder(out);
   Bake work(settings, clock);
   started = work.scan();
   if (started && work.write()) {
-    if (!settings.bake.folder.empty()) return completePage(settings.bake.folder);
-    spdlog::info("{} is complete; --source {} plays it", settings.bake.out, settings.bake.out);
+    if (out.ends_with('/')) return completePage(out);
+    spdlog::info("{} is complete; --source {} plays it", out, out);
     return kDone;
   }
   if (work.frames() > 0)
     spdlog::warn("interrupted: the same command with --resume continues {}.part",
-                 settings.bake.out);
+                 findRecording(settings.bake));
   else
     spdlog::warn("interrupted before the first frame");
   return kFailed;

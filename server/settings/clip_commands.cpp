@@ -9,7 +9,6 @@
 #include "common/cli/subcommands.hpp"
 #include "common/text.hpp"
 #include "server/author/author_options.hpp"
-#include "server/page/page_folder.hpp"
 #include "server/settings/clip_options.hpp"
 #include "server/settings/subcommand_options.hpp"
 #include "server/source/stream_url.hpp"
@@ -75,9 +74,8 @@ std::string listBakeFlags(const CLI::App& app) {
 /// Adds -o of a bake: a recording, or a folder with one.
 void addRecording(CLI::App& app, BakeChoices& bake) {
   const auto set = [&bake](const std::string& text) {
-    if (text.ends_with('/')) bake.folder = text;
-    bake.out = text + (bake.folder.empty() ? "" : kPageRecording);
-    if (!hasEnding(bake.out, ".mcap"))
+    bake.out = text;
+    if (!text.ends_with('/') && !hasEnding(text, ".mcap"))
       throw CLI::ValidationError("-o", quote(text) + " is neither FILE.mcap nor FOLDER/");
   };
   app.add_option_function<std::string>("-o,--out", set,

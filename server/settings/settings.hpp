@@ -27,8 +27,8 @@ enum class Command : std::uint8_t { kServe, kRelay, kPreview, kBake };
 
 /// Values of the flags that only a bake has.
 struct BakeChoices {
-  std::string out;     ///< FILE.mcap, which does not exist
-  std::string folder;  ///< of a page that plays the file, with a slash at its end; empty: none
+  /// FILE.mcap, which does not exist, or the folder of a page, with a slash at its end.
+  std::string out;
   bool resume = false;
   int picture_quality = 80;  ///< of the JPEGs, 1..100
   std::string flags;         ///< the flags that change the frames, as one text

@@ -244,7 +244,7 @@ TEST(ServerSettings, EachSubcommandHasItsFlags) {
   EXPECT_EQ(settings.preview, "a.png");
   settings = parse({"bake", "synthetic:still", "-o", "site/", "--fov", "70", "--quiet"});
   EXPECT_EQ(settings.command, Command::kBake);
-  EXPECT_EQ(settings.bake.folder, "site/");
+  EXPECT_EQ(settings.bake.out, "site/");
   EXPECT_EQ(settings.bake.flags, " --fov 70");
   settings = parse({"relay", "nats://host/lab", "--page", "off"});
   EXPECT_EQ(settings.command, Command::kRelay);
