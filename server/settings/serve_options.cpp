@@ -21,17 +21,14 @@ namespace {
 void addSource(CLI::App& app, std::string& source) {
   app.add_option(
          "SOURCE,--source", source,
-         "The video to stream: synthetic:bounce|approach|tumble|still, a folder of RGB-D "
-         "images (rgb/ and depth/, or TUM's rgb.txt and depth.txt), COLOR,DEPTH (two video "
-         "files; depth may also be a folder of images or an array NPY, NPZ), FILE (one video file "
-         "with "
-         "colour and depth), camera:N,M (colour camera, depth "
-         "camera), openni:[DEVICE] (a camera of OpenNI2), v4l2:COLOR,DEPTH (two nodes of "
-         "a camera, 16-bit depth), URL (a live stream with colour and depth: rtsp, rtsps, srt, "
-         "http, "
-         "https, udp, tcp or rtp), or FILE.mcap (a recording that --record has made, or one of ROS "
-         "2 or "
-         "Foxglove with colour and depth images)")
+         "The video to stream: synthetic:bounce|approach|tumble|still, a folder of RGB-D images "
+         "(rgb/ and depth/, or TUM's rgb.txt and depth.txt), COLOR,DEPTH (two video files; "
+         "depth may also be a folder of images or an array NPY, NPZ), FILE (one video file with "
+         "colour and depth), camera:N,M (colour camera, depth camera), openni:[DEVICE] (a "
+         "camera of OpenNI2), v4l2:COLOR,DEPTH (two nodes of a camera, 16-bit depth), URL (a "
+         "live stream with colour and depth: rtsp, rtsps, srt, http, https, udp, tcp or rtp), "
+         "or FILE.mcap (a recording that --record has made, or one of ROS 2 or Foxglove with "
+         "colour and depth images)")
       ->required();
 }
 
@@ -123,12 +120,14 @@ void finishServe(const CLI::App& app, Settings& settings) {
   requireOnDemandFlags(app, settings);
 }
 
-/// Returns the flags that were set.
-FlagTexts listFlags(const CLI::App& app) {
+/// Returns the flags of the subcommand and of the program that were set.
+FlagTexts listFlags(const CLI::App& subcommand) {
   FlagTexts flags;
-  for (const CLI::Option* const option : app.get_options()) {
-    for (const std::string& text : option->results())
-      flags.emplace_back(option->get_lnames().front(), text);
+  for (const CLI::App* const app : {&subcommand, subcommand.get_parent()}) {
+    for (const CLI::Option* const option : app->get_options()) {
+      for (const std::string& text : option->results())
+        flags.emplace_back(option->get_lnames().front(), text);
+    }
   }
   return flags;
 }
