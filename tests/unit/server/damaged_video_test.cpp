@@ -16,6 +16,8 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
+using DamagedVideoFiles = SingleVideoFiles;
+
 TEST_F(DamagedVideoFiles, AColourVideoAloneIsRefusedWithoutAGuess) {
   ffmpeg("-f lavfi -i mandelbrot=size=64x48:rate=30 -frames:v 3 -c:v mjpeg c.avi");
   EXPECT_THAT(openError("c.avi"), AllOf(HasSubstr("c.avi: is a single file with one video track"),

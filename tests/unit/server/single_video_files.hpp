@@ -28,7 +28,7 @@ inline cv::Mat drawnDepth(int i, cv::Size size) {
 }
 
 /// Writes video files with colour and depth, with ffmpeg. Skips the test where it is absent.
-class DamagedVideoFiles : public VideoFilesTest {
+class SingleVideoFiles : public VideoFilesTest {
  protected:
   [[nodiscard]] std::string at(const std::string& name) const { return (folder / name).string(); }
   /// Writes pictures one after the other. Returns the arguments of ffmpeg that read them.
