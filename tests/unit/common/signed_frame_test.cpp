@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Signed frames. Golden bytes: HAPTICAST_UPDATE_GOLDEN=1 unit_common
 // --gtest_filter='SignedFrameGolden.*' writes golden/signed_frame.hex and the fuzzer's seed anew.
-// proto/README.md, "Signature", has the key, the number of the stream and the signature.
+// proto/frame.md, "Signature", has the key, the number of the stream and the signature.
 #include "common/protocol/signed_frame.hpp"
 
 #include <gtest/gtest.h>
