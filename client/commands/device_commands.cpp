@@ -44,7 +44,13 @@ int runDeviceCheck(const Settings& settings) {
   const SteadyClock clock;
   DeviceRequest request = toRequest(settings, clock);
   request.hand = kFreeGrip;
-  const auto device = openDevice(settings.check_device, request);
+  const bool searches = settings.check_device == "auto";
+  const auto device = searches ? findDevice(request) : openDevice(settings.check_device, request);
+  if (device == nullptr) {
+    spdlog::error(
+        "no device was found: is it plugged in? hapticast-client list --devices says why");
+    return kFailed;
+  }
   stopAtSignals();
   spdlog::info("check: let go of the grip; the client pushes it six times, with 0.3 N for 0.12 s");
   const auto check = checkDevice(*device, clock, stop_command, logInfo);

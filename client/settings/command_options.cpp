@@ -38,7 +38,7 @@ void addListCommand(CLI::App& program, Settings& settings) {
                     "or 1 if there is none");
   app.add_flag("--list-devices,--devices", settings.list_devices,
                "In place of servers: list the kinds of devices and the connected devices");
-  app.add_flag("--list", settings.list_servers, "The default")->configurable(false);
+  app.add_flag("--list", settings.list_servers, "The default");
   addDriverOptions(app, settings);
   app.final_callback([&settings] {
     settings.command = Command::kList;

@@ -63,6 +63,8 @@ bool parseServer(const std::string& text, ServerSettings& settings) {
   constexpr std::string_view kPlain = "hapticast://";
   constexpr std::string_view kTls = "hapticasts://";
   settings.server_given = true;
+  settings.announced.clear();
+  settings.tls = false;
   if (text.starts_with(kAnnounced)) {
     settings.announced = text.substr(kAnnounced.size());
     return isServiceName(settings.announced);

@@ -93,13 +93,16 @@ std::string complaint(const CLI::App& app, const CLI::ParseError& error) {
   return what;
 }
 
-/// Returns whether the error's cause is in none of the arguments: neither its flag nor, for a key
-/// without one, its value.
-bool isFromConfig(const std::string& line, int argc, const char* const* argv) {
+/// Returns whether the error's cause is in none of the arguments: neither a name of its flag nor
+/// its value.
+bool isFromConfig(const CLI::App& app, const std::string& line, int argc, const char* const* argv) {
   const std::string key = line.substr(0, line.find_first_of(": "));
+  const CLI::Option* const option = key.starts_with("-") ? findOption(app, key) : nullptr;
   return std::none_of(argv + 1, argv + argc, [&](const std::string& argument) {
-    if (!key.starts_with("--")) return line.find(quote(argument)) != std::string::npos;
-    return argument == key || argument.starts_with(key + "=");
+    if (option == nullptr) return line.find(quote(argument)) != std::string::npos;
+    const auto& values = option->results();
+    return option->check_name(argument.substr(0, argument.find('='))) ||
+           std::find(values.begin(), values.end(), argument) != values.end();
   });
 }
 
@@ -116,7 +119,8 @@ std::string complaint(const CLI::App& app, const CLI::ParseError& error, int arg
   if (is<CLI::FileError>(error)) return config + ": cannot be read";
   const std::string line = complaint(app, error);
   const bool required = is<CLI::RequiredError>(error);
-  return !file.empty() && !required && isFromConfig(line, argc, argv) ? config + ": " + line : line;
+  return !file.empty() && !required && isFromConfig(app, line, argc, argv) ? config + ": " + line
+                                                                           : line;
 }
 
 /// Returns the option of `app` that `word` names, or null.

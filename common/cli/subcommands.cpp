@@ -28,13 +28,39 @@ std::optional<std::string> findValue(const std::vector<std::string>& arguments,
   return found + 1 == arguments.end() ? "" : *(found + 1);
 }
 
+/// Returns whether `value` switches a flag off.
+bool isOff(const std::string& value) {
+  const std::string word = toLower(value);
+  return word == "false" || word == "off" || word == "no" || word == "n" || word == "f" ||
+         word == "0" || word == "-";
+}
+
+/// Returns whether the flag `each` with `value` chooses its subcommand.
+bool isChosen(const SubcommandFlag& each, const std::string& value, bool is_switch) {
+  return value.starts_with(each.prefix) && !(is_switch && isOff(value));
+}
+
 /// Moves `flag` with its value to the front of `arguments`, unless the value is missing.
-void moveToFront(std::vector<std::string>& arguments, std::string_view flag, bool has_value) {
+void moveToFront(std::vector<std::string>& arguments, std::string_view flag, bool is_switch) {
   const auto begin = std::find_if(arguments.begin(), arguments.end(),
                                   [flag](const auto& word) { return isFlag(word, flag); });
-  const bool is_next = has_value && begin->size() == flag.size();
+  const bool is_next = !is_switch && begin->size() == flag.size();
   if (is_next && (begin + 1 == arguments.end() || (begin + 1)->starts_with("--"))) return;
   std::rotate(arguments.begin(), begin, begin + (is_next ? 2 : 1));
+}
+
+/// Returns the place of the first argument that is neither a flag of the program, such as --quiet,
+/// nor its value.
+std::vector<std::string>::iterator findFirst(const CLI::App& app,
+                                             std::vector<std::string>& arguments) {
+  auto at = arguments.begin();
+  while (at != arguments.end() && at->starts_with("--")) {
+    const CLI::Option* const option = app.get_option_no_throw(at->substr(0, at->find('=')));
+    if (option == nullptr) break;
+    const bool is_next = option->get_items_expected_min() > 0 && at->find('=') == std::string::npos;
+    at += is_next && at + 1 != arguments.end() ? 2 : 1;
+  }
+  return at;
 }
 
 /// Returns the lines of the config file; none if it cannot be read, or can be read only once.
@@ -50,17 +76,42 @@ std::vector<KeyValue> readConfig(const CLI::App& app, const std::vector<std::str
   return pairs.ok() ? std::move(pairs).value() : std::vector<KeyValue>();
 }
 
-/// Returns the subcommand that a key of the config file chooses; empty: none does.
+bool isSwitch(const CLI::App& app, const SubcommandFlag& each) {
+  const CLI::App& chosen = findSubcommand(app, std::string(each.subcommand));
+  return chosen.get_option_no_throw(std::string(each.flag))->get_items_expected_min() == 0;
+}
+
+/// Returns the subcommand that a key of the config file chooses; empty: none does. `first`: the
+/// first argument; a source there wins over the file.
 std::string_view findInConfig(const CLI::App& app, const SubcommandChoice& choice,
-                              const std::vector<std::string>& arguments) {
+                              const std::vector<std::string>& arguments, const std::string& first) {
   const std::vector<KeyValue> pairs = readConfig(app, arguments);
   for (const SubcommandFlag& each : choice.flags) {
-    if (findValue(arguments, each.flag)) continue;  // it wins over the file
-    const std::string_view key = each.flag.substr(2);
+    const bool is_given = !each.prefix.empty() && !first.empty() && !first.starts_with('-');
+    if (is_given || findValue(arguments, each.flag)) continue;
     const bool chooses = std::any_of(pairs.begin(), pairs.end(), [&](const KeyValue& pair) {
-      return pair.key == key && pair.value != "false" && pair.value.starts_with(each.prefix);
+      return pair.key == each.flag.substr(2) && isChosen(each, pair.value, isSwitch(app, each));
     });
     if (chooses) return each.subcommand;
+  }
+  return {};
+}
+
+/// Returns the subcommand that an argument chooses, and moves its flag to the front; empty: none
+/// does.
+std::string_view findInArguments(const CLI::App& app, const SubcommandChoice& choice,
+                                 std::vector<std::string>& arguments, const std::string& first) {
+  for (const SubcommandFlag& each : choice.flags) {
+    if (!each.prefix.empty() && first.starts_with(each.prefix)) return each.subcommand;
+    const auto value = findValue(arguments, each.flag);
+    const bool is_switch = isSwitch(app, each);
+    // The word behind a switch is no value of it.
+    const bool has_text = value && std::any_of(arguments.begin(), arguments.end(), [&](auto& word) {
+                            return word.starts_with(std::string(each.flag) + "=");
+                          });
+    if (!value || !isChosen(each, is_switch && !has_text ? "true" : *value, is_switch)) continue;
+    moveToFront(arguments, each.flag, is_switch);
+    return each.subcommand;
   }
   return {};
 }
@@ -79,22 +130,18 @@ CLI::App& addSubcommand(CLI::App& program, const std::string& name,
 std::vector<std::string> chooseSubcommand(const CLI::App& app, const SubcommandChoice& choice,
                                           std::vector<std::string> arguments) {
   if (choice.otherwise.empty()) return arguments;
-  if (!arguments.empty() && &findSubcommand(app, arguments.front()) != &app) return arguments;
-  std::string_view name;
-  for (const SubcommandFlag& each : choice.flags) {
-    const auto value = findValue(arguments, each.flag);
-    if (!value || !value->starts_with(each.prefix)) continue;
-    name = each.subcommand;
-    const CLI::App& chosen = findSubcommand(app, std::string(name));
-    const CLI::Option* const option = chosen.get_option_no_throw(std::string(each.flag));
-    moveToFront(arguments, each.flag, option->get_items_expected_min() > 0);
-    break;
+  const auto place = findFirst(app, arguments);
+  const std::string first = place == arguments.end() ? "" : *place;
+  if (&findSubcommand(app, first) != &app) {
+    std::rotate(arguments.begin(), place, place + 1);
+    return arguments;
   }
   const bool wants_help = std::any_of(arguments.begin(), arguments.end(), [](const auto& word) {
     return word == "--help" || word == "-h" || word == "--help-all";
   });
+  std::string_view name = findInArguments(app, choice, arguments, first);
   if (name.empty() && wants_help) return arguments;
-  if (name.empty()) name = findInConfig(app, choice, arguments);
+  if (name.empty()) name = findInConfig(app, choice, arguments, first);
   if (name.empty()) name = choice.otherwise;
   arguments.insert(arguments.begin(), std::string(name));
   return arguments;

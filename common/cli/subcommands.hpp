@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Subcommands, and command lines that name none. The first argument of a program is the name of its
-// subcommand. Without one, a flag can choose it: `--replay FILE` stands for `replay --replay FILE`.
-// A key of the config file chooses it in the same way. Otherwise a default subcommand is meant.
+// subcommand; only flags of the program, such as --quiet, may be before it. Without a name, a flag
+// can choose the subcommand: `--replay FILE` stands for `replay --replay FILE`. A key of the config
+// file chooses it in the same way. Otherwise a default subcommand is meant.
 // Thread: main, at start-up.
 #pragma once
 
@@ -16,9 +17,10 @@ namespace hapticast {
 
 /// A flag that chooses a subcommand.
 struct SubcommandFlag {
-  std::string_view flag;         ///< with "--"; without "--" it is the key of a config file
-  std::string_view subcommand;   ///< the subcommand has this flag, too
-  std::string_view prefix = {};  ///< of the flag's value; empty: any value
+  std::string_view flag;        ///< with "--"; without "--" it is the key of a config file
+  std::string_view subcommand;  ///< the subcommand has this flag, too
+  /// Of the flag's value, which may also be the first argument; empty: any value.
+  std::string_view prefix = {};
 };
 
 /// How a command line without the name of a subcommand gets one.

@@ -16,6 +16,15 @@ namespace {
 
 using Json = nlohmann::json;
 
+constexpr std::size_t kMostPlaces_bytes = std::size_t{64} << 20U;  // chosen
+
+/// Returns `name` as a part of a JSON pointer (RFC 6901).
+std::string escapePointer(const std::string& name) {
+  std::string out;
+  for (const char c : name) out += c == '~' ? "~0" : c == '/' ? "~1" : std::string(1, c);
+  return out;
+}
+
 /// Reads a text, and follows its lines and columns.
 class PlaceIterator {
  public:
@@ -91,7 +100,9 @@ class PlaceCollector {
   /// new.
   void store(bool is_key, std::size_t size) {
     std::string path;
-    for (const Level& level : levels_) path += "/" + level.name;
+    for (const Level& level : levels_) path += "/" + escapePointer(level.name);
+    stored_bytes_ += path.size();
+    if (stored_bytes_ > kMostPlaces_bytes) throw JsonError(now_, "has too many or too long names");
     const JsonPlace place{now_.line, std::max(1, now_.column - static_cast<int>(size))};
     const bool is_new = document_.places.emplace(path, place).second;
     if (is_key && !is_new) throw JsonError(place, quote(levels_.back().name) + " appears twice");
@@ -100,6 +111,7 @@ class PlaceCollector {
   JsonDocument& document_;
   const JsonPlace& now_;
   std::size_t most_levels_;
+  std::size_t stored_bytes_ = 0;
   std::vector<Level> levels_;
 };
 
@@ -156,7 +168,7 @@ const Json* JsonObject::read(const std::string& key) {
 JsonObject JsonObject::object(const std::string& key) {
   const Json* const value = read(key);
   if (value == nullptr || !value->is_object()) refuse(key, "is no JSON object {...}");
-  return {*document_, *value, path_ + "/" + key};
+  return {*document_, *value, path_ + "/" + escapePointer(key)};
 }
 
 std::vector<JsonObject> JsonObject::objects(const char* key, std::size_t most) {
@@ -215,7 +227,7 @@ std::optional<std::string> JsonObject::text(const char* key, std::size_t most_by
 }
 
 void JsonObject::refuse(const std::string& key, const std::string& what) const {
-  throw JsonError(find(path_ + "/" + key), quote(key) + " " + what);
+  throw JsonError(find(path_ + "/" + escapePointer(key)), quote(key) + " " + what);
 }
 
 void JsonObject::refuseChoice(const char* key, const std::vector<std::string>& names) const {

@@ -98,6 +98,7 @@ void addPreviewCommand(CLI::App& program, Settings& settings) {
   addClip(app, settings.source);
   addPictures(app, settings.preview);
   addFrames(app, settings.frames);
+  addName(app, settings.name);
   addClipOptions(app, settings);
   app.final_callback([&settings, &app] {
     settings.command = Command::kPreview;
@@ -128,6 +129,9 @@ void addBakeCommand(CLI::App& program, Settings& settings) {
     settings.command = Command::kBake;
     requireClip(settings);
     finishClip(app, settings);
+    if (settings.vision.low_latency)
+      throw CLI::ValidationError("--low-latency",
+                                 "a bake has no limit of time; leave the flag out");
     settings.bake.flags = listBakeFlags(app);
   });
 }

@@ -80,9 +80,9 @@ void addClipOptions(CLI::App& app, Settings& settings) {
   app.option_defaults()->group(before);
 }
 
-void finishClip(const CLI::App& app, Settings& settings) {
+void finishClip(CLI::App& app, Settings& settings) {
+  applyScene(app, settings);
   requireChildFlags(app, settings);
-  mergeScene(app, settings);
 }
 
 void refuseClipOptions(const CLI::App& app) {

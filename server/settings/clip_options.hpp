@@ -13,7 +13,7 @@ void addClipOptions(CLI::App& app, Settings& settings);
 
 /// Checks the flags of a clip after the parsing, and merges the scene file with them. Throws
 /// CLI::ValidationError for flags that contradict each other.
-void finishClip(const CLI::App& app, Settings& settings);
+void finishClip(CLI::App& app, Settings& settings);
 
 /// Checks that no flag of a clip was given, because the source is a recording of hapticast. Throws
 /// CLI::ValidationError.

@@ -19,7 +19,8 @@ namespace {
 
 /// Gives `text` to the option `name` of `app`, as if the user had typed it.
 void setOption(CLI::App& app, const std::string& name, const std::string& text) {
-  CLI::Option* const option = app.get_option("--" + name);
+  CLI::Option* const option = app.get_option_no_throw("--" + name);
+  if (option == nullptr) throw CLI::ValidationError("--" + name, "has no effect here");
   if (option->count() > 0) return;
   const bool is_switch = option->get_items_expected_max() == 0;
   if (is_switch && text != "true" && text != "false")
@@ -51,7 +52,10 @@ void addObjects(Settings& settings) {
   }
 }
 
-void loadScene(CLI::App& app, Settings& settings, const std::string& file) {
+/// Reads the scene file of --scene, if there is one.
+void loadScene(CLI::App& app, Settings& settings) {
+  const std::string& file = settings.vision.scene_file;
+  if (file.empty()) return;
   const Result<std::string> text = readSmallFile(file);
   if (!text.ok()) throwSceneError(file, text.error().message);
   try {
@@ -59,7 +63,6 @@ void loadScene(CLI::App& app, Settings& settings, const std::string& file) {
   } catch (const JsonError& error) {
     throw CLI::ParseError("--scene " + describe(file, error), CLI::ExitCodes::ValidationError);
   }
-  settings.vision.scene_file = file;
   applyFlags(app, file, settings.scene.flags, "");
   addObjects(settings);
 }
@@ -80,15 +83,15 @@ void addCommonMaterial(const Material& common, Material& material) {
 }  // namespace
 
 void addScene(CLI::App& app, Settings& settings) {
-  const auto load = [&app, &settings](const std::string& file) { loadScene(app, settings, file); };
-  CLI::Option* const option = app.add_option_function<std::string>(
-      "--scene", load,
+  CLI::Option* const option = app.add_option(
+      "--scene", settings.vision.scene_file,
       "The author's work on the clip (JSON): objects with points, key masks and material, and "
       "flags; other flags win over it, and their points add to it. --preview FOLDER writes one");
   option->type_name("FILE.json");
 }
 
-void mergeScene(const CLI::App& app, Settings& settings) {
+void applyScene(CLI::App& app, Settings& settings) {
+  loadScene(app, settings);
   Scene& scene = settings.scene;
   VisionSettings& vision = settings.vision;
   for (AuthorObject& object : vision.objects) addCommonMaterial(vision.material, object.material);

@@ -9,13 +9,12 @@
 
 namespace hapticast::server {
 
-/// Adds --scene to `app`. `app` must also have all flags that a scene file may set (kSceneFlags).
-/// The scene file sets only flags that the user did not set. `settings` must outlive `app`. An
-/// error in the scene file ends the parsing, like an error in another flag.
+/// Adds --scene to `app`. `settings` must outlive `app`.
 void addScene(CLI::App& app, Settings& settings);
 
-/// Merges the points and objects of the scene with those of the flags, after the parsing.
-/// settings.scene then has all of the author's work, from the scene file and from flags.
-void mergeScene(const CLI::App& app, Settings& settings);
+/// Reads the scene file after the parsing. It sets the flags that the user did not set. Then merges
+/// its points and objects with those of the flags: settings.scene has all of the author's work.
+/// `app` must have all flags that a scene file may set (kSceneFlags). Throws CLI::ParseError.
+void applyScene(CLI::App& app, Settings& settings);
 
 }  // namespace hapticast::server

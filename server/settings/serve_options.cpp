@@ -103,7 +103,7 @@ void requireSource(const std::string& source) {
 }
 
 /// Checks the flags of serve after the parsing.
-void finishServe(const CLI::App& app, Settings& settings) {
+void finishServe(CLI::App& app, Settings& settings) {
   requireSource(settings.source);
   requireNetworkFlags(settings);
   if (isEdge(settings))
@@ -168,7 +168,8 @@ void addRelayCommand(CLI::App& program, Settings& settings) {
     settings.command = Command::kRelay;
     requireNetworkFlags(settings);
     if (!isEdge(settings))
-      throw CLI::ValidationError("--source", quote(settings.source) + " is not " + kNatsForm);
+      throw CLI::ValidationError("--source",
+                                 quote(hideUser(settings.source)) + " is not " + kNatsForm);
     settings.flags = listFlags(app);
   });
 }

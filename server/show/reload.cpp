@@ -83,6 +83,10 @@ std::optional<VisionSettings> Reloader::reload() {
     log_.error(read.error().message + "; the settings stay as they are");
     return std::nullopt;
   }
+  if (read.value().command != running_.command) {
+    log_.error("the configuration asks for another subcommand; start the server again for it");
+    return std::nullopt;
+  }
   const SettingsChange change = compareSettings(running_, read.value());
   adoptChanges(running_, read.value());
   spdlog::set_level(running_.quiet ? spdlog::level::warn : spdlog::level::info);

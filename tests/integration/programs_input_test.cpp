@@ -103,7 +103,7 @@ TEST_F(ProgramsInputTest, AServerThatSkipsFramesStillStartsEachRoundWithTheFirst
 
 TEST_F(ProgramsInputTest, HelpAndVersionOfBoth) {
   for (const char* program : {HAPTICAST_SERVER_PROGRAM, HAPTICAST_CLIENT_PROGRAM}) {
-    const auto help = start(program, {"--help"});
+    const auto help = start(program, {"--help-all"});
     EXPECT_EQ(help->wait(kSoon), 0);
     for (const char* flag : {"--method", "--config", "--quiet", "--version"})
       EXPECT_NE(help->output().find(flag), std::string::npos) << help->output();

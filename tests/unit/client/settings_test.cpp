@@ -258,6 +258,24 @@ TEST(ClientSettings, AFlagOfEarlierVersionsChoosesItsSubcommand) {
   if (kHasDiscovery) {
     EXPECT_EQ(choose({"--list"}), Command::kList);
   }
+  EXPECT_EQ(choose({"--list-devices", "--quiet"}), Command::kList);
+  EXPECT_EQ(choose({"--quiet", "check", "virtual"}), Command::kCheck) << "a flag of the program";
+  EXPECT_EQ(Probe::withConfig({{"list-devices", "off"}}).settings.command, Command::kTouch);
+  EXPECT_EQ(Probe::withConfig({{"list-devices", "on"}}).settings.command, Command::kList);
+}
+
+TEST(ClientSettings, BlamesTheConfigFileForItsOwnMistakesOnly) {
+  const auto blamed = [](const std::vector<std::string>& arguments) {
+    const Probe run = Probe::withConfig({{"quiet", "true"}}, arguments);
+    EXPECT_EQ(run.exit_code, 2) << arguments[0];
+    return run.error.find("program.conf") != std::string::npos;
+  };
+  EXPECT_FALSE(blamed({"replay", "run.txt"}));
+  EXPECT_FALSE(blamed({"check", "omni"}));
+  EXPECT_FALSE(blamed({"control", "foo"}));
+  EXPECT_FALSE(blamed({"--falcon-calibrate", "10"}));
+  const Probe own = Probe::withConfig({{"seconds", "never"}});
+  own.expectErrorWith({"program.conf", "--seconds"});
 }
 
 TEST(ClientSettings, OneConfigFileServesAllSubcommands) {

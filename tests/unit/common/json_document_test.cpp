@@ -77,6 +77,11 @@ TEST(JsonDocument, RefusesOtherTextsAndThoseBeyondALimit) {
   EXPECT_EQ(parsing("{\"a\": 1e999}"), "1:13: has a number that is too large");
   EXPECT_EQ(parsing("{\"a\":\n [[1]]}", {.most_levels = 2}), "2:4: has more than 2 levels");
   EXPECT_EQ(parsing("{\"a\": 1}", {.most_bytes = 7}), "1:1: has more than 7 bytes");
+  EXPECT_EQ(parsing(R"({"a/b": 1, "a": {"b": 2}})"), "accepted");
+  std::string members = "{\"" + std::string(1U << 20U, 'x') + "\": {\"a\": 0";
+  for (int i = 0; i < 100; ++i) members += ", \"" + std::to_string(i) + "\": 0";
+  EXPECT_NE(parsing(members + "}}", {.most_bytes = 2U << 20U}).find("too long names"),
+            std::string::npos);
   EXPECT_EQ(parsing("{\"a\": 1} x").substr(0, 2), "1:");
 }
 

@@ -89,7 +89,7 @@ TEST(SignedFrameGolden, IsDecodedAndHasAValidSignature) {
 }
 
 TEST(SignedFrameGolden, ThePageShowsKeyAndSignature) {
-  const auto page = testing::testsFolder() / "../proto/README.md";
+  const auto page = testing::testsFolder() / "../proto/frame.md";
   EXPECT_TRUE(testing::pageHas(page, toHex(testing::goldenSigningKey().verifyingKey())));
   Bytes bytes = testing::readGolden("signed_frame");
   const std::size_t frame_bytes = testing::readGolden("frame").size();

@@ -80,7 +80,8 @@ TEST_F(ReloadTest, ARemovedKeyReturnsToItsDefault) {
 TEST_F(ReloadTest, OtherChangesAreNamedAndWaitForTheNextStart) {
   Reloader reloader = start();
   writeConfig("stiffness = 0.5\nlisten = 7500\nmax-clients = 3\nmap-range = 500,900");
-  writeScene("\"points\": [\"9,9\"]");
+  (void)folder_.write("scene.json",
+                      R"({"version": 1, "objects": [{"name": "ball", "points": ["9,9"]}]})");
   const auto vision = reloader.reload();
   ASSERT_TRUE(vision.has_value());
   EXPECT_EQ(vision->map_range, std::nullopt);

@@ -264,6 +264,10 @@ TEST(ServerSettings, AFlagOfEarlierVersionsChoosesItsSubcommand) {
   const Probe both =
       Probe::withConfig({{"source", "nats://host/lab"}}, {"--source", "synthetic:still"});
   EXPECT_EQ(both.settings.command, Command::kServe) << "the flag wins over the file";
+  EXPECT_EQ(Probe::withConfig({{"source", "nats://host/lab"}}, {"a.mkv"}).settings.command,
+            Command::kServe)
+      << "and so does a source without a flag";
+  EXPECT_EQ(Probe({"nats://host/lab"}).settings.command, Command::kRelay);
 }
 
 TEST(ServerSettings, RefusesAFlagOfAnotherSubcommandWithItsName) {
