@@ -95,7 +95,7 @@ TEST(SignedFrameGolden, ThePageShowsKeyAndSignature) {
   const std::size_t frame_bytes = testing::readGolden("frame").size();
   EXPECT_TRUE(testing::pageHas(page, std::to_string(frame_bytes) + " bytes of `frame.hex`"));
   bytes.erase(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(frame_bytes));
-  EXPECT_EQ(testing::readBlockBehind(page, "### Signature"), bytes);
+  EXPECT_EQ(testing::readBlockBehind(page, "## Signature"), bytes);
 }
 
 }  // namespace

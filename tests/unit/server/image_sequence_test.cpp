@@ -130,21 +130,21 @@ TEST_F(ImageSequenceFolder, MetaMayGiveTheFieldOfViewInPlaceOfIntrinsics) {
   ASSERT_TRUE(source.info().camera);
   EXPECT_NEAR(source.info().camera->fx_px, 16.0, 1e-9);
   folder.write("meta.json", std::string(R"({"fov_deg": 5})"));
-  EXPECT_THAT(openError(), AllOf(HasSubstr("\"fov_deg\" is"), HasSubstr("from 10 to 170")));
+  EXPECT_THAT(openError(), AllOf(HasSubstr("'fov_deg' is no number"), HasSubstr("from 10 to 170")));
 }
 
 TEST_F(ImageSequenceFolder, BadMetaIsRefused) {
   fill();
   folder.write("meta.json", "{\"fps\": 30");
-  EXPECT_THAT(openError(), HasSubstr("meta.json: is not a JSON object"));
+  EXPECT_THAT(openError(), HasSubstr("meta.json:1:11: is no JSON"));
   folder.write("meta.json", "{\"fps\": 0}");
-  EXPECT_THAT(openError(), AllOf(HasSubstr("\"fps\" is '0'"), HasSubstr("1 to 240")));
+  EXPECT_THAT(openError(), AllOf(HasSubstr("'fps' is no number"), HasSubstr("1 to 240")));
   folder.write("meta.json", "{\"fps\": \"fast\"}");
-  EXPECT_THAT(openError(), HasSubstr("\"fps\" is 'fast'"));
+  EXPECT_THAT(openError(), HasSubstr("'fps' is no number"));
   folder.write("meta.json", "{\"depth_scale_m_per_unit\": -1}");
   EXPECT_THAT(openError(), HasSubstr("depth_scale_m_per_unit"));
   folder.write("meta.json", "{\"a\": " + std::string(1000, '['));
-  EXPECT_THAT(openError(), HasSubstr("is not a JSON object"));
+  EXPECT_THAT(openError(), HasSubstr("has more than 32 levels"));
 }
 
 TEST_F(ImageSequenceFolder, EightBitDepthOfAPlainFolderIsHeight) {
