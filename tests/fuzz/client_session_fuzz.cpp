@@ -95,7 +95,7 @@ Message makeMessage(Script& script) {
       return description;
     }
     default:
-      welcome.protocol_version += script.byte() / 250;
+      welcome.protocol_version += static_cast<std::uint32_t>(script.byte() / 250);
       welcome.description.workspace.width_px += script.byte();
       return welcome;
   }
