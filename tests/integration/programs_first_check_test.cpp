@@ -141,8 +141,7 @@ TEST_F(ProgramsFirstCheckTest, ASignalEndsTheRequestAndTheCheck) {
 TEST_F(ProgramsFirstCheckTest, WithoutATerminalTheClientNamesTheCommand) {
   const auto client = startWith("/dev/null");
   EXPECT_EQ(client->wait(kSoon), 1);
-  EXPECT_NE(client->output().find("run hapticast-client check standin first"),
-            std::string::npos)
+  EXPECT_NE(client->output().find("run hapticast-client check standin first"), std::string::npos)
       << client->output();
   EXPECT_EQ(trace_->most_N, 0.0);
   const auto command =
