@@ -25,10 +25,7 @@ void addCheckCommand(CLI::App& program, Settings& settings) {
       app, "--falcon-calibrate,--calibrate", settings.calibration_g, 50.0, 500.0, "GRAMS",
       "In place of the check: measure the gain of a Falcon with a known weight, step by step; "
       "the file of --config stores the gain, else the log shows it");
-  app.final_callback([&settings] {
-    settings.command = Command::kCheck;
-    if (settings.check_device.empty()) settings.check_device = "auto";
-  });
+  app.final_callback([&settings] { settings.command = Command::kCheck; });
 }
 
 void addListCommand(CLI::App& program, Settings& settings) {

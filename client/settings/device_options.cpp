@@ -123,11 +123,11 @@ void addDriverOptions(CLI::App& app, Settings& settings) {
 void addDeviceOptions(CLI::App& app, Settings& settings) {
   addDeviceKind(app, "--device", settings.device, deviceHelp());
   addDriverOptions(app, settings);
-  app.add_option(
-         "--hand", settings.hand,
-         "The motion of the virtual hand: press (default; push with 1 N, hold, release, "
-         "repeat), slide (over the object, 1 mm deep), follow (move with the object), free "
-         "(nobody holds the grip), or a CSV file of t_s,x_mm,y_mm,z_mm targets in nominal mm")
+  app.add_option("--hand", settings.hand,
+                 "The motion of the virtual hand: press (default; push with 1 N, hold, release, "
+                 "repeat), slide (over the object, 1 mm deep), follow (move with the object), free "
+                 "(the hand has released the grip), or a CSV file of t_s,x_mm,y_mm,z_mm targets in "
+                 "nominal mm")
       ->each([&settings](const std::string& /*name*/) { settings.hand_given = true; })
       ->type_name("press|slide|follow|free|FILE.csv")
       ->default_str(settings.hand);

@@ -46,8 +46,8 @@ struct Settings : ServerSettings {
   std::map<std::string, std::string> device_options;  ///< of --device-option KEY=VALUE
   bool list_servers = false;  ///< of no use by itself: the flag chooses the subcommand
   bool list_devices = false;
-  std::string check_device;    ///< kind of --check-device; empty: no check
-  double calibration_g = 0.0;  ///< weight of --falcon-calibrate in g; 0: no calibration
+  std::string check_device = "auto";  ///< kind that the subcommand check opens; auto: searches
+  double calibration_g = 0.0;         ///< weight of --falcon-calibrate in g; 0: no calibration
   DeliverySettings delivery;
   double max_delay_ms = 2000.0;  ///< largest playout delay
   SurfaceKind surface = SurfaceKind::kProxy;

@@ -13,18 +13,22 @@ namespace hapticast {
 
 namespace {
 
-bool isFlag(const std::string& word, std::string_view flag) {
-  return word.substr(0, word.find('=')) == flag;
+/// Returns the place of `flag` in `arguments`; their end: it is not there.
+template <class Arguments>
+auto findFlag(Arguments& arguments, std::string_view flag) {
+  return std::find_if(arguments.begin(), arguments.end(), [flag](const std::string& word) {
+    return word.substr(0, word.find('=')) == flag;
+  });
 }
 
-/// Returns the value of `flag` in `arguments`; nullopt: the flag is not there. A flag at the end
-/// has an empty value.
+/// Returns the value of `flag` in `arguments`; nullopt: the flag is not there. A switch by itself
+/// has the value "true". A flag at the end has an empty value.
 std::optional<std::string> findValue(const std::vector<std::string>& arguments,
-                                     std::string_view flag) {
-  const auto found = std::find_if(arguments.begin(), arguments.end(),
-                                  [flag](const auto& word) { return isFlag(word, flag); });
+                                     std::string_view flag, bool is_switch) {
+  const auto found = findFlag(arguments, flag);
   if (found == arguments.end()) return std::nullopt;
   if (found->size() > flag.size()) return found->substr(flag.size() + 1);
+  if (is_switch) return "true";
   return found + 1 == arguments.end() ? "" : *(found + 1);
 }
 
@@ -42,8 +46,7 @@ bool isChosen(const SubcommandFlag& each, const std::string& value, bool is_swit
 
 /// Moves `flag` with its value to the front of `arguments`, unless the value is missing.
 void moveToFront(std::vector<std::string>& arguments, std::string_view flag, bool is_switch) {
-  const auto begin = std::find_if(arguments.begin(), arguments.end(),
-                                  [flag](const auto& word) { return isFlag(word, flag); });
+  const auto begin = findFlag(arguments, flag);
   const bool is_next = !is_switch && begin->size() == flag.size();
   if (is_next && (begin + 1 == arguments.end() || (begin + 1)->starts_with("--"))) return;
   std::rotate(arguments.begin(), begin, begin + (is_next ? 2 : 1));
@@ -67,7 +70,7 @@ std::vector<std::string>::iterator findFirst(const CLI::App& app,
 std::vector<KeyValue> readConfig(const CLI::App& app, const std::vector<std::string>& arguments) {
   const CLI::Option* const option = app.get_config_ptr();
   if (option == nullptr) return {};
-  const auto given = findValue(arguments, "--config");
+  const auto given = findValue(arguments, "--config", false);
   const std::string file = given ? *given : option->get_default_str();
   std::error_code error;
   if (!std::filesystem::is_regular_file(file, error)) return {};
@@ -88,7 +91,7 @@ std::string_view findInConfig(const CLI::App& app, const SubcommandChoice& choic
   const std::vector<KeyValue> pairs = readConfig(app, arguments);
   for (const SubcommandFlag& each : choice.flags) {
     const bool is_given = !each.prefix.empty() && !first.empty() && !first.starts_with('-');
-    if (is_given || findValue(arguments, each.flag)) continue;
+    if (is_given || findFlag(arguments, each.flag) != arguments.end()) continue;
     const bool chooses = std::any_of(pairs.begin(), pairs.end(), [&](const KeyValue& pair) {
       return pair.key == each.flag.substr(2) && isChosen(each, pair.value, isSwitch(app, each));
     });
@@ -103,13 +106,9 @@ std::string_view findInArguments(const CLI::App& app, const SubcommandChoice& ch
                                  std::vector<std::string>& arguments, const std::string& first) {
   for (const SubcommandFlag& each : choice.flags) {
     if (!each.prefix.empty() && first.starts_with(each.prefix)) return each.subcommand;
-    const auto value = findValue(arguments, each.flag);
     const bool is_switch = isSwitch(app, each);
-    // The word behind a switch is no value of it.
-    const bool has_text = value && std::any_of(arguments.begin(), arguments.end(), [&](auto& word) {
-                            return word.starts_with(std::string(each.flag) + "=");
-                          });
-    if (!value || !isChosen(each, is_switch && !has_text ? "true" : *value, is_switch)) continue;
+    const auto value = findValue(arguments, each.flag, is_switch);
+    if (!value || !isChosen(each, *value, is_switch)) continue;
     moveToFront(arguments, each.flag, is_switch);
     return each.subcommand;
   }

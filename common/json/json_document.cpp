@@ -18,13 +18,6 @@ using Json = nlohmann::json;
 
 constexpr std::size_t kMostPlaces_bytes = std::size_t{64} << 20U;  // chosen
 
-/// Returns `name` as a part of a JSON pointer (RFC 6901).
-std::string escapePointer(const std::string& name) {
-  std::string out;
-  for (const char c : name) out += c == '~' ? "~0" : c == '/' ? "~1" : std::string(1, c);
-  return out;
-}
-
 /// Reads a text, and follows its lines and columns.
 class PlaceIterator {
  public:
@@ -99,8 +92,9 @@ class PlaceCollector {
   /// Stores the place of the present member, whose token has `size` bytes. `is_key`: it must be
   /// new.
   void store(bool is_key, std::size_t size) {
-    std::string path;
-    for (const Level& level : levels_) path += "/" + escapePointer(level.name);
+    Json::json_pointer pointer;
+    for (const Level& level : levels_) pointer /= level.name;
+    const std::string path = pointer.to_string();
     stored_bytes_ += path.size();
     if (stored_bytes_ > kMostPlaces_bytes) throw JsonError(now_, "has too many or too long names");
     const JsonPlace place{now_.line, std::max(1, now_.column - static_cast<int>(size))};
@@ -152,9 +146,10 @@ std::string jsonText(const Json& value) {
   return value.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-JsonObject::JsonObject(const JsonDocument& document) : JsonObject(document, document.root, "") {}
+JsonObject::JsonObject(const JsonDocument& document)
+    : JsonObject(document, document.root, Json::json_pointer()) {}
 
-JsonObject::JsonObject(const JsonDocument& document, const Json& object, std::string path)
+JsonObject::JsonObject(const JsonDocument& document, const Json& object, Json::json_pointer path)
     : document_(&document), object_(&object), path_(std::move(path)) {
   if (!object.is_object()) throw JsonError(place(), "is no JSON object {...}");
 }
@@ -168,7 +163,7 @@ const Json* JsonObject::read(const std::string& key) {
 JsonObject JsonObject::object(const std::string& key) {
   const Json* const value = read(key);
   if (value == nullptr || !value->is_object()) refuse(key, "is no JSON object {...}");
-  return {*document_, *value, path_ + "/" + escapePointer(key)};
+  return {*document_, *value, path_ / key};
 }
 
 std::vector<JsonObject> JsonObject::objects(const char* key, std::size_t most) {
@@ -178,7 +173,7 @@ std::vector<JsonObject> JsonObject::objects(const char* key, std::size_t most) {
     refuse(key, fmt::format("is no list with at most {} members", most));
   std::vector<JsonObject> objects;
   for (std::size_t i = 0; i < list->size(); ++i)
-    objects.push_back({*document_, (*list)[i], fmt::format("{}/{}/{}", path_, key, i)});
+    objects.push_back({*document_, (*list)[i], path_ / std::string(key) / i});
   return objects;
 }
 
@@ -227,7 +222,7 @@ std::optional<std::string> JsonObject::text(const char* key, std::size_t most_by
 }
 
 void JsonObject::refuse(const std::string& key, const std::string& what) const {
-  throw JsonError(find(path_ + "/" + escapePointer(key)), quote(key) + " " + what);
+  throw JsonError(find(path_ / key), quote(key) + " " + what);
 }
 
 void JsonObject::refuseChoice(const char* key, const std::vector<std::string>& names) const {
@@ -244,12 +239,12 @@ void JsonObject::refuseOthers(const char* what, const std::vector<std::string>& 
   }
 }
 
-JsonPlace JsonObject::find(std::string path) const {
+JsonPlace JsonObject::find(Json::json_pointer path) const {
   while (true) {
-    const auto found = document_->places.find(path);
+    const auto found = document_->places.find(path.to_string());
     if (found != document_->places.end()) return found->second;
     if (path.empty()) return {};
-    path.resize(path.rfind('/'));
+    path.pop_back();
   }
 }
 

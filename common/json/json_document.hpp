@@ -72,14 +72,15 @@ class JsonObject {
   void refuseOthers(const char* what, const std::vector<std::string>& others = {}) const;
 
  private:
-  JsonObject(const JsonDocument& document, const nlohmann::json& object, std::string path);
+  JsonObject(const JsonDocument& document, const nlohmann::json& object,
+             nlohmann::json::json_pointer path);
   [[noreturn]] void refuseChoice(const char* key, const std::vector<std::string>& names) const;
   /// Returns the place of the member `path`, or of the nearest one around it.
-  [[nodiscard]] JsonPlace find(std::string path) const;
+  [[nodiscard]] JsonPlace find(nlohmann::json::json_pointer path) const;
 
   const JsonDocument* document_;
   const nlohmann::json* object_;
-  std::string path_;
+  nlohmann::json::json_pointer path_;
   std::set<std::string> known_;
 };
 
