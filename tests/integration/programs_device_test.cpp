@@ -85,17 +85,24 @@ TEST_F(ProgramsDeviceTest, ADeviceLostInATrialOfAStudyMakesTheTrialVoidAndItCome
       startWith({"--study", study, "--subject", "1", "--out", path("out"), "--simulate",
                  "threshold=1", "--view", "off", "--device", "standin", "--device-option",
                  "trace=" + trace.file(), "--device-option", "fault=lost"});
-  ASSERT_TRUE(waitUntil(kSoon, [&] { return trace->force_N > 0.3; })) << client->output();
+  ASSERT_TRUE(client->says("trial 1 of 3", kSoon)) << client->output();
   trace->go = 1;
-  ASSERT_TRUE(client->says("the device does not answer: no force", kSoon)) << client->output();
+  const auto readEvents = [&] {
+    std::ifstream in(path("out/sub-1/motion/sub-1_task-lost_events.tsv"));
+    std::ostringstream events;
+    events << in.rdbuf();
+    return events.str();
+  };
+  ASSERT_TRUE(waitUntil(kSoon, [&] {
+    return countOccurrences("\tdevice_lost\t", readEvents()) > 0;
+  })) << client->output();
   trace->go = 0;
   EXPECT_EQ(client->wait(kSoon), 0) << client->output();
+  EXPECT_TRUE(client->says("the device does not answer: no force", kSoon)) << client->output();
   EXPECT_EQ(trace->force_N, 0.0);
-  std::ifstream in(path("out/sub-1/motion/sub-1_task-lost_events.tsv"));
-  std::ostringstream events;
-  events << in.rdbuf();
-  EXPECT_EQ(countOccurrences("\tdevice_lost\t", events.str()), 1U) << events.str();
-  EXPECT_EQ(countOccurrences("\tvalid\t", events.str()), 3U) << events.str();
+  const std::string events = readEvents();
+  EXPECT_EQ(countOccurrences("\tdevice_lost\t", events), 1U) << events;
+  EXPECT_EQ(countOccurrences("\tvalid\t", events), 3U) << events;
 }
 
 TEST_F(ProgramsDeviceTest, AHaltSwitchesTheSignOfADeviceThatHasOne) {
