@@ -11,6 +11,7 @@
 #include "client/device/calibrate.hpp"
 #include "client/device/falcon/falcon_settings.hpp"
 #include "client/device/open_device.hpp"
+#include "client/loop/realtime_thread.hpp"
 #include "common/cli/run_program.hpp"
 
 namespace hapticast::client {
@@ -53,6 +54,7 @@ int runDeviceCheck(const Settings& settings) {
   }
   stopAtSignals();
   spdlog::info("check: let go of the grip; the client pushes it six times, with 0.3 N for 0.12 s");
+  (void)requestRealtime();  // as the loop that touches
   const auto check = checkDevice(*device, clock, stop_command, logInfo);
   if (!check) return kDone;
   storeResult(*device, *check);
@@ -67,6 +69,7 @@ int runFalconCalibration(const Settings& settings) {
   stopAtSignals();
   const auto options = selectDriverOptions(settings.device_options, "falcon");
   const auto set = options.find("gain");
+  (void)requestRealtime();
   // The driver has checked it.
   const double used = set == options.end() ? kFalconGain : parseFalconGain(set->second).value();
   const auto gain = calibrate(*device, clock, used, settings.calibration_g, stop_command, logInfo);

@@ -40,6 +40,8 @@ constexpr double kLeastResponse_mm = 0.2;
 constexpr double kMostCount = 1.5;  // of the profile's count
 constexpr double kLeastMass = 0.8;  // of the profile's mass; the fit is exact to 15 %
 constexpr double kHeldMass = 3.0;   // of the profile's mass: a hand of 100 g and more
+constexpr const char* kTooBusy =
+    "check: this machine is too busy for the check; close other programs";
 constexpr std::array<const char*, 3> kAxisNames{"x (right)", "y (up)", "z (towards you)"};
 
 /// The check was stopped.
@@ -59,12 +61,17 @@ class CheckRun {
   void waitForRest() {
     const LocalTime until = clock_.now() + kStillPatience;
     int rest_ticks = 0;
+    bool was_late = false;
     Vec3 begin_mm = Vec3::Zero();
     while (rest_ticks < kStill_ticks) {
       if (clock_.now() > until)
-        throw std::runtime_error("check: the grip did not come to rest for a minute");
+        throw std::runtime_error(was_late ? kTooBusy
+                                          : "check: the grip did not come to rest for a minute");
       const bool fresh = tick(Vec3::Zero());
-      if (std::exchange(gap_, false)) rest_ticks = 0;
+      if (std::exchange(gap_, false)) {
+        was_late = was_late || rest_ticks > 0;
+        rest_ticks = 0;
+      }
       if (!fresh) continue;
       if (rest_ticks++ == 0) begin_mm = position_mm_;
       if ((position_mm_ - begin_mm).norm() > kStill_mm) rest_ticks = 0;
@@ -77,9 +84,7 @@ class CheckRun {
       const std::uint64_t reduced = countReduced();
       PushRecord record = pushOnce(axis, sign);
       if (!std::exchange(gap_, false) && countReduced() == reduced) return record;
-      if (++repeats_ > kMostRepeats)
-        throw std::runtime_error(
-            "check: this machine is too busy for the check; close other programs");
+      if (++repeats_ > kMostRepeats) throw std::runtime_error(kTooBusy);
       waitForRest();
     }
   }

@@ -56,6 +56,16 @@ PlantProfile grip(double mass_kg = 0.045, int delay_ticks = 1, double count_mm =
   return plant;
 }
 
+/// Returns the error that ends the check; "": none.
+std::string findError(CheckedGrip& checked) {
+  try {
+    (void)checked.check();
+    return "";
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+}
+
 TEST(CheckDevice, AFreeGripThatFitsItsProfilePasses) {
   PlantProfile damped = grip(0.1);
   damped.damping_Ns_m = 2.0;
@@ -145,6 +155,14 @@ TEST(CheckDevice, RepeatsAPushThatABusyMachineSpoils) {
   }
 }
 
+TEST(CheckDevice, NamesTheMachineThatLeavesTheGripNoRest) {
+  CheckedGrip busy(grip(), grip());
+  busy.device.wait = [&](LocalTime) {
+    busy.clock.advance(std::chrono::milliseconds(busy.device.forces_N.size() % 300 == 0 ? 12 : 1));
+  };
+  EXPECT_EQ(findError(busy), "check: this machine is too busy for the check; close other programs");
+}
+
 TEST(CheckDevice, EndsAtAStopAtALossAndAtARestlessGrip) {
   CheckedGrip stopped(grip(), grip());
   stopped.stop = true;
@@ -156,7 +174,7 @@ TEST(CheckDevice, EndsAtAStopAtALossAndAtARestlessGrip) {
                        .buttons = 0,
                        .time = restless.clock.now()};
   };
-  EXPECT_THROW((void)restless.check(), std::runtime_error);
+  EXPECT_EQ(findError(restless), "check: the grip did not come to rest for a minute");
   CheckedGrip lost(grip(), grip());
   lost.device.answer = [](const Vec3&) {
     DeviceState state;
