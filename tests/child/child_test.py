@@ -2,8 +2,8 @@
 """The user's own programs: --depth-from, --depth-cache and --mask-from with real programs, right and
 wrong ones, and what the recipes of deploy/examples share.
 
-HAPTICAST_SERVER is the program. HAPTICAST_ONNXRUNTIME is the folder of onnxruntime-node (npm); without
-it the test of ONNX Runtime is left out. Run it with Debian's python3 (python3-numpy, python3-pil).
+HAPTICAST_ONNXRUNTIME is the folder of onnxruntime-node (npm); without it the test of ONNX Runtime is
+left out. Run it with Debian's python3 (python3-numpy, python3-pil).
 """
 
 import collections
@@ -27,7 +27,6 @@ from PIL import Image
 TESTS = pathlib.Path(__file__).resolve().parent.parent
 EXAMPLES = TESTS.parent / "deploy" / "examples"
 TYPING_HANDS = TESTS / "data" / "typing_hands"
-SERVER = os.environ.get("HAPTICAST_SERVER", "build/release/server/hapticast-server")
 ONNXRUNTIME = pathlib.Path(
     os.environ.get("HAPTICAST_ONNXRUNTIME", "build/npm/node_modules/onnxruntime-node")).resolve()
 PYTHON = f"{sys.executable} -B"
@@ -37,7 +36,9 @@ LONGEST_S = 100  # only ends a test that has failed
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(EXAMPLES))
+sys.path.insert(0, str(TESTS / "support"))
 import hapticast_child  # pylint: disable=wrong-import-position
+from programs import SERVER  # pylint: disable=wrong-import-position
 
 Run = collections.namedtuple("Run", "code lines warnings errors")
 

@@ -42,7 +42,7 @@ class BadInput(support.BallTest):
                   "no pictures through the proxy")
         at = page.place()
         page.mouse("Moved", at)
-        page.wheel(at, 21)
+        page.press(at)
         page.wait_for_force()
 
     def test_an_answer_that_is_no_upgrade(self):

@@ -95,7 +95,7 @@ class Folder(support.PageTest):
         page = self.browser
         at = page.place()
         page.mouse("Moved", at)
-        page.wheel(at, 21)
+        page.press(at)
         page.wait_for_force()
 
     def seek(self):

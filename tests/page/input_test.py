@@ -33,7 +33,7 @@ class Fingers(support.BallTest):
         self.assertGreater(self.page.wait_for_force(), 0.1)
         self.page.wait("Math.hypot(...hapticast.report.force_N) > 0.9", "the press is not firm")
         self.page.fingers("End")
-        self.page.wait_for_force(most=True)
+        self.page.wait_for_no_force()
         self.page.wait("hapticast.report.hip_mm[2] > 30", "the tip is not lifted")
 
     def test_a_moving_finger_moves_the_tip(self):
@@ -55,7 +55,7 @@ class Fingers(support.BallTest):
         self.page.wait("hapticast.report.contact && hapticast.report.hip_mm[0] > 1.5",
                        "the pressed tip does not follow the finger")
         self.page.fingers("End")
-        self.page.wait_for_force(most=True)
+        self.page.wait_for_no_force()
 
     def test_two_fingers_pinch(self):
         x, y = self.page.place()
@@ -66,7 +66,7 @@ class Fingers(support.BallTest):
         self.page.wait_for_force()
         for step in range(12, -1, -1):
             self.page.fingers("Move", (x, y), (x + 200 - 12 * step, y))
-        self.page.wait_for_force(most=True)
+        self.page.wait_for_no_force()
         self.page.fingers("End")
 
     def test_the_button_presses_while_it_is_held(self):
@@ -77,7 +77,7 @@ class Fingers(support.BallTest):
         self.page.fingers("Start", point)
         self.page.wait_for_force()
         self.page.fingers("End")
-        self.page.wait_for_force(most=True)
+        self.page.wait_for_no_force()
 
 
 class Pen(support.BallTest):
@@ -95,7 +95,7 @@ class Pen(support.BallTest):
                   "more pressure is not more force")
         page.shoot("pen")
         page.mouse("Released", at, button="left", pointerType="pen", clickCount=1)
-        page.wait_for_force(most=True)
+        page.wait_for_no_force()
 
 
 class Gamepad(support.BallTest):
@@ -119,7 +119,7 @@ class Gamepad(support.BallTest):
         self.set("pad.axes[0] = 0.1; pad.axes[3] = -1")  # 0.1 is within the dead zone
         self.page.wait_for_force()
         self.set("pad.axes[3] = 1")
-        self.page.wait_for_force(most=True)
+        self.page.wait_for_no_force()
         self.set("pad.axes[3] = 0; pad.buttons[7] = {pressed: true, value: 1}")
         self.page.wait_for_force()
 
@@ -141,7 +141,7 @@ class Gamepad(support.BallTest):
         self.assertTrue(0 < effect["duration"] <= 200 and effect["strongMagnitude"] <= 1)
         self.page.wait("pulses.some(pulse => pulse > 0 && pulse <= 100)", "the phone does not vibrate")
         self.set("pad.buttons[7] = {pressed: false, value: 0}; pad.axes[3] = 1")
-        self.page.wait_for_force(most=True)
+        self.page.wait_for_no_force()
         self.page.wait("effects.at(-1)[0] === 'reset'", "the rumble does not end")
         self.page.wait("pulses.at(-1) === 0", "the vibration does not end")
         if not self.page.is_shown("panel"):

@@ -28,7 +28,7 @@ class Phone(support.BallTest):
         page.wait_for_force()
         page.shoot(f"phone-{width}x{height}")
         page.fingers("End")
-        page.wait_for_force(most=True)
+        page.wait_for_no_force()
         self.check_panel(width)
 
     def check_buttons(self):

@@ -12,7 +12,6 @@ import pathlib
 import re
 import shutil
 import signal
-import subprocess
 import sys
 import tempfile
 import unittest
@@ -24,13 +23,14 @@ except ImportError:
     webdriver = None
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "support"))
+from programs import SERVER, Program  # pylint: disable=wrong-import-position
 from waiting import SOON_S, wait_until  # pylint: disable=wrong-import-position
 
-SERVER = os.environ.get("HAPTICAST_SERVER", "build/release/server/hapticast-server")
 SHOTS = os.environ.get("HAPTICAST_PAGE_SHOTS")  # a folder for screenshots; without it there are none
 AXE = os.environ.get("HAPTICAST_AXE", "build/npm/node_modules/axe-core/axe.min.js")
 STILL = ["--source", "synthetic:still", "--loop", "--map-range", "520,620", "--motion", "none"]
 DEEP = 21  # notches of the wheel from the start (35 mm) to 10 mm below the top of this ball (24 mm)
+STATE = "[hapticast.status, hapticast.report, hapticast.stats]"
 SKIPPED = 77  # ctest's code for a test that was left out
 
 
@@ -54,48 +54,25 @@ def main(missing=""):
     unittest.main(verbosity=2)
 
 
-class Server:
+class Server(Program):
     """hapticast-server as a user runs it. `link` is the one that it prints."""
 
     def __init__(self, *arguments, listen="127.0.0.1:0"):
-        self.folder = tempfile.TemporaryDirectory(prefix="hapticast-page-")
-        self.log = pathlib.Path(self.folder.name, "log")
-        with self.log.open("w", encoding="utf-8") as log:
-            # pylint: disable-next=consider-using-with
-            self.process = subprocess.Popen(
-                [SERVER, *arguments, "--listen", listen], stdout=log, stderr=log,
-                env={**os.environ, "XDG_STATE_HOME": self.folder.name})
+        self.state = tempfile.TemporaryDirectory(prefix="hapticast-page-")
+        super().__init__(SERVER, *arguments, "--listen", listen,
+                         log=pathlib.Path(self.state.name, "log"),
+                         env={**os.environ, "XDG_STATE_HOME": self.state.name})
         try:
             self.link = self.wait_for(r"touch it in a browser: (\S+)") if "off" not in arguments else \
-                "http://" + self.wait_for(r"listening on ([\d.:]+)") + "/"
+                f"http://{self.address()}/"
         except BaseException:
             self.stop()
             raise
         self.port = int(re.search(r":(\d+)/", self.link)[1])
 
-    def output(self):
-        return self.log.read_text(encoding="utf-8")
-
-    def wait_for(self, pattern):
-        """Returns the first group (or the text) of `pattern` in the log."""
-        def find():
-            found = re.search(pattern, self.output())
-            if not found and self.process.poll() is not None:
-                raise AssertionError(f"the server has ended: {self.output()}")
-            return found
-        found = wait_until(find, lambda: f"no '{pattern}' in: {self.output()}", 60)
-        return found[1] if found.re.groups else found[0]
-
-    def end(self, number=signal.SIGINT):
-        """Ends the server; returns its exit code."""
-        self.process.send_signal(number)
-        return self.process.wait(SOON_S)
-
     def stop(self):
-        if self.process.poll() is None:
-            self.process.kill()
-            self.process.wait()
-        self.folder.cleanup()
+        super().stop()
+        self.state.cleanup()
 
 
 class Browser:
@@ -114,6 +91,7 @@ class Browser:
         self.driver = webdriver.Chrome(
             service=Service(shutil.which("chromedriver")), options=options)
         self.set_screen(width, height)
+        self.pressing = None
 
     def stop(self):
         with contextlib.suppress(Exception):
@@ -144,6 +122,7 @@ class Browser:
 
     def leave(self):
         """Leaves the page; forgets its settings and its errors."""
+        self.pressing = None
         self.driver.execute_script("if (location.host) localStorage.clear()")
         self.driver.get("about:blank")
         self.errors()
@@ -153,8 +132,7 @@ class Browser:
 
     def wait(self, script, what, seconds=SOON_S):
         """Waits until `script` is true; returns its value."""
-        describe = "[hapticast.status, hapticast.report, hapticast.stats]"
-        return wait_until(lambda: self.get(script), lambda: f"{what}: {self.get(describe)}", seconds)
+        return wait_until(lambda: self.get(script), lambda: f"{what}: {self.get(STATE)}", seconds)
 
     def wait_for_state(self, state, seconds=SOON_S):
         self.wait(f"window.hapticast?.status.state === '{state}'", f"the page is not {state}", seconds)
@@ -168,12 +146,32 @@ class Browser:
     def force_N(self):
         return math.hypot(*self.get("hapticast.report.force_N"))
 
-    def wait_for_force(self, most=False):
-        """Waits for a contact with more than 0.1 N; `most`: until there is none any more."""
+    def press_by(self, press, lift):
+        """Presses by the function `press`; `lift` takes it back."""
+        self.pressing = press, lift
+        press()
+
+    def wait_pressed(self, script, what):
+        """Waits as wait() does, while something presses. On a busy machine the page is late, the hand sinks too deep,
+        and there is no force until it has left the object: then it is lifted, and presses again."""
+        def find():
+            value = self.get(script)
+            if not value and self.pressing and "lift the tip" in self.get("hapticast.report.advice"):
+                press, lift = self.pressing
+                lift()
+                self.wait("!hapticast.report.advice.includes('lift the tip')", "the tip is not lifted")
+                press()
+            return value
+        return wait_until(find, lambda: f"{what}: {self.get(STATE)}")
+
+    def wait_for_force(self):
+        """Waits for a contact with more than 0.1 N. Returns the force."""
         force = "Math.hypot(...hapticast.report.force_N)"
-        if most:
-            return self.wait(f"{force} < 0.001 && !hapticast.report.contact", "the force stays")
-        return self.wait(f"hapticast.report.contact && {force} > 0.1 ? {force} : 0", "there is no force")
+        return self.wait_pressed(f"hapticast.report.contact && {force} > 0.1 ? {force} : 0", "there is no force")
+
+    def wait_for_no_force(self):
+        return self.wait("Math.hypot(...hapticast.report.force_N) < 0.001 && !hapticast.report.contact",
+                         "the force stays")
 
     def place(self, x_mm=0, y_mm=0, element="flat"):
         """Returns the point of the window where the flat picture has a nominal position."""
@@ -194,19 +192,11 @@ class Browser:
             self.mouse("Wheel", at, deltaX=0, deltaY=math.copysign(100, notches))
 
     def press(self, at, notches=DEEP):
-        """Presses by the wheel. On a busy machine the page is late, the hand sinks too deep, and there is no force
-        until it has left the object: then it is lifted, and presses again."""
-        def press_once():
-            self.wheel(at, notches)
-            self.wait("hapticast.report.contact || hapticast.report.advice.includes('lift the tip')"
-                      " || Math.abs(hapticast.report.hip_mm[2] - hapticast.stats.target_mm[2]) < 0.5",
-                      "the tip does not follow")
-            if "lift the tip" not in self.get("hapticast.report.advice"):
-                return True
-            self.wheel(at, -notches)
-            self.wait("!hapticast.report.advice.includes('lift the tip')", "the tip is not lifted")
-            return False
-        wait_until(press_once, "the page is late at each press")
+        """Presses by the wheel."""
+        self.press_by(lambda: self.wheel(at, notches), lambda: self.wheel(at, -notches))
+        self.wait_pressed("hapticast.report.contact || "
+                          "Math.abs(hapticast.report.hip_mm[2] - hapticast.stats.target_mm[2]) < 0.5",
+                          "the tip does not follow")
 
     def fingers(self, kind, *points):
         """Sends a touch event with the fingers that are down."""

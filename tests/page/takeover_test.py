@@ -1,15 +1,12 @@
 # SPDX-License-Identifier: MIT
 """A page at an edge, whose origin dies: the standby takes over, and the page goes on in the same connection."""
 
-import pathlib
-import re
 import shutil
 import signal
-import subprocess
-import tempfile
 import unittest
 
 import support
+from programs import start_nats
 
 SOURCE = ["--source", "synthetic:still", "--loop", "--map-range", "520,620"]
 
@@ -17,21 +14,10 @@ SOURCE = ["--source", "synthetic:still", "--loop", "--map-range", "520,620"]
 @unittest.skipUnless(shutil.which("nats-server"), "nats-server was not found")
 class Takeover(support.PageTest):
 
-    def start_nats(self):
-        """Returns the address of a NATS server."""
-        folder = tempfile.TemporaryDirectory(prefix="hapticast-nats-")
-        self.addCleanup(folder.cleanup)
-        log = pathlib.Path(folder.name, "log")
-        # pylint: disable-next=consider-using-with
-        nats = subprocess.Popen(["nats-server", "-a", "127.0.0.1", "-p", "-1", "-l", str(log)])
-        self.addCleanup(nats.wait)
-        self.addCleanup(nats.kill)
-        pattern = r"Listening for client connections on (\S+)"
-        return support.wait_until(lambda: log.exists() and re.search(pattern, log.read_text(encoding="utf-8")),
-                                  "nats-server does not start")[1]
-
     def test_takeover(self):
-        channel = f"nats://{self.start_nats()}/page"
+        nats, address = start_nats()
+        self.addCleanup(nats.stop)
+        channel = f"nats://{address}/page"
         origin = self.serve(*SOURCE, "--publish", channel)
         origin.wait_for("streaming")
         standby = self.serve(*SOURCE, "--publish", channel)

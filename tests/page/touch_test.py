@@ -91,15 +91,15 @@ class Touch(support.BallTest):
 
     def test_wheel_presses_and_lifts(self):
         at = self.press()
-        self.page.wait("hapticast.report.penetration_mm > 2", "the tip is not inside")
+        self.page.wait_pressed("hapticast.report.penetration_mm > 2", "the tip is not inside")
         self.assertGreater(self.page.wait_for_force(), 0.1)
         self.page.shoot("contact")
         self.check_drawn_tips()
-        self.page.wait("document.getElementById('advice').innerText.startsWith('in contact')",
-                       "the page does not say that it is in contact")
+        self.page.wait_pressed("document.getElementById('advice').innerText.startsWith('in contact')",
+                               "the page does not say that it is in contact")
         self.assertGreater(float(self.page.text("force-text").split()[0]), 0.1)
         self.page.wheel(at, -support.DEEP)
-        self.page.wait_for_force(most=True)
+        self.page.wait_for_no_force()
 
     def check_drawn_tips(self):
         """The tip is drawn at the contact: on the surface, while the hand is below it."""
@@ -111,9 +111,8 @@ class Touch(support.BallTest):
 
     def test_a_press_at_the_side_pushes_aside(self):
         self.press(10, 0)
-        self.page.wait("hapticast.report.contact && hapticast.report.force_N[0] > 0.02",
-                       "the force does not point away from the ball's middle")
-        self.assertGreater(self.page.get("hapticast.report.force_N[2]"), 0)
+        self.page.wait_pressed("(f => hapticast.report.contact && f[0] > 0.02 && f[2] > 0)(hapticast.report.force_N)",
+                               "the force does not point away from the ball's middle")
 
     def test_beside_the_ball_is_nothing(self):
         self.press(40, 20)
@@ -125,14 +124,20 @@ class Touch(support.BallTest):
     def test_drag_presses_in_place(self):
         x, y = at = self.page.place()
         self.page.mouse("Moved", at)
-        self.page.mouse("Pressed", at, button="left", buttons=1, clickCount=1)
-        for step in range(1, 11):
-            self.page.mouse("Moved", (x, y + 20 * step), button="left", buttons=1)
+
+        def drag():
+            self.page.mouse("Pressed", at, button="left", buttons=1, clickCount=1)
+            for step in range(1, 11):
+                self.page.mouse("Moved", (x, y + 20 * step), button="left", buttons=1)
+
+        def lift():
+            self.page.mouse("Released", (x, y + 200), button="left", clickCount=1)
+            self.page.driver.find_element("id", "flat").send_keys(Keys.HOME)
+        self.page.press_by(drag, lift)
         self.page.wait_for_force()
         self.assertLess(math.hypot(*self.page.get("hapticast.stats.target_mm")[:2]), 0.5)
-        self.page.mouse("Released", (x, y + 200), button="left", clickCount=1)
-        self.page.driver.find_element("id", "flat").send_keys(Keys.HOME)
-        self.page.wait_for_force(most=True)
+        lift()
+        self.page.wait_for_no_force()
         self.assertEqual(self.page.get("hapticast.stats.target_mm[2]"), 35)
 
     def test_a_warning_moves_no_picture(self):
@@ -167,11 +172,14 @@ class Touch(support.BallTest):
 
     def test_keyboard_alone_reaches_contact(self):
         keys = ActionChains(self.page.driver)
-        keys.key_down("c").perform()
+
+        def lift():
+            keys.key_up("c").perform()
+            keys.send_keys(Keys.HOME).perform()
+        self.page.press_by(lambda: keys.key_down("c").perform(), lift)
         self.page.wait_for_force()
-        keys.key_up("c").perform()
-        keys.send_keys(Keys.HOME).perform()
-        self.page.wait_for_force(most=True)
+        lift()
+        self.page.wait_for_no_force()
         keys.key_down("h").perform()
         self.page.wait("hapticast.report.hip_mm[0] > 20", "the tip does not move to the right")
         keys.key_up("h").perform()
@@ -193,10 +201,11 @@ class Touch(support.BallTest):
         keys.send_keys(Keys.F2).perform()
         self.assertNotEqual(self.page.is_shown("panel"), was_open)
         keys.send_keys(Keys.F2).perform()
-        keys.key_down(Keys.SPACE).perform()  # on the button "hold to press"
+        press, lift = (lambda: keys.key_down(Keys.SPACE).perform(), lambda: keys.key_up(Keys.SPACE).perform())
+        self.page.press_by(press, lift)  # on the button "hold to press"
         self.page.wait_for_force()
-        keys.key_up(Keys.SPACE).perform()
-        self.page.wait_for_force(most=True)
+        lift()
+        self.page.wait_for_no_force()
 
     def test_switches_of_the_force(self):
         self.press()
@@ -204,8 +213,8 @@ class Touch(support.BallTest):
         keys = ActionChains(self.page.driver)
         keys.send_keys("s").perform()
         self.page.wait("Math.hypot(...hapticast.report.force_N) < 0.01", "S leaves the static force on")
-        self.page.wait("document.getElementById('advice').innerText.includes('press S')",
-                       "the page does not say what to do")
+        self.page.wait_pressed("document.getElementById('advice').innerText.includes('press S')",
+                               "the page does not say what to do")
         keys.send_keys("s" + Keys.HOME).perform()
         self.page.wait("hapticast.report.hip_mm[2] > 30", "Home does not lift")
         self.assertEqual(self.page.force_N(), 0)

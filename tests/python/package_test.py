@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Tests of the Python package. PYTHONPATH has the package; REFERENCE_RUN is the program beside this
-file; HAPTICAST_SERVER and HAPTICAST_CLIENT are the programs."""
+file."""
 
 import gc
 import os
@@ -18,6 +18,7 @@ import numpy as np
 import hapticast
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "support"))
+from programs import CLIENT, SERVER, Program  # pylint: disable=wrong-import-position
 from waiting import SOON_S, wait_until  # pylint: disable=wrong-import-position
 
 
@@ -320,25 +321,19 @@ class Recordings(unittest.TestCase):
         own = {name: text for name, text in os.environ.items() if name != "LD_PRELOAD"}
         cls.server, cls.client = (os.path.join(cls.folder.name, name)
                                   for name in ("server.mcap", "client.mcap"))
-        server = subprocess.Popen(
-            [os.environ["HAPTICAST_SERVER"], "--source", "synthetic:bounce", "--loop", "--listen",
-             "127.0.0.1:0", "--map-range", "520,620", "--record", cls.server],
-            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=own)
-        address = next(line.split("listening on ")[1].split(";")[0] for line in server.stdout
-                       if "listening on " in line)
+        server = Program(SERVER, "--source", "synthetic:bounce", "--loop", "--listen", "127.0.0.1:0",
+                         "--map-range", "520,620", "--record", cls.server, env=own)
+        cls.addClassCleanup(server.stop)
         log = pathlib.Path(cls.folder.name, "log.csv")
-        client = subprocess.Popen(
-            [os.environ["HAPTICAST_CLIENT"], address, "--device", "virtual", "--hand", "press",
-             "--view", "off", "--log", log, "--record", cls.client],
-            env=own, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        client = Program(CLIENT, server.address(), "--device", "virtual", "--hand", "press", "--view", "off",
+                         "--log", log, "--record", cls.client, env=own)
+        cls.addClassCleanup(client.stop)
         wait_until(lambda: is_touched(log), lambda: "the client touches nothing")
         for path in (cls.server, cls.client):
             wait_until(lambda: has_frames(path), lambda: f"{path} has too few frames")
-        client.send_signal(signal.SIGINT)
-        if client.wait(SOON_S) != 0:
-            raise AssertionError(f"the client ended with {client.returncode}")
-        server.send_signal(signal.SIGINT)
-        server.communicate(timeout=SOON_S)
+        for program in (client, server):
+            if program.end() != 0:
+                raise AssertionError(program.output())
 
     @classmethod
     def tearDownClass(cls):

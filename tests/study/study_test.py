@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A study as a lab runs it: start, answers, results. HAPTICAST_SERVER and HAPTICAST_CLIENT are the
-programs. The group `window` needs Xvfb and xdotool; it stores its screenshots in STUDY_PICTURES."""
+"""A study as a lab runs it: start, answers, results. The group `window` needs Xvfb and xdotool; it stores its screenshots in STUDY_PICTURES."""
 
 import contextlib
 import json
@@ -16,10 +15,9 @@ import tempfile
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "support"))
+from programs import CLIENT, SERVER, Program  # pylint: disable=wrong-import-position
 from waiting import SOON_S, wait_until  # pylint: disable=wrong-import-position
 
-CLIENT = os.environ["HAPTICAST_CLIENT"]
-SERVER = os.environ["HAPTICAST_SERVER"]
 COLUMNS = ["onset", "duration", "trial_type", "trial", "condition", "comparison_interval", "level",
            "answer", "is_correct", "response_time", "status", "wall_clock"]
 # Columns and keys of BIDS 1.9.0, Motion: required ones, and values of the types of channels.
@@ -73,7 +71,7 @@ class Markers:
             with contextlib.suppress(BlockingIOError):
                 while left > 0 and self.socket.recv(1000, socket.MSG_DONTWAIT):
                     left -= 1
-            return left == 0 or client.poll() is not None
+            return left == 0 or client.process.poll() is not None
         wait_until(is_done, lambda: f"{left} of {events} events did not come")
 
     def wait_for(self, words):
@@ -105,6 +103,11 @@ class StudyTest(unittest.TestCase):
         return [CLIENT, "--study", self.folder / study, "--subject", subject, "--out", self.folder / out,
                 "--device", device, *simulated, *flags]
 
+    def start_program(self, command, **options):
+        program = Program(*command, **options)
+        self.addCleanup(program.stop)
+        return program
+
     def run_client(self, *args, **named):
         return subprocess.run(self.command(*args, **named), capture_output=True, text=True, timeout=10 * SOON_S)
 
@@ -134,16 +137,13 @@ class Run(StudyTest):
             begun = (self.folder / "killed/sub-07/motion/sub-07_task-test_events.tsv").exists()
             with Markers() as markers:
                 flags = [*(["--resume"] if begun else []), *markers.flags()]
-                client = subprocess.Popen(self.command("killed", *flags),
-                                          stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+                client = self.start_program(self.command("killed", *flags))
                 # A trial has four events. The pauses of the wait make the moment between two of them random.
                 markers.count(moments.randrange(8), client)
-            if begun and client.poll() is not None:
-                _, errors = client.communicate()
-                self.assertEqual(client.returncode, 0, errors)
+            if begun and client.process.poll() is not None:
+                self.assertEqual(client.process.returncode, 0, client.output())
                 break  # complete
-            client.kill()
-            client.communicate()
+            client.stop()
             kills += 1
         rest = self.run_client("killed", "--resume")
         self.assertEqual(rest.returncode, 0, rest.stderr)
@@ -154,12 +154,10 @@ class Run(StudyTest):
     def test_a_signal_ends_with_the_force_at_zero_and_the_rest_waits(self):
         self.write(make_study(**RATING, defaults={"recording": "ball.mcap", "seconds": 1}))
         with Markers() as markers:
-            client = subprocess.Popen(self.command("signal", *markers.flags()), stderr=subprocess.PIPE, text=True)
+            client = self.start_program(self.command("signal", *markers.flags()))
             markers.wait_for("trial 2 interval")
-        client.send_signal(signal.SIGINT)
-        _, errors = client.communicate(timeout=SOON_S)
-        self.assertEqual(client.returncode, 1)
-        self.assertIn("trials are left: continue with --resume", errors)
+        self.assertEqual(client.end(), 1)
+        self.assertIn("trials are left: continue with --resume", client.output())
         motion = self.folder / "signal/sub-07/motion/sub-07_task-test_tracksys-haptic_motion.tsv"
         last = motion.read_text().splitlines()[-1].split("\t")
         self.assertEqual([float(value) for value in last[4:7]], [0.0, 0.0, 0.0])
@@ -198,21 +196,12 @@ class Run(StudyTest):
         self.assertIn("all forces have the recorded bits", replay.stdout)
 
     def test_a_server_is_a_source_as_well(self):
-        server = subprocess.Popen([SERVER, "--source", "synthetic:bounce", "--listen", "127.0.0.1:0"],
-                                  stderr=subprocess.PIPE, text=True)
-        try:
-            line = ""
-            while "listening on " not in line:
-                line = server.stderr.readline()
-            address = line.split("listening on ")[1].split(";")[0].strip()
-            self.write(make_study(**RATING, blocks=1, training=0, defaults={"seconds": 0.3}, conditions=[
-                {"name": "live", "server": address}, {"name": "baked", "recording": "ball.mcap"}]))
-            done = self.run_client("live")
-            self.assertEqual(done.returncode, 0, done.stderr)
-            self.assertEqual([row["status"] for row in self.read_rows("live")], ["valid", "valid"])
-        finally:
-            server.terminate()
-            server.communicate()
+        server = self.start_program([SERVER, "--source", "synthetic:bounce", "--listen", "127.0.0.1:0"])
+        self.write(make_study(**RATING, blocks=1, training=0, defaults={"seconds": 0.3}, conditions=[
+            {"name": "live", "server": server.address()}, {"name": "baked", "recording": "ball.mcap"}]))
+        done = self.run_client("live")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual([row["status"] for row in self.read_rows("live")], ["valid", "valid"])
 
 
 class Refusals(StudyTest):
@@ -382,10 +371,8 @@ class Window(StudyTest):
 
     def start(self, out):
         """Starts the client, and waits for the consent."""
-        client = subprocess.Popen(
-            self.command(out, "--view", "on", *self.markers.flags(), simulate=None, device="mouse"),
-            stderr=subprocess.PIPE, text=True, env=self.environment)
-        self.addCleanup(client.kill)
+        client = self.start_program(
+            self.command(out, "--view", "on", *self.markers.flags(), simulate=None, device="mouse"), env=self.environment)
         self.wait_for_prompt()
         return client
 
@@ -425,8 +412,7 @@ class Window(StudyTest):
 
     def finish(self, client, picture=None):
         self.go_on(picture)  # after the thanks
-        _, errors = client.communicate(timeout=SOON_S)
-        self.assertEqual(client.returncode, 0, errors)
+        self.assertEqual(client.process.wait(SOON_S), 0, client.output())
 
     def go_on(self, picture=None):
         """Waits for the next prompt and confirms it."""
@@ -532,10 +518,8 @@ class Window(StudyTest):
         client = self.start("closed")
         self.press("1")
         self.wait_for_prompt()
-        client.terminate()
-        _, errors = client.communicate(timeout=SOON_S)
-        self.assertEqual(client.returncode, 1)
-        self.assertIn("3 trials are left", errors)
+        self.assertEqual(client.end(signal.SIGTERM), 1)
+        self.assertIn("3 trials are left", client.output())
 
 
 if __name__ == "__main__":

@@ -25,10 +25,6 @@ def start_relays(lab, edges, *flags):
     return nats, origin, made
 
 
-def address(server):
-    return "{}:{}".format(*server.address())
-
-
 def behind_ms(direct, edge, after_ns=0, before_ns=1 << 62):
     """Returns how much later than at the origin's own port each frame arrived through an edge."""
     return [1e-6 * (edge.arrivals_ns[frame] - at_ns) for frame, at_ns in direct.arrivals_ns.items()
@@ -63,12 +59,12 @@ def measure_delay_and_cost(build, out, viewers=200, rounds=4, seconds=8):
         costs = []
         for i in range(rounds):
             plain_alone, edge_alone = use_cpu([plain, edge], seconds)
-            crowds = [lab.viewers(f"viewers {i} {name}", address(server), viewers, seconds + 6)
+            crowds = [lab.viewers(f"viewers {i} {name}", server.address(), viewers, seconds + 6)
                       for name, server in (("plain", plain), ("edge", edge))]
             time.sleep(4)  # all have joined
             plain_used, edge_used = use_cpu([plain, edge], seconds)
             for crowd in crowds:
-                crowd.popen.wait(60)
+                crowd.process.wait(60)
             resting = [thread for thread, used_s in plain_alone.items() if used_s < 0.005 * seconds]
             plain_s = sum(plain_used[thread] - plain_alone[thread] for thread in resting)
             costs.append([1e6 * used_s / (FPS * seconds * viewers)
@@ -89,11 +85,11 @@ def measure_crowd(build, out, seconds=20, rounds=2):
         plain.wait_for("streaming")
         for i in range(rounds):
             for what, servers in (("two edges", edges), ("one server", [plain])):
-                crowds = [lab.viewers(f"{what} {i} {k}", address(server), 2000 // len(servers), seconds)
+                crowds = [lab.viewers(f"{what} {i} {k}", server.address(), 2000 // len(servers), seconds)
                           for k, server in enumerate(servers)]
                 for crowd in crowds:
-                    crowd.popen.wait(seconds + 120)
-                    line = next((line for line in crowd.text().splitlines() if "viewers: got" in line), crowd.text())
+                    crowd.process.wait(seconds + 120)
+                    line = next((line for line in crowd.output().splitlines() if "viewers: got" in line), crowd.output())
                     found = re.search(r"(\d+) viewers: got (\d+) of (\d+) frames .*?(\d+) MB/s.*p50 ([\d.]+), p99 ([\d.]+)",
                                       line)
                     count, got, expected, rate_MB_s, p50_ms, p99_ms = found.groups()
@@ -109,10 +105,10 @@ def measure_stall(build, out, seconds=20):
         direct, through = Viewer(origin.address()), Viewer(edge.address())
         watch([direct, through], seconds)
         stopped_ns = time.monotonic_ns()
-        stalled.send(signal.SIGSTOP)
+        stalled.process.send_signal(signal.SIGSTOP)
         watch([direct, through], seconds)
         continued_ns = time.monotonic_ns()
-        stalled.send(signal.SIGCONT)
+        stalled.process.send_signal(signal.SIGCONT)
         watch([direct, through], seconds / 2)
         parts = {"before": (0, stopped_ns), "during": (stopped_ns, continued_ns), "after": (continued_ns, 1 << 62)}
         rows = []
@@ -123,7 +119,7 @@ def measure_stall(build, out, seconds=20):
             least_ms = min(1e-6 * (at - through.media_ns[frame]) for frame, at in through.arrivals_ns.items())
             rows.append({"part": name, **figures(behind_ms(direct, through, *part)),
                          "p99_since_capture_ms": round(quantile(delays_ms, 0.99) - least_ms, 2)})
-        print("  log of the stalled edge: " + stalled.text().strip().splitlines()[-1])
+        print("  log of the stalled edge: " + stalled.output().strip().splitlines()[-1])
         return rows
 
 
@@ -139,9 +135,9 @@ def measure_clocks(build, out, edges=8):
                 edge = lab.server(f"edge{seed}", "--source", f"nats://{to_nats}/bench")
                 edge.wait_for("streaming")
                 servers.append(edge)
-                to_edge = add_link(lab, f"to_edge{seed}", address(edge), 100 + seed)
+                to_edge = add_link(lab, f"to_edge{seed}", edge.address(), 100 + seed)
                 clients.append(lab.client(f"client{seed}", to_edge, "--seconds", seconds))
-            clients.append(lab.client("direct", address(origin), "--seconds", seconds))
+            clients.append(lab.client("direct", origin.address(), "--seconds", seconds))
             servers.append(origin)
             time.sleep(seconds - 1)
             viewers = [Viewer(server.address()) for server in servers]
@@ -149,8 +145,8 @@ def measure_clocks(build, out, edges=8):
             # Without a link between them, the quickest ping shows a server's media clock to some microseconds.
             clocks_us = [min(viewer.pongs)[1] / 1e3 for viewer in viewers]
             for client in clients:
-                if client.popen.wait(seconds + 30) != 0:
-                    raise RuntimeError(client.text())
+                if client.process.wait(seconds + 30) != 0:
+                    raise RuntimeError(client.output())
             summaries = [json.loads((out / f"{name}.json").read_text())
                          for name in [*(f"client{seed}" for seed in range(1, edges + 1)), "direct"]]
         true_us = summaries[-1]["clock_offset_us"]
@@ -168,8 +164,7 @@ def add_link(lab, name, server, seed):
     """Returns the address of a link to a server: 10 ms, and up to 20 ms on top, each way."""
     link = lab.start(name, lab.build / "tests/hapticast-link", "--listen", "127.0.0.1:0", "--server", server,
                      "--delay", 10, "--jitter", 20, "--seed", seed, "--quiet")
-    link.wait_for("; Ctrl-C")
-    return link.text().split("relaying ")[1].split(" to ")[0]
+    return link.wait_for("relaying (.*) to .*; Ctrl-C")
 
 
 COSTS = {"e": measure_delay_and_cost, "f": measure_crowd, "g": measure_stall, "h": measure_clocks}

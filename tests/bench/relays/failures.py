@@ -78,7 +78,7 @@ def kill_node(network):
     node = network.node_at[network.lab.nats_of("origin1")]
     print(f"  {node} is killed; the active origin is connected to it, and of the edges "
           + ", ".join(str(i) for i in range(1, 7) if network.node_at[network.lab.nats_of(f"edge{i}")] == node))
-    network.nodes[node].send(signal.SIGKILL)
+    network.nodes[node].end(signal.SIGKILL)
     return time.monotonic()
 
 
@@ -98,7 +98,7 @@ def part_sides(network):
 
 
 def kill_origin(network):
-    network.origins[0].send(signal.SIGKILL)
+    network.origins[0].end(signal.SIGKILL)
     return time.monotonic()
 
 
@@ -164,14 +164,14 @@ def run_failure(letter, build, out):
         back_from_s = fail(network)
         time.sleep(AFTER_s)
         for client in network.clients.values():
-            client.send(signal.SIGTERM)
+            client.process.send_signal(signal.SIGTERM)
         for name, client in network.clients.items():
-            if client.popen.wait(10) != 0:
-                raise RuntimeError(f"{name} has failed: {client.text()}")
+            if client.process.wait(10) != 0:
+                raise RuntimeError(f"{name} has failed: {client.output()}")
         for viewers in network.viewers:
-            if viewers.popen.wait(30) != 0:
-                print("  test viewers: " + viewers.text().strip().splitlines()[-1])
-        changes = [edge.text().count("another origin sends from now on") for edge in network.edges]
+            if viewers.process.wait(30) != 0:
+                print("  test viewers: " + viewers.output().strip().splitlines()[-1])
+        changes = [edge.output().count("another origin sends from now on") for edge in network.edges]
         print(f"  changes of the origin at the edges: {changes}")
         rows = []
         for name in network.clients:

@@ -12,7 +12,7 @@ import struct
 import threading
 import time
 
-from costs import address, behind_ms, start_relays
+from costs import behind_ms, start_relays
 from lab import Lab, Viewer, quantile, watch
 
 PING = b"\x08\x03\x11" + struct.pack("<q", 1)  # protocol_version 3, t0_ns
@@ -75,7 +75,7 @@ def measure_floods(build, out):
     for number, (name, flood) in enumerate(FLOODS.items()):
         with Lab(build, out) as lab:
             nats, origin, edges = start_relays(lab, 2)
-            client = lab.client(f"client{number}", address(edges[1]), "--transport", "udp")
+            client = lab.client(f"client{number}", edges[1].address(), "--transport", "udp")
             client.wait_for("connected: ")
             direct, through = Viewer(origin.address()), Viewer(edges[0].address())
             watch([direct, through], 4.0)
@@ -87,7 +87,7 @@ def measure_floods(build, out):
                 running.stop()
             end_ns = time.monotonic_ns()
             watch([direct, through], 1.0)
-            client.finish()
+            client.end()
             summary = json.loads((out / f"client{number}.json").read_text())
             during = {frame for frame, at_ns in direct.arrivals_ns.items() if begin_ns <= at_ns < end_ns}
             delays_ms = behind_ms(direct, through, begin_ns, end_ns)

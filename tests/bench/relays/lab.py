@@ -5,56 +5,28 @@ All hosts are on one network of two bridges. The link between the bridges can be
 """
 import os
 import select
-import signal
 import socket
 import struct
 import subprocess
+import sys
 import time
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
+from programs import Program, start_nats  # pylint: disable=wrong-import-position
 
-class Process:
-    """A program whose output goes to a file. close() kills it."""
 
-    def __init__(self, log, command):
-        self.log = log
+class Process(Program):
+    """A program with the time of its start and its processor time."""
+
+    def __init__(self, *command, **options):
         self.started_s = time.monotonic()
-        with open(log, "w") as out:
-            self.popen = subprocess.Popen(command, stdout=out, stderr=subprocess.STDOUT)
-
-    def text(self):
-        return self.log.read_text(errors="replace")
-
-    def wait_for(self, text, seconds=20):
-        end = time.monotonic() + seconds
-        while text not in self.text():
-            if self.popen.poll() is not None or time.monotonic() > end:
-                raise RuntimeError(f"{self.log}: no line with '{text}'")
-            time.sleep(0.05)
-
-    def address(self):
-        """Returns host and port of a server that listens on loopback."""
-        self.wait_for("listening on ")
-        host, port = self.text().split("listening on ")[1].split(";")[0].split(":")
-        return host, int(port)
-
-    def send(self, number):
-        self.popen.send_signal(number)
-
-    def finish(self, seconds=10):
-        """Ends the program with SIGTERM. Returns its exit code."""
-        self.send(signal.SIGTERM)
-        return self.popen.wait(seconds)
+        super().__init__(*command, **options)
 
     def cpu_s(self):
         """Returns the processor time of each thread so far."""
-        tasks = Path(f"/proc/{self.popen.pid}/task").iterdir()
+        tasks = Path(f"/proc/{self.process.pid}/task").iterdir()
         return {task.name: int((task / "schedstat").read_text().split()[0]) * 1e-9 for task in tasks}
-
-    def close(self):
-        if self.popen.poll() is None:
-            self.popen.kill()
-        self.popen.wait()
 
 
 class Lab:
@@ -73,13 +45,13 @@ class Lab:
 
     def __exit__(self, *_):
         for process in self.processes:
-            process.close()
+            process.stop()
         for host in [*self.hosts, "net"]:
             subprocess.run(["ip", "netns", "del", self.prefix + host], stderr=subprocess.DEVNULL)
 
     def start(self, name, *command, host=None):
         where = ["ip", "netns", "exec", self.prefix + host] if host else []
-        process = Process(self.out / f"{name}.log", [*where, *map(str, command)])
+        process = Process(*where, *command, log=self.out / f"{name}.log")
         self.processes.append(process)
         return process
 
@@ -97,9 +69,9 @@ class Lab:
 
     def nats(self):
         """Starts a nats-server on loopback. Returns host:port."""
-        nats = self.start("nats", "nats-server", "-a", "127.0.0.1", "-p", "-1")
-        nats.wait_for("Server is ready")
-        return nats.text().split("Listening for client connections on ")[1].split()[0]
+        nats, address = start_nats(log=self.out / "nats.log")
+        self.processes.append(nats)
+        return address
 
     # Hosts.
 
@@ -157,7 +129,8 @@ class Viewer:
     """A viewer by TCP that notes when each frame arrives."""
 
     def __init__(self, address):
-        self.socket = socket.create_connection(address)
+        host, port = address.split(":")
+        self.socket = socket.create_connection((host, int(port)))
         self.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self.data = bytearray()
         self.arrivals_ns = {}  # by frame id

@@ -62,20 +62,19 @@ def start_servers(lab, name, stopped):
         channel = f"nats://{lab.nats()}/stall"
         servers = [lab.server(f"{name}.server", *flags, "--publish", channel),
                    lab.server(f"{name}.edge", "--source", channel)]
-    host, port = servers[-1].address()
-    return servers, f"{host}:{port}"
+    return servers, servers[-1].address()
 
 
 def stop(lab, process, seconds):
     """Stops a program, or without one the network. Returns the true length."""
     begin_s = time.monotonic()
     if process:
-        process.send(signal.SIGSTOP)
+        process.process.send_signal(signal.SIGSTOP)
     else:
         lab.set_link("between1", False)
     time.sleep(seconds)
     if process:
-        process.send(signal.SIGCONT)
+        process.process.send_signal(signal.SIGCONT)
     else:
         lab.set_link("between1", True)
     return time.monotonic() - begin_s
@@ -94,9 +93,9 @@ def run(lab, name, stopped, transport, stop_s):
     stopped_s = stop(lab, {"server": servers[-1], "edge": servers[-1], "client": client}.get(stopped), stop_s)
     time.sleep(AFTER_s + (2.0 if stop_s > 2.0 else 0.0))
     end_s = time.monotonic()
-    client.finish()
+    client.end()
     for server in reversed(servers):
-        server.finish()
+        server.end()
     excess_N = json.loads((lab.out / f"{name}.json").read_text())["step_excess_max_N"]
     back_s, delays_s = evaluate(read_log(log), end_s - begin_s, stopped_s)
     return {"stopped": stopped, "transport": transport, "stop s": stop_s, "force back after s": f"{back_s:.2f}",
