@@ -73,8 +73,8 @@ class ClientSession {
   /// Begins a session. The hello waits for poll(). Returns an error if the access token must not go
   /// over a connection with this protection. A session that is open begins anew.
   [[nodiscard]] std::optional<SessionEnd> open(Protection protection, LocalTime now);
-  /// Processes a message with the bytes `bytes` that arrived at `now`. Returns the message; the
-  /// slices of a frame are empty, because the receiver has them. Returns an error if the message
+  /// Processes a message with the bytes `bytes` that arrived at `now`. Returns the message; a
+  /// frame has no objects, because the receiver has them. Returns an error if the message
   /// breaks a rule of the protocol, or if it is the server's Error. Then call close().
   [[nodiscard]] Result<Message, SessionEnd> receive(std::span<const std::uint8_t> bytes,
                                                     LocalTime now);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "client/net/decode_thread.hpp"
 
-#include <optional>
 #include <utility>
 
 namespace hapticast::client {
@@ -18,13 +17,15 @@ void DecodeThread::stop() {
 
 void DecodeThread::run(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
-    if (holdsBack()) {
+    if (preparer_.holdsBack()) {
       waitForSlot();
       continue;
     }
-    if (step()) continue;
     std::unique_lock lock(mutex_);
     something_waits_.wait(lock, stop, [this] { return !queue_.empty(); });
+    const auto accepted = queue_.pop();
+    lock.unlock();
+    if (accepted) preparer_.prepare(*accepted);
   }
 }
 
@@ -49,22 +50,6 @@ std::size_t DecodeThread::push(AssembledFrame assembled) {
   }
   something_waits_.notify_one();
   return left_out;
-}
-
-void DecodeThread::drop(AssembledFrame assembled) {
-  const std::lock_guard lock(mutex_);
-  (void)queue_.push(std::move(assembled));
-  queue_.dropAll();
-}
-
-bool DecodeThread::step() {
-  std::optional<FrameQueue::Accepted> accepted;
-  {
-    const std::lock_guard lock(mutex_);
-    accepted = queue_.pop();
-  }
-  if (accepted) preparer_.prepare(*accepted);
-  return accepted.has_value();
 }
 
 }  // namespace hapticast::client

@@ -15,10 +15,11 @@
 
 namespace hapticast::client {
 
-/// Runs the decode thread, which fills the frame pool.
+/// Runs the decode thread, which fills the frame pool: it prepares the oldest queued frame and
+/// publishes it to the loop.
 class DecodeThread final : public FrameSink {
  public:
-  /// The arguments are those of FramePreparer. The object calls `done` in the thread of step().
+  /// The arguments are those of FramePreparer. The object calls `done` in its thread.
   DecodeThread(FramePool& pool, const Clock& clock, Method method,
                std::function<void(const PreparedFrame&)> done)
       : clock_(clock), preparer_(pool, clock, method, std::move(done)) {}
@@ -26,7 +27,7 @@ class DecodeThread final : public FrameSink {
   DecodeThread& operator=(const DecodeThread&) = delete;
   ~DecodeThread() { stop(); }
 
-  /// Starts a thread that calls step() for each queued frame. Thread: the owner's.
+  /// Starts the thread. Thread: the owner's.
   void start();
   /// Ends the thread after its current frame. The queued frames are not processed. A second call
   /// does nothing. Thread: that of start().
@@ -35,23 +36,13 @@ class DecodeThread final : public FrameSink {
   void reset(const Workspace& workspace) override;
   std::size_t push(AssembledFrame assembled) override;
 
-  /// Returns true if the next frame has to stay in the queue (FramePreparer). Thread: the decode
-  /// thread.
-  [[nodiscard]] bool holdsBack() { return preparer_.holdsBack(); }
-  /// Drops a frame as a full queue does: later frames may declare its reliefs unchanged. Requires
-  /// an empty queue. For a replay.
-  void drop(AssembledFrame assembled);
-  /// Prepares the oldest queued frame and publishes it to the loop. Returns false if the queue is
-  /// empty. Thread: the decode thread. Before start() a test may call it.
-  bool step();
-
  private:
   void run(const std::stop_token& stop);
   /// Sleeps for 2 ms, in which the loop may return a slot.
   void waitForSlot();
 
   const Clock& clock_;
-  FramePreparer preparer_;  // thread of step() only
+  FramePreparer preparer_;  // decode thread only
 
   std::mutex mutex_;
   std::condition_variable_any something_waits_;

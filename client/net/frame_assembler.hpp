@@ -51,7 +51,8 @@ struct LateFrame {
   LocalTime arrived;
 };
 
-/// Joins and orders the frames of one connection.
+/// Joins and orders frames. One object serves all connections, so that client-side epochs never
+/// repeat: restart() begins the next connection.
 class FrameAssembler {
  public:
   /// Largest step of the ids, up or down, that loss or reordering can explain. The value is a

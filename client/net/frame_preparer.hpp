@@ -50,7 +50,7 @@ class FrameQueue {
     while (!frames_.empty()) dropOldest();
   }
   /// Adds `duration` to FramePlace::left of every queued frame. Call it after the decode thread has
-  /// deliberately paused for `duration` (DecodeThread::holdsBack()), so that the pause does not
+  /// deliberately paused for `duration` (FramePreparer::holdsBack()), so that the pause does not
   /// count as preparation time.
   void holdBack(Duration duration);
   [[nodiscard]] bool empty() const { return frames_.empty(); }

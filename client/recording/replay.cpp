@@ -187,13 +187,13 @@ bool Replay::prepareNext() {
     StreamEvent event = std::move(events_.front());
     events_.pop_front();
     if (const auto* const workspace = std::get_if<Workspace>(&event)) {
-      decoder_->reset(*workspace);
+      preparation_->reset(*workspace);
     } else if (i == *place && next.handed_over) {
-      (void)decoder_->push(std::move(std::get<AssembledFrame>(event)));
-      (void)decoder_->step();
+      (void)preparation_->push(std::move(std::get<AssembledFrame>(event)));
+      (void)preparation_->step();
       ++handed_over_;
     } else {
-      decoder_->drop(std::move(std::get<AssembledFrame>(event)));
+      preparation_->drop(std::move(std::get<AssembledFrame>(event)));
     }
   }
   return true;
@@ -221,8 +221,8 @@ ReplayCounts Replay::run(const ReplayChanges& changes, const ReplayOutputs& outp
   std::fegetenv(&tick_mode);
   LatestValue<StreamTiming> timing;
   LatestValue<UserControls> controls;
-  decoder_ =
-      std::make_unique<DecodeThread>(pool_, clock_, settings_.method, [](const PreparedFrame&) {});
+  preparation_ = std::make_unique<InlinePreparation>(pool_, clock_, settings_.method,
+                                                     [](const PreparedFrame&) {});
   const auto renderer =
       std::make_unique<HapticRenderer>(settings_, pool_, timing, controls, nullptr);
   ReplayCounts counts;

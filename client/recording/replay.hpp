@@ -17,6 +17,7 @@
 #include <string>
 #include <variant>
 
+#include "client/net/inline_preparation.hpp"
 #include "client/recording/run_channels.hpp"
 #include "client/recording/run_codec.hpp"
 #include "common/recording/mcap_reader.hpp"
@@ -126,7 +127,7 @@ class Replay {
 
   StillClock clock_;
   FramePool pool_;
-  std::unique_ptr<DecodeThread> decoder_;  // without a thread
+  std::unique_ptr<InlinePreparation> preparation_;
 };
 
 }  // namespace hapticast::client

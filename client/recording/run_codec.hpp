@@ -13,7 +13,7 @@
 #include "client/haptics/renderer.hpp"
 #include "client/haptics/tick_report.hpp"
 #include "client/haptics/user_controls.hpp"
-#include "client/net/decode_thread.hpp"
+#include "client/net/frame_preparer.hpp"
 #include "common/result.hpp"
 
 namespace hapticast::client {

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "client/net/decode_thread.hpp"
+#include "client/net/inline_preparation.hpp"
 #include "client/net/receiver.hpp"
 #include "common/protocol/fragment.hpp"
 #include "tests/fuzz/script.hpp"
@@ -125,9 +125,10 @@ struct Client {
   StreamDescription stream;
   std::unique_ptr<FramePool> pool = std::make_unique<FramePool>();
   LatestValue<StreamTiming> state;
-  DecodeThread decode_thread{*pool, clock, Method::kHapticast,
-                             [this](const PreparedFrame& frame) { receiver.addPrepared(frame); }};
-  Receiver receiver{decode_thread, state, 1};
+  InlinePreparation preparation{
+      *pool, clock, Method::kHapticast,
+      [this](const PreparedFrame& frame) { receiver.addPrepared(frame); }};
+  Receiver receiver{preparation, state, 1};
 
  private:
   std::uint64_t id_ = 1;
@@ -143,7 +144,7 @@ HAPTICAST_FUZZ_TARGET("receiver") {
     const int kind = script.byte();
     if (kind >= 224) {
       frames += client.takeParts(script);
-      if (kind % 4 != 0) (void)client.decode_thread.step();
+      if (kind % 4 != 0) (void)client.preparation.step();
       client.play();
       continue;
     }
@@ -162,7 +163,7 @@ HAPTICAST_FUZZ_TARGET("receiver") {
                              client.clock.now());
         break;
       case 3:
-        while (client.decode_thread.step()) {
+        while (client.preparation.step()) {
         }
         client.play();  // what waits in the pool belongs to the picture that is announced
         client.stream.workspace.width_px = 32 + script.byte();
@@ -174,11 +175,11 @@ HAPTICAST_FUZZ_TARGET("receiver") {
       default:
         client.receiver.frame(client.makeFrame(script), client.clock.now());
         ++frames;
-        if (script.byte() % 4 != 0) (void)client.decode_thread.step();
+        if (script.byte() % 4 != 0) (void)client.preparation.step();
         client.play();
     }
   }
-  while (client.decode_thread.step()) {
+  while (client.preparation.step()) {
   }
   client.play();
   const ReceiverCounts& counts = client.receiver.counts();

@@ -2,6 +2,7 @@
 // The four surroundings of ClientSession: socket, page, library and --control end each false
 // opening with the sentence that the session has for it.
 #include <atomic>
+#include <functional>
 #include <thread>
 
 #include "client/commands/control_command.hpp"
@@ -34,6 +35,21 @@ class FalseOpeningTest : public StreamTest {
     if (!server.peer) return false;
     server.peer->poll();
     return server.peer->closed;
+  }
+  /// Runs --control, and `step` until it has ended. Returns whether the request succeeded.
+  bool control(const client::Settings& settings, const std::function<void()>& step) {
+    std::atomic<bool> is_done{false};
+    bool succeeded = false;
+    std::jthread control_thread([&] {
+      succeeded = client::controlServer(settings);
+      is_done = true;
+    });
+    EXPECT_TRUE(runUntil([&] {
+      step();
+      return is_done.load();
+    }));
+    control_thread.join();
+    return succeeded;
   }
 
   const std::vector<FalseOpening> openings = listFalseOpenings();
@@ -90,18 +106,7 @@ TEST_F(FalseOpeningTest, ControlEndsWithTheSentenceOfTheSession) {
     settings.server.port = server.port();
     settings.control = Control{};
     LogLines log;
-    std::atomic<bool> is_done{false};
-    bool succeeded = false;
-    std::jthread control([&] {
-      succeeded = client::controlServer(settings);
-      is_done = true;
-    });
-    EXPECT_TRUE(runUntil([&] {
-      (void)serve(server, opening);
-      return is_done.load();
-    })) << opening.name;
-    control.join();
-    EXPECT_FALSE(succeeded) << opening.name;
+    EXPECT_FALSE(control(settings, [&] { (void)serve(server, opening); })) << opening.name;
     EXPECT_NE(log.text().find(findWhy(opening)), std::string::npos)
         << opening.name << ": " << findWhy(opening) << " / " << log.text();
   }
@@ -119,21 +124,13 @@ TEST_F(FalseOpeningTest, ControlChecksTheOriginsKey) {
     settings.origin_keys = {
         {SigningKey(KeyBytes{is_expected ? std::uint8_t{1} : std::uint8_t{2}}).verifyingKey()}};
     const LogLines log;
-    std::atomic<bool> is_done{false};
-    bool succeeded = false;
-    std::jthread control([&] {
-      succeeded = client::controlServer(settings);
-      is_done = true;
-    });
     std::size_t requests = 0;
-    EXPECT_TRUE(runUntil([&] {
+    const bool succeeded = control(settings, [&] {
       if (!server.peer && server.accept()) server.peer->send(welcome);
       if (server.peer) server.peer->poll();
       const bool is_new = server.peer && server.peer->all<Control>().size() > requests;
       if (is_new) server.peer->send(server.peer->all<Control>()[requests++]);
-      return is_done.load();
-    }));
-    control.join();
+    });
     EXPECT_EQ(succeeded, is_expected);
     EXPECT_EQ(requests, is_expected ? 1U : 0U);
     EXPECT_EQ(log.text().find("not the expected one") == std::string::npos, is_expected)

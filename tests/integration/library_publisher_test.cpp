@@ -57,7 +57,7 @@ class LibraryPublisher : public StreamTest {
   }
   /// Returns the largest error of the heights in the newest frame; nullopt: none has come.
   static std::optional<double> measureError_mm(TestClient& client, const HeightMap& sent) {
-    while (client.decode_thread.step()) {
+    while (client.preparation.step()) {
     }
     std::optional<double> largest_mm;
     client::FramePool::Index index = 0;

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <thread>
 
+#include "client/net/decode_thread.hpp"
 #include "tests/integration/stream_fixture.hpp"
 
 namespace hapticast::testing {

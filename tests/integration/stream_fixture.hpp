@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "client/net/connection.hpp"
-#include "client/net/decode_thread.hpp"
+#include "client/net/inline_preparation.hpp"
 #include "common/transport/asio.hpp"
 #include "server/page/page_responder.hpp"
 #include "server/stream/listener.hpp"
@@ -154,8 +154,8 @@ class RawPeer {
 struct TestClient {
   TestClient(asio::io_context& io, const Clock& clock, std::uint16_t port,
              const std::function<void(client::ConnectionSettings&)>& change = {})
-      : decode_thread(*pool, clock, Method::kHapticast,
-                      [this](const client::PreparedFrame& frame) { receiver.addPrepared(frame); }),
+      : preparation(*pool, clock, Method::kHapticast,
+                    [this](const client::PreparedFrame& frame) { receiver.addPrepared(frame); }),
         connection(io, clock, settings(port, change), receiver, events()) {
     connection.start();
   }
@@ -181,7 +181,7 @@ struct TestClient {
   }
   /// What the loop would do: takes every frame and gives it back.
   void drain() {
-    while (decode_thread.step()) {
+    while (preparation.step()) {
     }
     client::FramePool::Index index = 0;
     while (pool->pop(index)) {
@@ -194,8 +194,8 @@ struct TestClient {
 
   std::unique_ptr<client::FramePool> pool = std::make_unique<client::FramePool>();
   LatestValue<client::StreamTiming> stream;
-  client::DecodeThread decode_thread;  // its steps are the test's
-  client::Receiver receiver{decode_thread, stream, 1};
+  client::InlinePreparation preparation;  // its steps are the test's
+  client::Receiver receiver{preparation, stream, 1};
   std::vector<std::pair<std::uint32_t, std::uint64_t>> frames;  // epoch, id
   bool last_has_field = false;
   std::vector<VideoFrame> videos;

@@ -18,7 +18,7 @@
 
 #include "client/haptics/renderer.hpp"
 #include "client/net/client_session.hpp"
-#include "client/net/decode_thread.hpp"
+#include "client/net/inline_preparation.hpp"
 #include "client/net/receiver.hpp"
 #include "client/net/udp/udp_socket.hpp"
 #include "common/protocol/messages.hpp"
@@ -81,12 +81,12 @@ class VirtualViewer {
       : settings_(renderer_settings),
         device_(plant, hand, clock_),
         delay_(static_cast<std::size_t>(plant.delay_ticks)),
-        decode_thread_(*pool_, clock_, settings_.method,
-                       [this](const PreparedFrame& frame) {
-                         if (on_prepared) on_prepared(frame);
-                         receiver_.addPrepared(frame);
-                       }),
-        receiver_(decode_thread_, stream_, settings_.method == Method::kThesis ? 2 : 1),
+        preparation_(*pool_, clock_, settings_.method,
+                     [this](const PreparedFrame& frame) {
+                       if (on_prepared) on_prepared(frame);
+                       receiver_.addPrepared(frame);
+                     }),
+        receiver_(preparation_, stream_, settings_.method == Method::kThesis ? 2 : 1),
         renderer_(std::make_unique<HapticRenderer>(settings_, *pool_, stream_, user_, nullptr)),
         nailed_(script == nullptr) {
     if (script != nullptr) device_.lead(*script, "a script");
@@ -171,7 +171,7 @@ class VirtualViewer {
   const TickReport& tick() {
     clock_.advance(kTickPeriod);
     receiver_.release(clock_.now());
-    while (decode_thread_.step()) {
+    while (preparation_.step()) {
     }
     const Vec3 sent_N = renderer_->report().force_N;
     if (target_) {
@@ -219,7 +219,7 @@ class VirtualViewer {
     return datagram_loss_ && std::uniform_real_distribution(0.0, 1.0)(random_) < *datagram_loss_;
   }
   void countRejected() {
-    while (decode_thread_.step()) {
+    while (preparation_.step()) {
     }
     const ReceiverCounts& counts = receiver_.counts();
     trace.rejected = counts.reliefs_rejected + counts.slices_refused + counts.malformed +
@@ -286,7 +286,7 @@ class VirtualViewer {
   UserControls wishes_;
   VirtualDevice device_;
   std::size_t delay_;
-  DecodeThread decode_thread_;
+  InlinePreparation preparation_;
   Receiver receiver_;
   std::unique_ptr<HapticRenderer> renderer_;
   bool nailed_;

@@ -55,7 +55,8 @@ class LossEstimator {
   using Reception = std::vector<std::uint8_t>;
   static void count(Reception& received, std::size_t part);
   /// Number of fragments by arrivals: parts[k] counts those that arrived at least k times. parts[0]
-  /// counts all fragments.
+  /// estimates all fragments: of a frame of which none arrived, it assumes a mean number, so it may
+  /// be a fraction. Of a frame only the first 256 fragments count.
   struct Tally {
     std::array<double, limits::kMostCopies + 1> parts{};
   };

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "client/haptics/playback/playout.hpp"
-#include "client/net/decode_thread.hpp"
+#include "client/net/inline_preparation.hpp"
 #include "client/net/receiver.hpp"
 #include "tests/support/manual_clock.hpp"
 
@@ -17,10 +17,9 @@ class ScriptedViewer {
  public:
   explicit ScriptedViewer(Hand hand)
       : hand_(std::move(hand)),
-        decode_thread_(
-            *pool_, clock_, Method::kHapticast,
-            [this](const client::PreparedFrame& frame) { receiver_.addPrepared(frame); }),
-        receiver_(decode_thread_, state_, 1),
+        preparation_(*pool_, clock_, Method::kHapticast,
+                     [this](const client::PreparedFrame& frame) { receiver_.addPrepared(frame); }),
+        receiver_(preparation_, state_, 1),
         lookup_(*pool_, defaultVariant().interpolation),
         touch_(defaultVariant().make()) {}
 
@@ -67,7 +66,7 @@ class ScriptedViewer {
 
  private:
   void prepareAll() {
-    while (decode_thread_.step()) {
+    while (preparation_.step()) {
     }
   }
 
@@ -75,7 +74,7 @@ class ScriptedViewer {
   ManualClock clock_{localTime(10.0)};
   std::unique_ptr<client::FramePool> pool_ = std::make_unique<client::FramePool>();
   LatestValue<client::StreamTiming> state_;
-  client::DecodeThread decode_thread_;
+  client::InlinePreparation preparation_;
   client::Receiver receiver_;
   client::Playout playout_;
   client::SceneInterpolator lookup_;

@@ -9,7 +9,7 @@
 
 #include "client/haptics/contact/proxy_surface.hpp"
 #include "client/haptics/safety/chain.hpp"
-#include "client/net/decode_thread.hpp"
+#include "client/net/inline_preparation.hpp"
 #include "client/net/receiver.hpp"
 #include "tests/evaluate/thread_time.hpp"
 #include "tests/support/manual_clock.hpp"
@@ -33,10 +33,9 @@ class Viewer {
  public:
   Viewer(const Stream& stream, const Variant& variant)
       : stream_(stream),
-        decode_thread_(
-            pool_, clock_, variant.method,
-            [this](const client::PreparedFrame& frame) { receiver_.addPrepared(frame); }),
-        receiver_(decode_thread_, state_, 2),
+        preparation_(pool_, clock_, variant.method,
+                     [this](const client::PreparedFrame& frame) { receiver_.addPrepared(frame); }),
+        receiver_(preparation_, state_, 2),
         lookup_(pool_, variant.interpolation) {
     receiver_.connected(stream.description, clock_.now());
   }
@@ -51,7 +50,7 @@ class Viewer {
       if (!message.ok())
         throw std::runtime_error("a frame cannot be read: " + stream_.description.name);
       receiver_.frame(std::get<CodedFrame>(std::move(message.value())), clock_.now());
-      (void)decode_thread_.step();
+      (void)preparation_.step();
     }
     return next_ > first;
   }
@@ -72,7 +71,7 @@ class Viewer {
   const ManualClock clock_{localTime(0.0)};  // stands: a frame is ready when it comes
   client::FramePool pool_;
   LatestValue<client::StreamTiming> state_;
-  client::DecodeThread decode_thread_;
+  client::InlinePreparation preparation_;
   client::Receiver receiver_;
   SceneInterpolator lookup_;
   std::size_t next_ = 0;

@@ -8,6 +8,7 @@
 #include <memory>
 #include <vector>
 
+#include "client/net/inline_preparation.hpp"
 #include "tests/support/coded.hpp"
 #include "tests/support/flat_relief.hpp"
 #include "tests/support/manual_clock.hpp"
@@ -30,7 +31,7 @@ AssembledFrame frameOf(std::uint64_t id, std::uint64_t changed, bool with_relief
 
 class PreparerTest : public ::testing::Test {
  protected:
-  PreparerTest() { decode_thread.reset(Workspace{}); }
+  PreparerTest() { preparation.reset(Workspace{}); }
 
   /// The id of the next frame the loop gets, and what its object points to; 0 when none is there.
   std::uint64_t take() {
@@ -45,36 +46,36 @@ class PreparerTest : public ::testing::Test {
   std::unique_ptr<FramePool> pool = std::make_unique<FramePool>();
   ManualClock clock;
   std::vector<PreparedFrame> done;
-  DecodeThread decode_thread{*pool, clock, Method::kHapticast,
-                             [this](const PreparedFrame& frame) { done.push_back(frame); }};
+  InlinePreparation preparation{*pool, clock, Method::kHapticast,
+                                [this](const PreparedFrame& frame) { done.push_back(frame); }};
   const HeightField* field = nullptr;
 };
 
 TEST_F(PreparerTest, AFrameIsReadyWhenItsStepIsDone) {
-  EXPECT_FALSE(decode_thread.step());
-  (void)decode_thread.push(frameOf(1, 1, true));
+  EXPECT_FALSE(preparation.step());
+  (void)preparation.push(frameOf(1, 1, true));
   EXPECT_EQ(take(), 0U) << "pushing does not wait for the preparation";
   clock.set(localTime(3.0));
-  EXPECT_TRUE(decode_thread.step());
+  EXPECT_TRUE(preparation.step());
   EXPECT_EQ(take(), 1U);
   EXPECT_NE(field, nullptr);
   ASSERT_EQ(done.size(), 1U);
   EXPECT_EQ(done[0].ready, localTime(3.0));
   EXPECT_EQ(done[0].place.media_time, mediaTime(0.04));
   EXPECT_TRUE(done[0].handed_over);
-  EXPECT_FALSE(decode_thread.step());
+  EXPECT_FALSE(preparation.step());
 }
 
 TEST_F(PreparerTest, ADroppedReliefMayBeSentAsUnchangedLater) {
-  (void)decode_thread.push(frameOf(1, 1, true));
-  (void)decode_thread.push(frameOf(2, 2, true));
+  (void)preparation.push(frameOf(1, 1, true));
+  (void)preparation.push(frameOf(2, 2, true));
   std::size_t left_out = 0;
   for (std::uint64_t id = 3; id < 3 + FrameQueue::kMaxFrames; ++id) {
-    left_out += decode_thread.push(frameOf(id, 2, false));
+    left_out += preparation.push(frameOf(id, 2, false));
   }
   EXPECT_EQ(left_out, 2U);
   for (std::uint64_t id = 3; id < 3 + FrameQueue::kMaxFrames; ++id) {
-    ASSERT_TRUE(decode_thread.step());
+    ASSERT_TRUE(preparation.step());
     EXPECT_EQ(done.back().reliefs_missing, 0U) << id;
     EXPECT_EQ(take(), id);
     ASSERT_NE(field, nullptr) << id;
@@ -84,26 +85,26 @@ TEST_F(PreparerTest, ADroppedReliefMayBeSentAsUnchangedLater) {
 
 TEST_F(PreparerTest, AReliefWithoutAFreeSlotMayBeSentAsUnchangedLater) {
   for (std::uint64_t id = 1; id <= FramePool::kSlots + 1; ++id) {
-    (void)decode_thread.push(frameOf(id, id, true));
-    (void)decode_thread.step();
+    (void)preparation.push(frameOf(id, id, true));
+    (void)preparation.step();
   }
   EXPECT_FALSE(done.back().handed_over);
   while (take() != 0) {
   }
-  (void)decode_thread.push(frameOf(FramePool::kSlots + 2, FramePool::kSlots + 1, false));
-  (void)decode_thread.step();
+  (void)preparation.push(frameOf(FramePool::kSlots + 2, FramePool::kSlots + 1, false));
+  (void)preparation.step();
   EXPECT_EQ(take(), FramePool::kSlots + 2);
   EXPECT_NE(field, nullptr);
 }
 
 TEST_F(PreparerTest, AnotherStreamForgetsFramesAndReliefs) {
-  (void)decode_thread.push(frameOf(1, 1, true));
-  (void)decode_thread.step();
-  (void)decode_thread.push(frameOf(2, 1, false));
-  decode_thread.reset(Workspace{});
-  EXPECT_FALSE(decode_thread.step()) << "frames that waited are void";
-  (void)decode_thread.push(frameOf(3, 1, false));
-  (void)decode_thread.step();
+  (void)preparation.push(frameOf(1, 1, true));
+  (void)preparation.step();
+  (void)preparation.push(frameOf(2, 1, false));
+  preparation.reset(Workspace{});
+  EXPECT_FALSE(preparation.step()) << "frames that waited are void";
+  (void)preparation.push(frameOf(3, 1, false));
+  (void)preparation.step();
   EXPECT_EQ(done.back().reliefs_missing, 1U) << "reliefs of before are forgotten";
 }
 
@@ -111,36 +112,33 @@ TEST_F(PreparerTest, LargeReliefsWaitInCodedFormUntilTheLoopReturnsASlot) {
   Workspace workspace;
   workspace.width_px = 1920;
   workspace.height_px = 1080;
-  decode_thread.reset(workspace);
-  for (std::uint64_t id = 1; id <= FramePreparer::kNeededFrames; ++id) {
+  preparation.reset(workspace);
+  for (std::uint64_t id = 1; id <= FramePreparer::kNeededFrames + 1; ++id) {
     HapticObject object;
     object.id = 7;
     object.changed_in_frame = id;
     object.relief = flatRelief({0, 0, 1920, 1080}, 5.0F + static_cast<float>(id));
     AssembledFrame assembled = frameOf(id, id, false);
     assembled.frame.objects[0] = testing::coded(object);
-    EXPECT_FALSE(decode_thread.holdsBack()) << id;
-    (void)decode_thread.push(std::move(assembled));
-    ASSERT_TRUE(decode_thread.step());
+    (void)preparation.push(std::move(assembled));
+    EXPECT_EQ(preparation.step(), id <= FramePreparer::kNeededFrames) << id;
   }
-  EXPECT_TRUE(decode_thread.holdsBack());
   EXPECT_EQ(take(), 1U);
-  EXPECT_FALSE(decode_thread.holdsBack());
-  EXPECT_LT(pool->bytes(), std::size_t{80} << 20U);
+  EXPECT_TRUE(preparation.step());
+  EXPECT_LT(pool->bytes(), std::size_t{100} << 20U) << "five of them";
 }
 
 TEST_F(PreparerTest, SmallReliefsDoNotWait) {
   for (std::uint64_t id = 1; id < FramePool::kSlots; ++id) {
-    (void)decode_thread.push(frameOf(id, id, true));
-    (void)decode_thread.step();
-    EXPECT_FALSE(decode_thread.holdsBack()) << id;
+    (void)preparation.push(frameOf(id, id, true));
+    EXPECT_TRUE(preparation.step()) << id;
   }
 }
 
 TEST_F(PreparerTest, AReliefThatWasLostOnTheWayIsNoErrorOfTheServer) {
   const auto missing = [this](AssembledFrame assembled) {
-    (void)decode_thread.push(std::move(assembled));
-    (void)decode_thread.step();
+    (void)preparation.push(std::move(assembled));
+    (void)preparation.step();
     (void)take();
     return done.back().reliefs_missing;
   };
@@ -167,10 +165,10 @@ TEST_F(PreparerTest, AReliefThatWasLostOnTheWayIsNoErrorOfTheServer) {
 }
 
 TEST_F(PreparerTest, AReliefIsPreparedOnceHoweverOftenItComes) {
-  (void)decode_thread.push(frameOf(1, 1, true));
-  (void)decode_thread.push(frameOf(2, 1, true));
-  (void)decode_thread.push(frameOf(3, 1, false));
-  while (decode_thread.step()) {
+  (void)preparation.push(frameOf(1, 1, true));
+  (void)preparation.push(frameOf(2, 1, true));
+  (void)preparation.push(frameOf(3, 1, false));
+  while (preparation.step()) {
   }
   EXPECT_EQ(take(), 1U);
   const HeightField* const first = field;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The receiver under virtual time: the test is server, network and loop.
 #include "client/net/receiver.hpp"
-#include "client/net/decode_thread.hpp"
+#include "client/net/inline_preparation.hpp"
 
 #include <gtest/gtest.h>
 
@@ -47,7 +47,7 @@ class ReceiverTest : public ::testing::Test {
     clock.set(LocalTime((frame.media_time.time_since_epoch() - fromSeconds(kOffset_s)) +
                         fromSeconds(kLatency_s + lateness_s)));
     receiver.frame(testing::coded(frame), clock.now());
-    (void)decode_thread.step();
+    (void)preparation.step();
   }
   /// What the loop gets next; null when nothing came.
   const PlayFrame* take() {
@@ -64,9 +64,10 @@ class ReceiverTest : public ::testing::Test {
   std::unique_ptr<FramePool> pool = std::make_unique<FramePool>();
   LatestValue<StreamTiming> stream;
   ManualClock clock;
-  DecodeThread decode_thread{*pool, clock, Method::kHapticast,
-                             [this](const PreparedFrame& frame) { receiver.addPrepared(frame); }};
-  Receiver receiver{decode_thread, stream, 1};
+  InlinePreparation preparation{
+      *pool, clock, Method::kHapticast,
+      [this](const PreparedFrame& frame) { receiver.addPrepared(frame); }};
+  Receiver receiver{preparation, stream, 1};
   StreamDescription description;
   std::vector<FramePool::Index> taken;
 };
@@ -222,9 +223,9 @@ TEST_F(ReceiverTest, AFrameWaitsForItsPartsAQuarterOfAnIntervalBeyondItsTime) {
                            stream.load().playout_delay_target;
   EXPECT_NEAR(toSeconds(*due() - played), 0.010, 1e-6);
   receiver.release(*due() - Duration(1));
-  EXPECT_FALSE(decode_thread.step());
+  EXPECT_FALSE(preparation.step());
   receiver.release(*due());
-  EXPECT_TRUE(decode_thread.step());
+  EXPECT_TRUE(preparation.step());
   EXPECT_FALSE(due());
 }
 
@@ -266,7 +267,7 @@ TEST_F(ReceiverTest, ANewNumberingGetsNoReliefThatWaitedInTheQueue) {
   // They push the first frame out of the queue, which keeps its relief.
   for (std::uint64_t id = 5; id <= 5 + FrameQueue::kMaxFrames; ++id)
     receiver.frame(testing::coded(frame(id, nullptr, 3)), localTime(2));
-  while (decode_thread.step()) {
+  while (preparation.step()) {
   }
   int count = 0;
   while (const PlayFrame* const got = take()) {
