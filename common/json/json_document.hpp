@@ -24,7 +24,8 @@ struct JsonLimits {
 };
 
 /// A text, parsed. A place is stored for each member, and for each object in a list.
-struct JsonDocument {
+// The library checks itself by assertions when a value moves; it does not throw.
+struct JsonDocument {                       // NOLINT(bugprone-exception-escape)
   nlohmann::json root;                      ///< an object
   std::map<std::string, JsonPlace> places;  ///< by JSON pointer such as "/conditions/0/name"
 };
@@ -92,6 +93,7 @@ std::optional<Value> JsonObject::choice(const char* key,
   const auto found = value->is_string() ? choices.find(value->get<std::string>()) : choices.end();
   if (found != choices.end()) return found->second;
   std::vector<std::string> names;
+  names.reserve(choices.size());
   for (const auto& [name, unused] : choices) names.push_back(name);
   refuseChoice(key, names);
 }

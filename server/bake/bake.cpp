@@ -137,10 +137,7 @@ bool Bake::scan() {
   progress_.clear();
   if (!whole || stop_signal != 0) return false;
   DepthRangeLog().log(vision_.vision().mapped());
-  if (!vision_.vision().mapped() && can_touch)
-    spdlog::warn(
-        "{}: no object was found, so there is nothing to touch; name one with --object U,V",
-        settings_.source);
+  if (can_touch) warnOfNoObject(vision_.vision(), source_->info().name);
   return true;
 }
 

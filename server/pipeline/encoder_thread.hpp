@@ -26,8 +26,8 @@ class EncoderThread {
   /// `clock` measures times() and must outlive this object; null: no measurement.
   explicit EncoderThread(std::vector<StreamSink*> sinks, FrameSigner* signer = nullptr,
                          SliceSettings slices = {}, const Clock* clock = nullptr);
-  /// Encodes the frames that wait, and ends the thread. The destructor discards an exception of the
-  /// encoder that push() or finish() has not rethrown.
+  /// Encodes the frames that wait, and ends the thread. After an exception of the encoder it drops
+  /// them. Discards an exception that push() or finish() has not rethrown. Thread: the pipeline's.
   ~EncoderThread();
 
   /// Adds the frame `result` to the queue. `description`: the stream to which the frame belongs.

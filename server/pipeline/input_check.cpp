@@ -203,4 +203,11 @@ bool warnOfUnlikelyInput(RgbdSource& source, const VisionSettings& settings) {
   return source.info().live || warnOfDepth(source, settings);
 }
 
+void warnOfNoObject(const Vision& vision, const std::string& source) {
+  if (vision.mapped()) return;
+  spdlog::warn(
+      "--source {}: no object was found, so there is nothing to touch; name one with --object U,V",
+      source);
+}
+
 }  // namespace hapticast::server

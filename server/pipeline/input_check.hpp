@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
 // Finds input that is valid, but probably a mistake: depth without a surface, inverted depth,
-// metres in place of millimetres, tiny pictures. Logs one warning with the remedy for each mistake.
-// Thread: the pipeline's.
+// metres in place of millimetres, tiny pictures, a clip without an object. Logs one warning with
+// the remedy for each mistake. Thread: the pipeline's.
 #pragma once
 
+#include <string>
+
 #include "server/source/rgbd_source.hpp"
+#include "server/vision/vision.hpp"
 #include "server/vision/vision_settings.hpp"
 
 namespace hapticast::server {
@@ -15,6 +18,9 @@ namespace hapticast::server {
 /// viewers could touch nothing, because the picture is tiny or its depth has no surface. Throws
 /// SourceError.
 bool warnOfUnlikelyInput(RgbdSource& source, const VisionSettings& settings);
+
+/// Logs a warning if `vision` has found no object in a scanned clip. `source` is the clip's name.
+void warnOfNoObject(const Vision& vision, const std::string& source);
 
 /// Returns the share of the upper border of `depth` that is nearer than the object, 0..1. `depth`
 /// is 8-bit depth (DepthKind::kHeight). The upper border is the top edge and the upper halves of

@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "common/cli/options.hpp"
-#include "common/json/json_error.hpp"
+#include "common/json/json_document.hpp"
 #include "common/private_file.hpp"
 #include "server/author/author_options.hpp"
 
@@ -13,8 +13,13 @@ namespace hapticast::server {
 
 namespace {
 
-[[noreturn]] void throwSceneError(const std::string& file, const std::string& what) {
-  throw CLI::ValidationError("--scene " + file, what);
+struct SceneText {
+  std::string file;
+  std::string text;
+};
+
+[[noreturn]] void refuse(const SceneText& scene, const JsonError& error) {
+  throw CLI::ParseError("--scene " + describe(scene.file, error), CLI::ExitCodes::ValidationError);
 }
 
 /// Gives `text` to the option `name` of `app`, as if the user had typed it.
@@ -29,25 +34,28 @@ void setOption(CLI::App& app, const std::string& name, const std::string& text) 
   option->run_callback();
 }
 
-void applyFlags(CLI::App& app, const std::string& file, const FlagTexts& flags,
-                const std::string& where) {
+/// Sets the flags of the object at the JSON pointer `at`. `whose` begins the text of an error.
+void applyFlags(CLI::App& app, const SceneText& scene, const FlagTexts& flags,
+                const std::string& at, const std::string& whose) {
   for (const auto& [name, text] : flags) {
     try {
       setOption(app, name, text);
     } catch (const CLI::ParseError& error) {
-      throwSceneError(file, where + error.what());
+      const JsonPlace place = parseJson(scene.text).places.at(at + "/" + name);
+      refuse(scene, JsonError(place, whose + error.what()));
     }
   }
 }
 
 /// Checks the materials of the objects, and stores them in `settings`.
-void addObjects(Settings& settings) {
-  for (const SceneObject& object : settings.scene.objects) {
+void addObjects(const SceneText& scene, Settings& settings) {
+  for (std::size_t i = 0; i < settings.scene.objects.size(); ++i) {
+    const SceneObject& object = settings.scene.objects[i];
     AuthorObject& known = settings.vision.objects.emplace_back();
     known.name = object.name;
     CLI::App flags;
     addMaterialOptions(flags, known.material, known.material.mass_kg);
-    applyFlags(flags, settings.vision.scene_file, object.flags,
+    applyFlags(flags, scene, object.flags, "/objects/" + std::to_string(i),
                "object " + quote(object.name) + ": ");
   }
 }
@@ -57,14 +65,15 @@ void loadScene(CLI::App& app, Settings& settings) {
   const std::string& file = settings.vision.scene_file;
   if (file.empty()) return;
   const Result<std::string> text = readSmallFile(file);
-  if (!text.ok()) throwSceneError(file, text.error().message);
+  if (!text.ok()) throw CLI::ValidationError("--scene " + file, text.error().message);
+  const SceneText scene{file, text.value()};
   try {
-    settings.scene = parseScene(text.value());
+    settings.scene = parseScene(scene.text);
   } catch (const JsonError& error) {
-    throw CLI::ParseError("--scene " + describe(file, error), CLI::ExitCodes::ValidationError);
+    refuse(scene, error);
   }
-  applyFlags(app, file, settings.scene.flags, "");
-  addObjects(settings);
+  applyFlags(app, scene, settings.scene.flags, "", "");
+  addObjects(scene, settings);
 }
 
 /// Fills the values that an object does not state with those of all objects.

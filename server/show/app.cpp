@@ -138,10 +138,7 @@ void App::Impl::browse() {
     service_.broadcaster().describe(vision_.description());
   while_waiting_ = [this] { service_.manager().reportAlive(); };
   range_log_.log(vision_.mapped());
-  if (stop_ || info.live || vision_.mapped() || !can_touch) return;
-  spdlog::warn(
-      "--source {}: no object was found, so there is nothing to touch; name one with --object U,V",
-      info.name);
+  if (!stop_ && !info.live && can_touch) warnOfNoObject(vision_, info.name);
 }
 
 void App::Impl::waitForViewer() {

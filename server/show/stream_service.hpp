@@ -46,8 +46,9 @@ class StreamService {
   /// means that the terminal closed, and `on_signal` is called. Thread: the network's. At SIGUSR1
   /// the log receives one line of status.
   void start(std::function<void()> on_signal, std::function<void()> on_reload);
-  /// Begins to accept viewers, and reports to the service manager that the server is ready. A
-  /// second call does nothing. `name`: the stream's name, for the announcement.
+  /// Begins to accept viewers, announces the server on the LAN (--announce), and reports to the
+  /// service manager that the server is ready. Call it after start(). A second call does nothing.
+  /// `name`: the stream's name.
   void open(const std::string& name);
   /// Sends a goodbye to all viewers and ends the network thread. A second call does nothing.
   void end();

@@ -160,7 +160,7 @@ TEST(SceneFile, RefusesWithFileAndPlace) {
   for (const auto& [text, why] : wrong) {
     const Probe run = runWith(text);
     EXPECT_EQ(run.exit_code, 2) << text;
-    run.expectErrorWith({"s.json:", why});
+    run.expectErrorWith({"s.json:1:", why});
   }
   const Probe missing({"--source", "synthetic:still", "--scene", "/nowhere/s.json"});
   EXPECT_EQ(missing.exit_code, 2);
