@@ -170,7 +170,7 @@ void UsbPort::unplug() {
 void UsbPort::forbid() {
   gchar* const root = umockdev_testbed_get_root_dir(testbed_);
   using std::filesystem::perms;
-  // Whoever gives up being root keeps its group.
+  // A process that gives up being root keeps its group.
   const perms look =
       perms::group_read | perms::group_exec | perms::others_read | perms::others_exec;
   const perms use = look | perms::group_write | perms::others_write;
@@ -353,23 +353,15 @@ void UsbPort::vanished(UMockdevIoctlClient* client) {
   showReady();
 }
 
-/// Whether the bus spoils what the next packet was.
+/// Returns whether the bus spoils the next packet.
 bool UsbPort::failIncoming(Urb& urb) {
-  if (bus_.stall_in) {
-    finishUrb(urb, -EPIPE, 0);
-    return true;
-  }
-  if (bus_.protocol_errors > 0) {
-    --bus_.protocol_errors;
-    finishUrb(urb, -EPROTO, 0);
-    return true;
-  }
-  if (bus_.babbles > 0) {
-    --bus_.babbles;
-    finishUrb(urb, -EOVERFLOW, 0);
-    return true;
-  }
-  return false;
+  const auto countDown = [](auto& left) { return left > 0 && left-- > 0; };
+  const int error = bus_.stall_in                     ? -EPIPE
+                    : countDown(bus_.protocol_errors) ? -EPROTO
+                    : countDown(bus_.babbles)         ? -EOVERFLOW
+                                                      : 0;
+  if (error != 0) finishUrb(urb, error, 0);
+  return error != 0;
 }
 
 void UsbPort::giveIncoming(LocalTime now) {

@@ -2,9 +2,7 @@
 // Files in the format MCAP: what the writer writes, the reader reads; damage ends the reading with
 // a sentence and never with wrong messages.
 #include <gtest/gtest.h>
-#include <lz4frame.h>
 #include <sys/resource.h>
-#include <zstd.h>
 
 #include <algorithm>
 #include <csignal>
@@ -17,90 +15,12 @@
 #include "common/recording/mcap_writer.hpp"
 #include "common/recording/recorder.hpp"
 #include "common/recording/schemas.hpp"
-#include "tests/support/temp_folder.hpp"
+#include "tests/unit/common/mcap_fixture.hpp"
 
 namespace hapticast {
 namespace {
 
-using Bytes = std::vector<std::uint8_t>;
-
-struct Kept {
-  std::uint16_t channel;
-  std::uint64_t time_ns;
-  Bytes data;
-  bool operator==(const Kept&) const = default;
-};
-
-std::vector<Kept> drawMessages(unsigned seed, std::size_t count, std::size_t most_bytes) {
-  std::mt19937 random(seed);
-  std::vector<Kept> messages;
-  std::uint64_t time_ns = 1000;
-  for (std::size_t i = 0; i < count; ++i) {
-    time_ns += random() % 2'000'000;
-    Bytes data(random() % most_bytes);
-    std::generate(data.begin(), data.end(), [&] { return static_cast<std::uint8_t>(random()); });
-    messages.push_back({static_cast<std::uint16_t>(1 + random() % 3), time_ns, std::move(data)});
-  }
-  return messages;
-}
-
-std::vector<McapChannel> threeChannels() {
-  return {makeChannel("/frame", "hapticast.proto.HapticFrame"),
-          makeChannel("/picture", "foxglove.CompressedImage"),
-          {"/text", "json", {}}};
-}
-
-void writeAll(McapWriter& writer, const std::vector<Kept>& messages) {
-  for (const Kept& each : messages)
-    writer.write(each.channel - std::size_t{1}, each.time_ns, each.data);
-}
-
-std::vector<Kept> readAll(McapReader& reader) {
-  std::vector<Kept> messages;
-  while (const auto message = reader.next())
-    messages.push_back(
-        {message->channel, message->time_ns, Bytes(message->data.begin(), message->data.end())});
-  return messages;
-}
-
-Bytes readBytes(const std::string& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
-void writeBytes(const std::string& file, const Bytes& bytes) {
-  std::ofstream(file, std::ios::binary)
-      .write(reinterpret_cast<const char*>(bytes.data()),
-             static_cast<std::streamsize>(bytes.size()));
-}
-
-/// Expects that `messages` are the first of `all`.
-void expectPrefix(const std::vector<Kept>& messages, const std::vector<Kept>& all) {
-  ASSERT_LE(messages.size(), all.size());
-  EXPECT_TRUE(std::equal(messages.begin(), messages.end(), all.begin()));
-}
-
-class Mcap : public ::testing::Test {
- protected:
-  /// Returns a file with a chunk for each 20 of the messages.
-  std::string makeFile(const std::vector<Kept>& messages) const {
-    std::string file = (folder_ / "a.mcap").string();
-    std::filesystem::remove(file);
-    McapWriter writer(file, threeChannels());
-    for (std::size_t i = 0; i < messages.size(); ++i) {
-      writeAll(writer, {messages[i]});
-      if (i % 20 == 19) writer.flush();
-    }
-    return file;
-  }
-  [[nodiscard]] std::string changed(const Bytes& bytes) const {
-    std::string file = (folder_ / "changed.mcap").string();
-    writeBytes(file, bytes);
-    return file;
-  }
-
-  TempFolder folder_;
-};
+class Mcap : public McapFilesTest {};
 
 TEST_F(Mcap, TheReaderReturnsWhatTheWriterWrote) {
   for (unsigned seed = 1; seed <= 5; ++seed) {
@@ -236,96 +156,6 @@ TEST_F(Mcap, AWrongChecksumEndsTheMessages) {
   EXPECT_EQ(read.size(), 40U);
   expectPrefix(read, messages);
   EXPECT_EQ(reader.problem(), "has a wrong checksum");
-}
-
-/// A file of another program: head, then the records, without a summary.
-Bytes makeForeign(const std::function<void(McapOut&)>& writeRecords) {
-  Bytes bytes(kMcapMagic.begin(), kMcapMagic.end());
-  McapOut out(bytes);
-  const std::size_t place = out.beginRecord(McapCode::kHeader);
-  out.text("ros2").text("other");
-  out.endRecord(place);
-  writeRecords(out);
-  return bytes;
-}
-
-Bytes makeRecords(const std::vector<Kept>& messages) {
-  Bytes bytes;
-  McapOut out(bytes);
-  out.writeSchema(7, {"sensor_msgs/msg/Image", "ros2msg", "uint32 height"});
-  for (std::uint16_t id = 1; id <= 3; ++id)
-    out.writeChannel(id, id == 1 ? std::uint16_t{7} : std::uint16_t{0}, {"/a", "cdr", {}});
-  for (const Kept& each : messages) {
-    const std::size_t place = out.beginRecord(McapCode::kMessage);
-    out.number(each.channel).number(std::uint32_t{0}).number(each.time_ns).number(each.time_ns);
-    out.data(each.data);
-    out.endRecord(place);
-  }
-  return bytes;
-}
-
-void writeChunk(McapOut& out, const std::string& compression, std::uint64_t size, std::uint32_t crc,
-                const Bytes& bytes) {
-  const std::size_t place = out.beginRecord(McapCode::kChunk);
-  out.number(std::uint64_t{0}).number(std::uint64_t{0}).number(size).number(crc);
-  out.text(compression).number(std::uint64_t{bytes.size()}).data(bytes);
-  out.endRecord(place);
-}
-
-Bytes compress(const std::string& compression, const Bytes& bytes) {
-  Bytes out(ZSTD_compressBound(bytes.size()) + LZ4F_compressFrameBound(bytes.size(), nullptr));
-  out.resize(compression == "zstd"
-                 ? ZSTD_compress(out.data(), out.size(), bytes.data(), bytes.size(), 3)
-                 : LZ4F_compressFrame(out.data(), out.size(), bytes.data(), bytes.size(), nullptr));
-  return out;
-}
-
-TEST_F(Mcap, FilesOfOtherProgramsAreRead) {
-  const auto messages = drawMessages(10, 500, 200);
-  const Bytes records = makeRecords(messages);
-  for (const std::string compression : {"", "zstd", "lz4", "none"}) {
-    const std::string file = changed(makeForeign([&](McapOut& out) {
-      if (compression == "none") {  // no chunk at all
-        out.data(records);
-      } else {
-        writeChunk(out, compression, records.size(), computeCrc32(records),
-                   compression.empty() ? records : compress(compression, records));
-      }
-    }));
-    auto opened = McapReader::open(file);
-    ASSERT_TRUE(opened.ok()) << opened.error().message;
-    McapReader reader = std::move(opened).value();
-    EXPECT_EQ(readAll(reader), messages) << compression;
-    EXPECT_EQ(reader.channels().at(1).schema.name, "sensor_msgs/msg/Image");
-  }
-}
-
-TEST_F(Mcap, ChunksThatLieAreRefused) {
-  const Bytes records = makeRecords(drawMessages(11, 20, 200));
-  const Bytes large(10U << 20U, 0);
-  const auto refuse = [&](const std::string& compression, std::uint64_t size, const Bytes& bytes) {
-    auto opened = McapReader::open(
-        changed(makeForeign([&](McapOut& out) { writeChunk(out, compression, size, 0, bytes); })));
-    return opened.ok() ? "" : opened.error().message;
-  };
-  for (const std::string compression : {"zstd", "lz4"}) {
-    const Bytes packed = compress(compression, records);
-    EXPECT_EQ(refuse(compression, std::uint64_t{1} << 63U, packed),
-              "has no messages: it has a chunk of more than 256 MiB");
-    const std::string damaged = "has no messages: it has a damaged chunk";
-    EXPECT_EQ(refuse(compression, records.size() - 1, packed), damaged);
-    EXPECT_EQ(refuse(compression, records.size() + 1, packed), damaged);
-    EXPECT_EQ(refuse(compression, records.size(), records), damaged);
-    EXPECT_EQ(refuse(compression, 100, compress(compression, large)), damaged) << "a bomb";
-  }
-  EXPECT_EQ(refuse("", records.size() + 1, records), "has no messages: it has a damaged chunk");
-  EXPECT_EQ(refuse("brotli", 1, records),
-            "has no messages: it has the unknown compression 'brotli'");
-  const Bytes cut = makeForeign(
-      [&](McapOut& out) { out.number(std::uint8_t{6}).number(std::uint64_t{1} << 63U); });
-  const auto opened = McapReader::open(changed(cut));
-  ASSERT_FALSE(opened.ok());
-  EXPECT_EQ(opened.error().message, "has no messages: it is cut off");
 }
 
 TEST_F(Mcap, OtherFilesAreRefused) {

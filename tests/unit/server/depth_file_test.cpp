@@ -48,9 +48,9 @@ std::string npz(const std::string& type, const cv::Mat& matrix, int method) {
 }
 
 /// Returns a PFM file, whose lowest row is the first one.
-std::string pfm(const cv::Mat& image, bool big_endian) {
+std::string pfm(const cv::Mat& image, bool big_endian, const std::string& scale = "1.0") {
   std::string text = "Pf\n" + std::to_string(image.cols) + " " + std::to_string(image.rows) +
-                     (big_endian ? "\n1.0\n" : "\n-1.0\n");
+                     (big_endian ? "\n" : "\n-") + scale + "\n";
   for (int v = image.rows - 1; v >= 0; --v) {
     for (int u = 0; u < image.cols; ++u) {
       std::string bytes = littleEndian(std::bit_cast<std::uint32_t>(image.at<float>(v, u)), 4);
@@ -135,8 +135,10 @@ TEST_F(DepthFile, HalfFloatsAreMetres) {
 
 TEST_F(DepthFile, PfmOfBothByteOrdersHasItsLowestRowFirst) {
   for (const bool big_endian : {false, true}) {
-    fill(".pfm", pfm(slope_m(), big_endian));
-    EXPECT_LT(error_mm(), 1e-3) << big_endian;
+    for (const std::string scale : {"1.0", "0.003922"}) {  // Middlebury's
+      fill(".pfm", pfm(slope_m(), big_endian, scale));
+      EXPECT_LT(error_mm(), 1e-3) << big_endian << scale;
+    }
   }
 }
 

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: MIT
+// Files in the format MCAP of other programs: every compression, chunks with wrong sizes.
+#include <gtest/gtest.h>
+#include <lz4frame.h>
+#include <zstd.h>
+
+#include <functional>
+
+#include "common/recording/mcap_compression.hpp"
+#include "tests/unit/common/mcap_fixture.hpp"
+
+namespace hapticast {
+namespace {
+
+class McapForeign : public McapFilesTest {
+ protected:
+  /// A file of another program: head, then the records, without a summary.
+  static Bytes makeForeign(const std::function<void(McapOut&)>& writeRecords) {
+    Bytes bytes(kMcapMagic.begin(), kMcapMagic.end());
+    McapOut out(bytes);
+    const std::size_t place = out.beginRecord(McapCode::kHeader);
+    out.text("ros2").text("other");
+    out.endRecord(place);
+    writeRecords(out);
+    return bytes;
+  }
+
+  static Bytes makeRecords(const std::vector<Kept>& messages) {
+    Bytes bytes;
+    McapOut out(bytes);
+    out.writeSchema(7, {"sensor_msgs/msg/Image", "ros2msg", "uint32 height"});
+    for (std::uint16_t id = 1; id <= 3; ++id)
+      out.writeChannel(id, id == 1 ? std::uint16_t{7} : std::uint16_t{0}, {"/a", "cdr", {}});
+    for (const Kept& each : messages) {
+      const std::size_t place = out.beginRecord(McapCode::kMessage);
+      out.number(each.channel).number(std::uint32_t{0}).number(each.time_ns).number(each.time_ns);
+      out.data(each.data);
+      out.endRecord(place);
+    }
+    return bytes;
+  }
+
+  static void writeChunk(McapOut& out, const std::string& compression, std::uint64_t size,
+                         std::uint32_t crc, const Bytes& bytes) {
+    const std::size_t place = out.beginRecord(McapCode::kChunk);
+    out.number(std::uint64_t{0}).number(std::uint64_t{0}).number(size).number(crc);
+    out.text(compression).number(std::uint64_t{bytes.size()}).data(bytes);
+    out.endRecord(place);
+  }
+
+  static Bytes compress(const std::string& compression, const Bytes& bytes) {
+    Bytes out(ZSTD_compressBound(bytes.size()) + LZ4F_compressFrameBound(bytes.size(), nullptr));
+    out.resize(
+        compression == "zstd"
+            ? ZSTD_compress(out.data(), out.size(), bytes.data(), bytes.size(), 3)
+            : LZ4F_compressFrame(out.data(), out.size(), bytes.data(), bytes.size(), nullptr));
+    return out;
+  }
+};
+
+TEST_F(McapForeign, FilesOfOtherProgramsAreRead) {
+  const auto messages = drawMessages(10, 500, 200);
+  const Bytes records = makeRecords(messages);
+  for (const std::string compression : {"", "zstd", "lz4", "none"}) {
+    const std::string file = changed(makeForeign([&](McapOut& out) {
+      if (compression == "none") {  // no chunk at all
+        out.data(records);
+      } else {
+        writeChunk(out, compression, records.size(), computeCrc32(records),
+                   compression.empty() ? records : compress(compression, records));
+      }
+    }));
+    auto opened = McapReader::open(file);
+    ASSERT_TRUE(opened.ok()) << opened.error().message;
+    McapReader reader = std::move(opened).value();
+    EXPECT_EQ(readAll(reader), messages) << compression;
+    EXPECT_EQ(reader.channels().at(1).schema.name, "sensor_msgs/msg/Image");
+  }
+}
+
+TEST_F(McapForeign, ChunksWithWrongSizesAreRefused) {
+  const Bytes records = makeRecords(drawMessages(11, 20, 200));
+  const Bytes large(10U << 20U, 0);
+  const auto refuse = [&](const std::string& compression, std::uint64_t size, const Bytes& bytes) {
+    auto opened = McapReader::open(
+        changed(makeForeign([&](McapOut& out) { writeChunk(out, compression, size, 0, bytes); })));
+    return opened.ok() ? "" : opened.error().message;
+  };
+  for (const std::string compression : {"zstd", "lz4"}) {
+    const Bytes packed = compress(compression, records);
+    EXPECT_EQ(refuse(compression, std::uint64_t{1} << 63U, packed),
+              "has no messages: it has a chunk of more than 256 MiB");
+    const std::string damaged = "has no messages: it has a damaged chunk";
+    EXPECT_EQ(refuse(compression, records.size() - 1, packed), damaged);
+    EXPECT_EQ(refuse(compression, records.size() + 1, packed), damaged);
+    EXPECT_EQ(refuse(compression, records.size(), records), damaged);
+    EXPECT_EQ(refuse(compression, 100, compress(compression, large)), damaged) << "a bomb";
+  }
+  EXPECT_EQ(refuse("", records.size() + 1, records), "has no messages: it has a damaged chunk");
+  EXPECT_EQ(refuse("brotli", 1, records),
+            "has no messages: it has the unknown compression 'brotli'");
+  const Bytes cut = makeForeign(
+      [&](McapOut& out) { out.number(std::uint8_t{6}).number(std::uint64_t{1} << 63U); });
+  const auto opened = McapReader::open(changed(cut));
+  ASSERT_FALSE(opened.ok());
+  EXPECT_EQ(opened.error().message, "has no messages: it is cut off");
+}
+
+}  // namespace
+}  // namespace hapticast
