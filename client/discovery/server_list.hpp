@@ -24,8 +24,9 @@ struct FoundServer {
   bool operator==(const FoundServer&) const = default;
 };
 
-/// Returns each server of `found` once, with one of its addresses. An IPv4 address is preferred to
-/// an IPv6 address. Among addresses of the same kind, the first interface by name is preferred.
+/// Returns each server (name, host and port) of `found` once, in the order of these, with one of
+/// its addresses. An IPv4 address is preferred to an IPv6 address. Among addresses of the same
+/// kind, the first interface by name is preferred.
 [[nodiscard]] std::vector<FoundServer> removeDuplicates(std::vector<FoundServer> found);
 
 /// Returns the server that is announced as `name`, if there is exactly one. Otherwise returns

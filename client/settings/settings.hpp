@@ -22,7 +22,8 @@ namespace hapticast::client {
 /// Choice of --view. kAuto opens a window if there is a display, and if no flag requests a run
 /// without a user.
 enum class ViewChoice : std::uint8_t { kAuto, kOn, kOff };
-/// Choice of --forces: the forces that the client renders.
+/// Choice of --forces: the forces that are on at the start; the user can switch them later. Static:
+/// the force of the surface. Dynamic: the force of accelerations and impacts.
 enum class Forces : std::uint8_t { kBoth, kStatic, kDynamic };
 
 /// Settings of --study.

@@ -44,11 +44,12 @@ class TrialSchedule {
   void onAnswer(bool is_correct);
   /// Ends the present trial without a result: it comes again at the end.
   void onVoid();
-  /// Returns the number of trials to come, with the present one.
+  /// Returns the number of trials that are not finished, with the present one and the training.
   [[nodiscard]] std::size_t countRemaining() const { return waiting_.size(); }
-  /// Returns the code of a condition, which does not show its name: "A", "B" ...
+  /// Returns the code of the condition at a place of Study::conditions: "A", "B" ..., in an order
+  /// that is shuffled for each subject. So it hides the name.
   [[nodiscard]] const std::string& code(std::size_t condition) const { return codes_[condition]; }
-  /// Returns the posterior of the threshold of a condition. Requires a forced choice.
+  /// Returns the posterior of the threshold of a condition. Requires a study with a forced choice.
   [[nodiscard]] const ThresholdPosterior& posterior(std::size_t condition) const {
     return thresholds_[condition].posterior;
   }

@@ -32,7 +32,8 @@ class WebViewer {
   /// Begins a session over a connection with this protection. Returns false, with the reason in
   /// end(), if it may not be.
   [[nodiscard]] bool open(Protection protection, LocalTime now);
-  /// Processes a message of the server. Returns it, or nullopt with the reason in end().
+  /// Processes a message of the server. Returns the message (a frame without its objects, which the
+  /// receiver has). Returns nullopt if the session has failed: end() has the reason; call close().
   [[nodiscard]] std::optional<Message> receive(std::span<const std::uint8_t> bytes, LocalTime now);
   /// Prepares the oldest received frame for the renderer. Returns false if none waits. Call it
   /// until then, with ticks between.

@@ -19,7 +19,8 @@ void boundCounts(std::span<const std::uint8_t> message, Check& check);
 /// Counts the entries of repeated fields in the bytes of a frame or of a fragment.
 void boundCountsOfFrame(std::span<const std::uint8_t> frame, Check& check);
 
-/// Counts the entries of repeated fields of the frame in the field `field` of a message.
+/// As boundCounts(), for a message whose frame is in the field number `field`. Two frames in it are
+/// an error, too.
 void boundCountsOfContent(std::span<const std::uint8_t> message, std::uint32_t field, Check& check);
 
 /// Return the struct of a parsed frame or fragment. They record an error in `check` for every

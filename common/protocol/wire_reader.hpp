@@ -63,7 +63,8 @@ class WireReader {
     WireReader inner(bytes, depth_ - 1);
     return visit(inner);
   }
-  /// Skips the content of a field with this tag.
+  /// Skips the content of the field whose `tag` readTag() has just returned. Returns false if it is
+  /// cut off, nested too deep, or has no valid wire type.
   bool skip(std::uint32_t tag);
 
  private:

@@ -50,12 +50,11 @@ class Framing {
 
   /// Adds the next bytes of the peer. The last result of next() is then invalid.
   virtual void feed(std::span<const std::uint8_t> chunk) = 0;
-  /// Returns the next whole message without its prefix, valid until the next feed(). Returns
-  /// nullopt if more bytes are needed.
+  /// Returns the next whole message without its prefix, valid until the next call of next() or
+  /// feed(). Returns nullopt if more bytes are needed.
   ///
   /// Returns the error kMalformed for bytes that contain no message, and kTooLarge for a message
-  /// above the limit. All further calls then return the same error, because the begin of the next
-  /// message is unknown.
+  /// above the limit. Close the connection then, because the begin of the next message is unknown.
   [[nodiscard]] virtual Result<std::optional<std::span<const std::uint8_t>>, WireError> next() = 0;
   /// Writes the prefix of the next message to the peer into `out`. The message has `payload_bytes`
   /// bytes, 1..kMaxMessageBytes. Call it once for each message: the prefix may also contain an

@@ -12,8 +12,8 @@
 
 namespace hapticast::server {
 
-/// Returns `part` of the frame's picture, resized to `size`, with the outline of each object. Large
-/// pictures also show each object's id.
+/// Returns `part` of `frame.color` (px, inside the picture), resized to `size`, with the outline of
+/// each object. It also shows each object's id if `size` is wider than a thumbnail (240 px).
 [[nodiscard]] cv::Mat drawOutlined(const PreviewFrame& frame, const cv::Rect& part,
                                    const cv::Size& size);
 /// Returns a picture of the heights, lit from above left and enlarged to the size of the frame. It

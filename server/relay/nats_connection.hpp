@@ -36,8 +36,9 @@ class NatsConnection {
   /// Subscribes to `subject`, which may have wildcards. Throws AddressError if libnats fails.
   void subscribe(const std::string& subject, OnMessage on_message);
   /// Sends `bytes` to `subject`. `reply` is the subject for answers (empty: none). Returns false if
-  /// the message was not sent: there is no connection at present, or it is too large. Blocks while
-  /// the server reads nothing, for at most a second.
+  /// libnats did not accept the message, for example because there is no connection at present or
+  /// the message is too large. Blocks while the server reads nothing, for at most a second, and
+  /// then returns false.
   bool publish(const std::string& subject, std::span<const std::uint8_t> bytes,
                const std::string& reply = "");
   /// Returns whether there is a connection at present.

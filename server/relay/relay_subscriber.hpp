@@ -35,9 +35,10 @@ class RelaySubscriber {
   /// Time without a state message after which the log has a warning. A takeover is shorter.
   static constexpr Duration kSilence = std::chrono::seconds(2);
 
-  /// Connects to NATS. `keys`: verifying keys that an origin may have; empty: any key.
-  /// `broadcaster` receives all items. Throws as NatsConnection does. `clock`, `media_clock` and
-  /// `broadcaster` must outlive this object.
+  /// Connects to NATS and subscribes to the channel. `keys`: verifying keys that an origin may
+  /// have; empty: any key. `broadcaster` receives the items of the active origin in the threads of
+  /// libnats, from the moment when the clock is synchronised. Throws as NatsConnection does.
+  /// `clock`, `media_clock` and `broadcaster` must outlive this object. Thread: that of poll().
   RelaySubscriber(const NatsAddress& address, const NatsCredentials& credentials,
                   std::vector<KeyBytes> keys, const Clock& clock, RelayClock& media_clock,
                   Broadcaster& broadcaster);

@@ -48,7 +48,8 @@ class AccessList {
   /// The run time does not depend on how many bytes of `token` are right, so that it reveals
   /// nothing about valid tokens.
   [[nodiscard]] std::optional<Grant> find(std::string_view token) const;
-  /// Returns whether `grant` is in the list with the same role, and has not expired.
+  /// Returns whether the list has the token of `grant` with the same role, and the token has not
+  /// expired by the last day in the list.
   [[nodiscard]] bool permits(const Grant& grant, std::chrono::system_clock::time_point now) const;
   [[nodiscard]] std::size_t size() const { return grants_.size(); }
 

@@ -83,8 +83,9 @@ class Session : public std::enable_shared_from_this<Session> {
   void queue(const EncodedFrame& frame);
   void queue(const EncodedVideo& video);
   void queue(const SharedBytes& control);
-  /// Adds a description of the stream to the queue. `other_picture`: if true, the workspace is new,
-  /// and frames and pictures in the queue are removed.
+  /// Adds a description of the stream to the queue, in place of one that waits; call flush()
+  /// afterwards. Does nothing before the welcome. `other_picture`: the workspace is new, so frames
+  /// and pictures in the queue are removed.
   void queue(const SharedBytes& description, bool other_picture);
   void queue() {}
   /// Makes the next frame a key frame, because the stream left out frames before it.

@@ -17,7 +17,8 @@ struct StreamIdentity {
   KeyBytes verifying_key{};         ///< key with which viewers verify the signatures
   std::vector<std::uint8_t> probe;  ///< signed body of a probe, without a token
   bool sealed = false;              ///< whether all datagrams with frames are sealed
-  /// Newest key of the sealed datagrams. No receiver can open them without it.
+  /// Newest key of the sealed datagrams. nullopt: they are not sealed, or they are and this server
+  /// lacks the key. Then it sends frames by TCP only.
   std::optional<DatagramKey> datagram_key = std::nullopt;
 };
 

@@ -30,7 +30,8 @@ struct DatagramCounts {
   DatagramCounts& operator+=(const DatagramCounts& other);
 };
 
-/// A receiver of datagrams: a viewer, or the multicast group.
+/// A receiver of datagrams: a viewer, or the multicast group. `token` precedes each datagram.
+/// UdpFanout adds to `counts`, which send() requires.
 struct DatagramTarget {
   std::uint64_t token = 0;
   asio::ip::udp::endpoint to;  ///< address of the receiver, of the same IP version as the socket

@@ -56,8 +56,8 @@ class ScenePlan {
   void add(const StageReport& report);
   /// Ends the present frame and begins the next one.
   void nextFrame();
-  /// Returns whether this frame measures the stages that are off. It is true every kMeasureEvery
-  /// frames.
+  /// Returns whether this frame measures the costs of kClean and kSmooth, whether they are on or
+  /// off. It is true every kMeasureEvery frames.
   [[nodiscard]] bool measureNow() const;
 
   /// Returns the state of all stages, in the order of Stage, for the flag --explain.

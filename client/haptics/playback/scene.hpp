@@ -25,8 +25,8 @@ inline constexpr std::size_t kLookupKinds = 5;
 /// motion.
 struct InterpolatedObject {
   const PlayObject* before = nullptr;  ///< the object in the frame before play time; never null
-  /// The object in the next frame. Null if there is no next frame, or if the object is missing in
-  /// it.
+  /// The object in the next frame. Null if the object is missing there, if there is no next frame
+  /// of the same epoch soon enough, and with Interpolation::kHold.
   const PlayObject* after = nullptr;
   /// Weight of `after`. It is 0 at the time of `before` and 1 at the time of `after`. If `after`
   /// arrived late, the weight is 0 at its arrival.

@@ -9,7 +9,7 @@
 
 namespace hapticast::client {
 
-/// Estimates the heat of the motors and limits the force.
+/// Estimates the heat of the motors. Computes the largest force that they allow.
 class ThermalBudget {
  public:
   explicit ThermalBudget(const DeviceProfile& profile) noexcept

@@ -14,7 +14,7 @@ struct WindowLayout {
   int text_px = 15;       ///< height of the text
   double head_px = 27.0;  ///< height of the status line above the picture
   double panel_px = 0.0;  ///< width of the panel; 0 while it is folded
-  /// Upper left corner and size of the rectangle for the picture.
+  /// Rectangle for the picture: its upper left corner, and (`room`) its width and height.
   Vec2 corner = Vec2::Zero();
   Vec2 room = Vec2::Zero();
 

@@ -23,7 +23,7 @@ struct LibavDelete {
 struct ScalerDelete {
   void operator()(SwsContext* scaler) const { sws_freeContext(scaler); }
 };
-/// Closes the file, too.
+/// Frees a muxer and closes its file. Writes no trailer.
 struct MuxerDelete {
   void operator()(AVFormatContext* muxer) const {
     avio_closep(&muxer->pb);

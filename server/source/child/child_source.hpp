@@ -34,8 +34,8 @@ class ChildTask {
   [[nodiscard]] virtual const std::string& command() const = 0;
   /// Returns whether a frame without an answer is unusable.
   [[nodiscard]] virtual bool isRequired() const = 0;
-  /// Adds to `frame` what an earlier run of the command has answered. Returns false if there is
-  /// nothing.
+  /// Adds to `frame` the stored answer for it, of this run or of an earlier one. Returns false if
+  /// there is none.
   virtual bool recall(RgbdFrame& frame) = 0;
   /// Returns the bytes that ask for the answer of `frame`.
   [[nodiscard]] virtual std::vector<std::uint8_t> ask(const RgbdFrame& frame) = 0;

@@ -68,8 +68,9 @@ class LiveSource final : public RgbdSource {
   [[nodiscard]] const SourceInfo& info() const override { return info_; }
   /// Returns the newest frame that was not read yet. Returns nullopt if no frame arrives within 50
   /// ms, or if the frame is older than kGap. After a gap the epoch is incremented, and clip_time_s
-  /// begins at 0. Throws SourceError if the device returned with frames of another size or another
-  /// kind of depth.
+  /// counts from the first frame after it. Throws SourceError if the device returned with frames of
+  /// another size or another kind of depth, or if its thread has failed. All later calls then
+  /// throw.
   std::optional<RgbdFrame> read() override;
   /// Reads a frame. Returns true, because a live source has no end.
   bool skip() override;
@@ -89,7 +90,8 @@ class LiveSource final : public RgbdSource {
   void play(const std::stop_token& stop);
   /// Hands a frame over to read().
   void deliver(LiveFrame live);
-  /// Opens the device again, with pauses. Returns false if the thread must end.
+  /// Tries to open the device until that succeeds, 1 s after each try. Returns false if the thread
+  /// must end: after a stop, or if the device has other frames now.
   bool reopen(const std::stop_token& stop);
   /// Logs the begin of a gap, once.
   void beginGap(const std::string& line);

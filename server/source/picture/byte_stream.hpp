@@ -33,7 +33,7 @@ class ByteStream {
   [[nodiscard]] virtual bool seeksBackwards() const = 0;
 };
 
-/// A stream, or a phrase with its problem that follows the file's name ("is cut off").
+/// A stream, or null and the problem: a phrase to append to the file's name, such as "is cut off".
 struct StreamResult {
   std::unique_ptr<ByteStream> stream;
   std::string problem;

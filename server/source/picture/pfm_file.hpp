@@ -13,7 +13,8 @@ namespace hapticast::server {
 [[nodiscard]] bool isPfm(std::span<const std::uint8_t> bytes);
 
 /// Decodes a PFM file with grey values (magic "Pf") of either byte order. Its scale is ignored, as
-/// other readers do. The image is CV_32FC1. Returns the image, or the problem of the file as a
+/// other readers do. OpenCV's decoder divides by the scale, so depth of Middlebury's files would be
+/// 255 times too large. The image is CV_32FC1. Returns the image, or the problem of the file as a
 /// phrase. It checks the size before it allocates memory.
 [[nodiscard]] ImageResult decodePfm(std::span<const std::uint8_t> bytes);
 

@@ -46,8 +46,8 @@ class RecordingSource final : public RgbdSource {
     McapReader reader;
     std::string name;  ///< file and topic, for messages
   };
-  /// Returns the images of `topic`, without reading the index of the file again. Throws
-  /// SourceError.
+  /// Opens the file once more for the images of `topic`, without reading its index again. The
+  /// reader stands at the begin of the file. Throws SourceError.
   [[nodiscard]] Track openTrack(const McapReader& reader, const ImageTopic& topic) const;
   /// Returns the picture of `track` at `place`, as read by `decode`, or its problem.
   [[nodiscard]] static ImageResult readAt(Track& track, McapPlace place,

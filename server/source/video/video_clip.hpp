@@ -41,10 +41,10 @@ class VideoClip final : public RgbdSource {
   /// rate, frames/s. If both files state times (belongByTime()), each colour frame has the depth
   /// frame that is nearest in time, counted from the first frame of each file. RgbdFrame::index is
   /// then the time at the nominal rate of the colour, so it has gaps where frames are missing. One
-  /// warning names the frames without a partner. Otherwise frames belong together by number. The
-  /// clip ends with the shorter file. Throws SourceError if the files' aspect ratios differ, or if
-  /// their lengths differ by more than five frames. It also throws if both are one file, or if the
-  /// depth is in false colours and the code of `layout` is not kHue.
+  /// warning for each file counts the frames without a partner. Otherwise frames belong together by
+  /// number. The clip ends with the shorter file. Throws SourceError if the files' aspect ratios
+  /// differ, or if their lengths differ by more than five frames. It also throws if both are one
+  /// file, or if the depth is in false colours and the code of `layout` is not kHue.
   VideoClip(const std::string& color_file, const std::string& depth_file, double fps,
             const VideoLayout& layout = {});
   /// Decodes the first frame of `video`, of which no track may have started. `fps`: as above. With
@@ -87,8 +87,9 @@ class VideoClip final : public RgbdSource {
   /// Reads the times of both files of a pair. Sets `by_time_` if they decide which frames belong
   /// together. Logs a warning if numbers decide although times are missing in one of the files.
   void choosePairing();
-  /// Logs a warning that names the frames of a pair without a partner at their time. Throws
-  /// SourceError if the durations of the files differ by more than five frames.
+  /// Logs a warning for each file of a pair that has frames without a partner at their time: their
+  /// number and the time of the first one. Throws SourceError if the durations of the files differ
+  /// by more than five frames. Requires `by_time_`.
   void checkTimes() const;
   /// Returns the nominal rate of the colour, frames/s.
   [[nodiscard]] double nominalRate() const;

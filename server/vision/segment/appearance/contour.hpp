@@ -51,9 +51,10 @@ struct ContourResult {
 ContourResult decideContour(const ObjectRoi& patch, const DepthNoise& noise,
                             const std::vector<Plane>& planes, ContourMemory& memory);
 
-/// Adds `mask` to the object's own shape, the mean of its masks of the last second. Pixels where
-/// the object is hidden do not change. `mask`: see updateMemory(). `is_whole`: false if `mask` may
-/// be only a part of the object. Pixels outside `mask` are then no evidence of background. Requires
+/// Adds `mask` to memory.shape with the weight 1/30: a moving mean of about 30 masks. Pixels where
+/// the object is hidden do not change. If the shape is empty, `mask` becomes the shape. `mask`:
+/// CV_8UC1, 0/255, over the patch's box at full size. `is_whole`: false if `mask` may be only a
+/// part of the object; pixels outside `mask` are then no evidence of background. Requires
 /// memory.to_picture to be that of the patch, or an empty shape.
 void updateShape(const ObjectRoi& patch, const cv::Mat& mask, bool is_whole, ContourMemory& memory);
 

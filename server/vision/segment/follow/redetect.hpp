@@ -16,7 +16,8 @@ struct KnownObject {
   ObjectLimits limits;
   double usual_px = 0.0;  ///< area in the picture when nothing hides the object, px
   cv::Mat mask{};         ///< expected mask, 0/255, size of the image; empty: unknown
-  /// Part of the picture to search if `mask` is empty, px; empty: the whole picture.
+  /// Part of the picture to search, px. Empty: the surroundings of `mask`, or the whole picture if
+  /// `mask` is empty.
   cv::Rect window{};
 };
 
