@@ -371,10 +371,10 @@ class Window(StudyTest):
 
     def start(self, out):
         """Starts the client, and waits for the consent."""
-        client = self.start_program(
+        self.client = self.start_program(
             self.command(out, "--view", "on", *self.markers.flags(), simulate=None, device="mouse"), env=self.environment)
         self.wait_for_prompt()
-        return client
+        return self.client
 
     def xdo(self, *words):
         subprocess.run(["xdotool", *words], env=self.environment, check=True, timeout=SOON_S, capture_output=True)
@@ -399,7 +399,7 @@ class Window(StudyTest):
         def is_new():
             seen = self.read_prompt()
             return seen if seen != self.prompt and seen == self.read_prompt() else b""
-        self.prompt = wait_until(is_new, "no other prompt is shown")
+        self.prompt = wait_until(is_new, lambda: f"no other prompt is shown: {self.client.output()}")
 
     def save(self, name):
         picture = self.grab()
