@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""A study as a lab runs it: start, answers, results. The group `window` needs Xvfb and xdotool; it stores its screenshots in STUDY_PICTURES."""
+"""A study as a lab runs it: start, answers, results. The group `window` needs Xvfb and xdotool.
+It stores its screenshots in STUDY_PICTURES."""
 
 import contextlib
 import json
@@ -355,7 +356,8 @@ class Window(StudyTest):
         if not shutil.which("Xvfb") or not shutil.which("xdotool"):
             self.skipTest("needs Xvfb and xdotool")
         read, write = os.pipe()
-        self.display = subprocess.Popen(["Xvfb", "-displayfd", str(write), "-screen", "0", "1280x720x24"],
+        # Without -noreset it refuses a client for a moment after the last one has left.
+        self.display = subprocess.Popen(["Xvfb", "-noreset", "-displayfd", str(write), "-screen", "0", "1280x720x24"],
                                         pass_fds=[write], stderr=subprocess.DEVNULL)
         os.close(write)
         with os.fdopen(read) as number:
@@ -372,7 +374,8 @@ class Window(StudyTest):
     def start(self, out):
         """Starts the client, and waits for the consent."""
         self.client = self.start_program(
-            self.command(out, "--view", "on", *self.markers.flags(), simulate=None, device="mouse"), env=self.environment)
+            self.command(out, "--view", "on", *self.markers.flags(), simulate=None, device="mouse"),
+            env=self.environment)
         self.wait_for_prompt()
         return self.client
 
