@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "server/settings/scene_option.hpp"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <filesystem>
 
@@ -41,7 +43,7 @@ void applyFlags(CLI::App& app, const SceneText& scene, const FlagTexts& flags,
     try {
       setOption(app, name, text);
     } catch (const CLI::ParseError& error) {
-      const JsonPlace place = parseJson(scene.text).places.at(at + "/" + name);
+      const JsonPlace place = parseJson(scene.text).places.at(fmt::format("{}/{}", at, name));
       refuse(scene, JsonError(place, whose + error.what()));
     }
   }
