@@ -161,7 +161,8 @@ std::optional<std::string> parseArguments(CLI::App& app, int argc, const char* c
   std::vector<const char*> arguments(1, argv[0]);
   for (const std::string& word : words) arguments.push_back(word.c_str());
   const int count = static_cast<int>(arguments.size());
-  const CLI::App& subcommand = findSubcommand(app, words.empty() ? "" : words.front());
+  const CLI::App& subcommand =
+      findSubcommand(app, words.empty() ? std::string_view() : words.front());
   try {
     requireValues(subcommand, count, arguments.data());
     app.parse(count, arguments.data());

@@ -80,7 +80,7 @@ std::vector<KeyValue> readConfig(const CLI::App& app, const std::vector<std::str
 }
 
 bool isSwitch(const CLI::App& app, const SubcommandFlag& each) {
-  const CLI::App& chosen = findSubcommand(app, std::string(each.subcommand));
+  const CLI::App& chosen = findSubcommand(app, each.subcommand);
   return chosen.get_option_no_throw(std::string(each.flag))->get_items_expected_min() == 0;
 }
 
@@ -146,7 +146,7 @@ std::vector<std::string> chooseSubcommand(const CLI::App& app, const SubcommandC
   return arguments;
 }
 
-const CLI::App& findSubcommand(const CLI::App& app, const std::string& name) {
+const CLI::App& findSubcommand(const CLI::App& app, std::string_view name) {
   for (const CLI::App* const each : app.get_subcommands({})) {
     if (each->get_name() == name) return *each;
   }

@@ -40,7 +40,7 @@ CLI::App& addSubcommand(CLI::App& program, const std::string& name, const std::s
                                                         std::vector<std::string> arguments);
 
 /// Returns the subcommand of `app` that `name` names; `app` itself if there is none.
-[[nodiscard]] const CLI::App& findSubcommand(const CLI::App& app, const std::string& name);
+[[nodiscard]] const CLI::App& findSubcommand(const CLI::App& app, std::string_view name);
 
 /// Returns the name of a subcommand of `app`, other than `than`, that has the option `name`, for
 /// example "--replay"; empty if there is none.
