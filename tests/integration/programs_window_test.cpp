@@ -80,7 +80,10 @@ class Story {
   void goOn(ViewerWindow& window, const TickReport& report) {
     if (at_ == steps_.size()) return;
     if (report.time - since_ > kSoon) {
-      ADD_FAILURE() << "never came: " << steps_[at_].awaited;
+      ADD_FAILURE() << "never came: " << steps_[at_].awaited << "; contact " << report.contact
+                    << ", force " << report.force_N.transpose() << " N, tip "
+                    << report.hip_mm.transpose() << " mm, over the object " << report.over_object
+                    << ", safety actions " << report.safety_actions;
       at_ = steps_.size();
       end();
       return;
@@ -166,9 +169,9 @@ TEST_F(ProgramsWindowTest, TheMousePressesIntoTheBallPausesTouchesItAndGoesOn) {
   // A client that misses many milliseconds ends the contact. Then the tip has to leave the ball
   // first: the hand lifts it, and presses again.
   bool lifted = false;
-  LocalTime apart{};  // of the last report without a contact
+  LocalTime apart{};  // of the last report without a force
   const auto presses = [&](const TickReport& report) {
-    if (report.contact) return true;
+    if (report.contact && report.force_N.norm() > kTouched_N) return true;
     apart = report.time;
     if (!wait(report, 3.0)) return false;
     lifted = !lifted;
@@ -180,7 +183,10 @@ TEST_F(ProgramsWindowTest, TheMousePressesIntoTheBallPausesTouchesItAndGoesOn) {
       {{"a ball", [](const TickReport& r) { return r.object_present && toSeconds(r.time) > 1.0; },
         [](ViewerWindow&, const TickReport&) { key(SDLK_SPACE); }},
        {"standstill",
-        [&](const TickReport& r) { return std::exchange(stood, r.play_time) == r.play_time; },
+        [&](const TickReport& r) {
+          if (std::exchange(stood, r.play_time) != r.play_time) since = r.time;
+          return wait(r, 0.3);
+        },
         [](ViewerWindow& window, const TickReport& r) {
           pointAt(window, r.object_centre_mm + Vec2(6.0, 4.0));
         }},
