@@ -78,7 +78,7 @@ def kill_node(network):
     node = network.node_at[network.lab.nats_of("origin1")]
     print(f"  {node} is killed; the active origin is connected to it, and of the edges "
           + ", ".join(str(i) for i in range(1, 7) if network.node_at[network.lab.nats_of(f"edge{i}")] == node))
-    network.nodes[node].end(signal.SIGKILL)
+    network.nodes[node].process.kill()
     return time.monotonic()
 
 
@@ -98,7 +98,7 @@ def part_sides(network):
 
 
 def kill_origin(network):
-    network.origins[0].end(signal.SIGKILL)
+    network.origins[0].process.kill()
     return time.monotonic()
 
 

@@ -7,6 +7,7 @@ arrived, the processor time of the origin, and what a client by UDP rendered.
 import itertools
 import json
 import random
+import signal
 import socket
 import struct
 import threading
@@ -87,7 +88,7 @@ def measure_floods(build, out):
                 running.stop()
             end_ns = time.monotonic_ns()
             watch([direct, through], 1.0)
-            client.end()
+            client.end(signal.SIGTERM)
             summary = json.loads((out / f"client{number}.json").read_text())
             during = {frame for frame, at_ns in direct.arrivals_ns.items() if begin_ns <= at_ns < end_ns}
             delays_ms = behind_ms(direct, through, begin_ns, end_ns)

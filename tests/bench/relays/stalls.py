@@ -93,9 +93,9 @@ def run(lab, name, stopped, transport, stop_s):
     stopped_s = stop(lab, {"server": servers[-1], "edge": servers[-1], "client": client}.get(stopped), stop_s)
     time.sleep(AFTER_s + (2.0 if stop_s > 2.0 else 0.0))
     end_s = time.monotonic()
-    client.end()
+    client.end(signal.SIGTERM)
     for server in reversed(servers):
-        server.end()
+        server.end(signal.SIGTERM)
     excess_N = json.loads((lab.out / f"{name}.json").read_text())["step_excess_max_N"]
     back_s, delays_s = evaluate(read_log(log), end_s - begin_s, stopped_s)
     return {"stopped": stopped, "transport": transport, "stop s": stop_s, "force back after s": f"{back_s:.2f}",
