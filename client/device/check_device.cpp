@@ -23,7 +23,8 @@ namespace hapticast::client {
 namespace {
 
 constexpr double kCheckPush_N = 0.3;  // chosen: no hand at the grip, and a grip that falls is safe
-// To, fro and to, so that a free grip ends where it began.
+// To, fro and to, so that a free grip ends where it began. Ticks are milliseconds, also where a
+// machine runs them late.
 constexpr int kPush_ticks = 30;
 constexpr int kRecord_ticks = 130;  // of a push, until shortly after its end
 constexpr int kSettle_ticks = 60;   // between two pushes
@@ -46,6 +47,34 @@ constexpr std::array<const char*, 3> kAxisNames{"x (right)", "y (up)", "z (towar
 
 /// The check was stopped.
 struct Stopped {};
+
+/// Returns the force of a push in a tick.
+double computePush_N(Duration::rep ticks) {
+  if (ticks >= 4 * kPush_ticks) return 0.0;
+  const bool back = ticks >= kPush_ticks && ticks < 3 * kPush_ticks;
+  return back ? -kCheckPush_N : kCheckPush_N;
+}
+
+/// One tick of a push.
+struct Sample {
+  LocalTime at;
+  double force_N;
+  Vec3 position_mm;
+};
+
+/// Returns the sample nearest to each millisecond since the first one.
+PushRecord resample(const std::vector<Sample>& samples) {
+  PushRecord record;
+  std::size_t nearest = 0;
+  for (int i = 0; i < kRecord_ticks; ++i) {
+    const LocalTime at = samples.front().at + i * kTickPeriod;
+    while (nearest + 1 < samples.size() && samples[nearest + 1].at - at <= at - samples[nearest].at)
+      ++nearest;
+    record.force_N.push_back(samples[nearest].force_N);
+    record.position_mm.push_back(samples[nearest].position_mm);
+  }
+  return record;
+}
 
 /// Runs the ticks of the device.
 class CheckRun {
@@ -91,16 +120,14 @@ class CheckRun {
 
  private:
   PushRecord pushOnce(int axis, double sign) {
-    PushRecord record;
-    for (int i = 0; i < kRecord_ticks + kSettle_ticks; ++i) {
-      const bool back = i >= kPush_ticks && i < 3 * kPush_ticks;
-      const double size_N = i < 4 * kPush_ticks ? (back ? -1.0 : 1.0) * sign * kCheckPush_N : 0.0;
+    std::vector<Sample> samples;
+    const LocalTime begin = now_;
+    while (now_ < begin + (kRecord_ticks + kSettle_ticks) * kTickPeriod) {
+      const double size_N = sign * computePush_N((now_ - begin) / kTickPeriod);
       (void)tick(size_N * Vec3::Unit(axis));
-      if (i >= kRecord_ticks) continue;
-      record.force_N.push_back(size_N);
-      record.position_mm.push_back(position_mm_);
+      samples.push_back({now_, size_N, position_mm_});
     }
-    return record;
+    return resample(samples);
   }
   /// Returns the number of ticks in which the process of the driver reduced the force.
   [[nodiscard]] std::uint64_t countReduced() const {
@@ -111,8 +138,8 @@ class CheckRun {
   bool tick(const Vec3& force_N) {
     if (stop_) throw Stopped();
     device_.waitForTick(deadline_);
-    const LocalTime now = clock_.now();
-    deadline_ = now + kTickPeriod;
+    now_ = clock_.now();
+    deadline_ = now_ + kTickPeriod;
     const DeviceState state = device_.exchange(force_N, {});
     device_.sendForceEarly(force_N);
     while (const auto line = device_.nextMessage()) log_line_(*line);
@@ -120,8 +147,8 @@ class CheckRun {
       throw std::runtime_error("check: the device stopped answering");
     if (state.status != DeviceStatus::kOk) return false;
     position_mm_ = state.position_mm;
-    gap_ = gap_ || now > last_reading_ + kLongestGap;
-    last_reading_ = now;
+    gap_ = gap_ || now_ > last_reading_ + kLongestGap;
+    last_reading_ = now_;
     return true;
   }
 
@@ -129,6 +156,7 @@ class CheckRun {
   const Clock& clock_;
   const std::atomic<bool>& stop_;
   const std::function<void(const std::string&)>& log_line_;
+  LocalTime now_{};  // of the last tick
   LocalTime deadline_{};
   LocalTime last_reading_{};
   bool gap_ = false;  // between two readings, since it was read
@@ -201,14 +229,14 @@ std::string findWrongProfile(const DeviceCheck& check, const DeviceProfile& prof
   if (check.count_mm > kMostCount * profile.count_mm)
     return fmt::format("its position moves in steps of {:.3f} mm, its profile has count_mm = {:g}",
                        check.count_mm, profile.count_mm);
-  if (check.delay_ticks > kMostDelay_ticks)
-    return fmt::format("{} ms pass from a position to its force; at most {} ms are stable",
-                       check.delay_ticks, kMostDelay_ticks);
   if (!(check.mass_kg <= kHeldMass * profile.mass_kg))
     return fmt::format(
         "it moved like {:.0f} g, its profile has {:.0f} g: let go of the grip, or "
         "correct mass_kg",
         1e3 * check.mass_kg, 1e3 * profile.mass_kg);
+  if (check.delay_ticks > kMostDelay_ticks)
+    return fmt::format("{} ms pass from a position to its force; at most {} ms are stable",
+                       check.delay_ticks, kMostDelay_ticks);
   return "";
 }
 

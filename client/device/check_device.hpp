@@ -19,7 +19,7 @@
 
 namespace hapticast::client {
 
-/// Recording of one push along an axis, with one sample in each tick.
+/// Recording of one push along an axis, with one sample for each millisecond.
 struct PushRecord {
   std::vector<double> force_N;
   std::vector<Vec3> position_mm;

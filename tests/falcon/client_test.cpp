@@ -357,7 +357,12 @@ TEST_F(FalconClient, AFreeGripPassesTheCheck) {
   aim(0.0);
   std::this_thread::sleep_for(std::chrono::milliseconds(500));
   port_->with([](FalconModel& model, BusFaults&) { model.let_go = true; });
-  EXPECT_EQ(client_->wait(kPatience), 0) << client_->output();
+  const auto code = client_->wait(std::chrono::seconds(300));  // it repeats what a pause spoils
+  for (const char* line : {"this machine is too busy for the check", "ms are stable"}) {
+    if (code == 1 && client_->says(line, kPatience))
+      GTEST_SKIP() << "this machine is too slow for the emulated bus: " << line;
+  }
+  EXPECT_EQ(code, 0) << client_->output();
   expectZeroAtLast();
 }
 

@@ -4,7 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
+#include <random>
 #include <utility>
 
 #include "client/device/virtual/virtual_device.hpp"
@@ -152,6 +154,21 @@ TEST(CheckDevice, RepeatsAPushThatABusyMachineSpoils) {
     } else {
       EXPECT_EQ(busy.check()->fault, "");
     }
+  }
+}
+
+TEST(CheckDevice, MeasuresInMillisecondsWhereTicksAreLate) {
+  for (const int longest_ms : {2, 3, 4}) {
+    CheckedGrip late(grip(0.1, 2), grip(0.1, 2));
+    std::mt19937 random(static_cast<unsigned>(longest_ms));
+    std::uniform_int_distribution<int> wait_us(1000, 1000 * longest_ms);
+    late.device.wait = [&](LocalTime) {
+      late.clock.advance(std::chrono::microseconds(wait_us(random)));
+    };
+    const auto check = late.check();
+    EXPECT_EQ(check->fault, "");
+    EXPECT_NEAR(check->mass_kg, 0.1, 0.015);
+    EXPECT_NEAR(check->delay_ticks, 2, 2);
   }
 }
 
