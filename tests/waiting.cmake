@@ -3,9 +3,11 @@
 # Run: cmake -DROOT=. -P tests/waiting.cmake
 cmake_minimum_required(VERSION 3.25)
 get_filename_component(ROOT "${ROOT}" ABSOLUTE BASE_DIR "${CMAKE_BINARY_DIR}")
-set(rests "\\b(sleep|usleep|(clock_)?nanosleep|sleep_for|sleep_until|sleep_ms|restBetweenTurns)\\b")
+string(CONCAT rests "\\b(sleep|usleep|(clock_)?nanosleep|sleep_for|sleep_until|sleep_ms|restBetweenTurns|setTimeout)\\b"
+  "|wait_for\\(std::chrono|performance\\.now\\(\\) *>|steady_timer +[a-z_]+\\(io, |\\brun_for\\(")
 string(CONCAT ports
   "\\b(freePort|findPort|findFreePort|free_port|find_port|find_free_port)\\b"
+  "|getpid\\(\\) *%"                                                 # a number that this process alone has
   "|\\bk?[A-Za-z]*P(ort|ORT) *= *[1-9][0-9]{2,4}\\b"                   # a constant
   "|--listen[\"' ,=]+([^\"' ]*:)?[1-9][0-9]{2,4}([\"' ,)]|$)"         # of the programs
   "|loopback\\(\\), *[1-9][0-9]{2,4}\\b"                               # of asio
@@ -32,7 +34,13 @@ set(allowed
   "integration/programs_relay_malicious_test.cpp: restBetweenTurns: a malicious origin sends at a rate"
   "integration/programs_multicast_test.cpp: kPort: a group needs a port, and both hosts are namespaces of the test"
   "integration/programs_live_test.cpp: kPort: FFmpeg needs a port, and the network is a namespace of the test"
-  "page/measure.py: time.sleep: a measurement by hand")
+  "integration/stream_fixture.hpp: run_for: a turn of the loop of events, before the condition is read again"
+  "integration/datagram_client_test.cpp: steady_timer: after the link's next look, which is due before, no second ends any more"
+  "openni/camera_test.cpp: wait_for: a camera that is gone stays gone for longer than the pause before it is opened again"
+  "recording/watch_live.mjs: setTimeout: counts messages for as long as deploy/check-recording wants"
+  "page/trust_test.py: performance: a page that failed does not try again within its longest pause"
+  "page/bad_input_test.py: performance: as in trust_test.py"
+  "page/measure.py: time.sleep|setTimeout: a measurement by hand")
 
 # Sets `name` to the lines of the tests in which grep finds the pattern.
 function(find_lines name pattern)

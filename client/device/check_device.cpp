@@ -23,17 +23,18 @@ namespace hapticast::client {
 namespace {
 
 constexpr double kCheckPush_N = 0.3;  // chosen: no hand at the grip, and a grip that falls is safe
-// To, fro and to, so that a free grip ends where it began. Ticks are milliseconds, also where a
-// machine runs them late.
+// To, fro and to, so that a free grip ends where it began.
 constexpr int kPush_ticks = 30;
 constexpr int kRecord_ticks = 130;  // of a push, until shortly after its end
-constexpr int kSettle_ticks = 60;   // between two pushes
+constexpr Duration kPushAndSettle = (kRecord_ticks + 60) * kTickPeriod;
 // Of a grip at rest, before the first push. The process of a driver lets a force return within
 // 500 ms after a pause of the client.
-constexpr int kStill_ticks = 600;
+constexpr auto kStill = std::chrono::milliseconds(600);
 constexpr double kStill_mm = 1.0;
 // Between two readings. After twice as long the process of a driver reduces the force.
 constexpr auto kLongestGap = std::chrono::milliseconds(5);
+// Median of a push. A machine with longer ones delays each force by more than a device may.
+constexpr auto kLongestMedian = std::chrono::milliseconds(2);
 constexpr int kMostRepeats = 10;  // chosen: pushes that a busy machine spoils
 constexpr auto kStillPatience = std::chrono::seconds(60);
 // 0.3 N move a free grip of 0.5 kg by 0.5 mm.
@@ -48,8 +49,9 @@ constexpr std::array<const char*, 3> kAxisNames{"x (right)", "y (up)", "z (towar
 /// The check was stopped.
 struct Stopped {};
 
-/// Returns the force of a push in a tick.
-double computePush_N(Duration::rep ticks) {
+/// Returns the force of a push.
+double computePush_N(Duration since_begin) {
+  const auto ticks = since_begin / kTickPeriod;
   if (ticks >= 4 * kPush_ticks) return 0.0;
   const bool back = ticks >= kPush_ticks && ticks < 3 * kPush_ticks;
   return back ? -kCheckPush_N : kCheckPush_N;
@@ -62,16 +64,40 @@ struct Sample {
   Vec3 position_mm;
 };
 
-/// Returns the sample nearest to each millisecond since the first one.
+/// Returns the smallest step of the readings on any axis; infinity without one.
+double findStep_mm(const std::vector<Sample>& samples) {
+  constexpr double kRounding_mm = 1e-6;
+  double smallest_mm = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 1; i < samples.size(); ++i) {
+    for (const double step_mm : samples[i].position_mm - samples[i - 1].position_mm) {
+      if (std::abs(step_mm) > kRounding_mm) smallest_mm = std::min(smallest_mm, std::abs(step_mm));
+    }
+  }
+  return smallest_mm;
+}
+
+Duration findMedianTick(const std::vector<Sample>& samples) {
+  std::vector<Duration> ticks;
+  for (std::size_t i = 1; i < samples.size(); ++i)
+    ticks.push_back(samples[i].at - samples[i - 1].at);
+  std::nth_element(ticks.begin(), ticks.begin() + std::ssize(ticks) / 2, ticks.end());
+  return ticks[ticks.size() / 2];
+}
+
+/// Returns the push at each millisecond since its begin: the device holds a force until the next
+/// one, and the grip moves evenly between two readings.
 PushRecord resample(const std::vector<Sample>& samples) {
   PushRecord record;
-  std::size_t nearest = 0;
+  record.step_mm = findStep_mm(samples);
+  std::size_t next = 1;
   for (int i = 0; i < kRecord_ticks; ++i) {
     const LocalTime at = samples.front().at + i * kTickPeriod;
-    while (nearest + 1 < samples.size() && samples[nearest + 1].at - at <= at - samples[nearest].at)
-      ++nearest;
-    record.force_N.push_back(samples[nearest].force_N);
-    record.position_mm.push_back(samples[nearest].position_mm);
+    while (next + 1 < samples.size() && samples[next].at <= at) ++next;
+    const Sample& from = samples[next - 1];
+    const Sample& to = samples[next];
+    const double share = toSeconds(at - from.at) / toSeconds(to.at - from.at);
+    record.force_N.push_back(from.force_N);
+    record.position_mm.push_back(from.position_mm + share * (to.position_mm - from.position_mm));
   }
   return record;
 }
@@ -89,57 +115,62 @@ class CheckRun {
   /// Waits until the grip rests.
   void waitForRest() {
     const LocalTime until = clock_.now() + kStillPatience;
-    int rest_ticks = 0;
+    std::optional<LocalTime> begin;  // of the rest
     bool was_late = false;
     Vec3 begin_mm = Vec3::Zero();
-    while (rest_ticks < kStill_ticks) {
+    while (!begin || now_ < *begin + kStill) {
       if (clock_.now() > until)
         throw std::runtime_error(was_late ? kTooBusy
                                           : "check: the grip did not come to rest for a minute");
-      const bool fresh = tick(Vec3::Zero());
+      beginTick();
+      const bool fresh = exchange(Vec3::Zero());
       if (std::exchange(gap_, false)) {
-        was_late = was_late || rest_ticks > 0;
-        rest_ticks = 0;
+        was_late = was_late || begin;
+        begin.reset();
       }
-      if (!fresh) continue;
-      if (rest_ticks++ == 0) begin_mm = position_mm_;
-      if ((position_mm_ - begin_mm).norm() > kStill_mm) rest_ticks = 0;
+      if (!fresh || (begin && (position_mm_ - begin_mm).norm() <= kStill_mm)) continue;
+      begin = now_;
+      begin_mm = position_mm_;
     }
   }
-  /// Pushes along an axis, to and fro. Returns the recording. Repeats a push with a gap between two
-  /// readings, and one that the process of the driver reduced.
+  /// Pushes along an axis, to and fro. Returns the recording. Repeats a push with late ticks, and
+  /// one that the process of the driver reduced.
   PushRecord push(int axis, double sign) {
     while (true) {
       const std::uint64_t reduced = countReduced();
-      PushRecord record = pushOnce(axis, sign);
-      if (!std::exchange(gap_, false) && countReduced() == reduced) return record;
+      const std::vector<Sample> samples = pushOnce(axis, sign);
+      const bool late = std::exchange(gap_, false) || findMedianTick(samples) > kLongestMedian;
+      if (!late && countReduced() == reduced) return resample(samples);
       if (++repeats_ > kMostRepeats) throw std::runtime_error(kTooBusy);
       waitForRest();
     }
   }
 
  private:
-  PushRecord pushOnce(int axis, double sign) {
+  std::vector<Sample> pushOnce(int axis, double sign) {
     std::vector<Sample> samples;
-    const LocalTime begin = now_;
-    while (now_ < begin + (kRecord_ticks + kSettle_ticks) * kTickPeriod) {
-      const double size_N = sign * computePush_N((now_ - begin) / kTickPeriod);
-      (void)tick(size_N * Vec3::Unit(axis));
-      samples.push_back({now_, size_N, position_mm_});
-    }
-    return resample(samples);
+    do {
+      beginTick();
+      const LocalTime begin = samples.empty() ? now_ : samples.front().at;
+      const double force_N = sign * computePush_N(now_ - begin);
+      (void)exchange(force_N * Vec3::Unit(axis));
+      samples.push_back({now_, force_N, position_mm_});
+    } while (now_ < samples.front().at + kPushAndSettle);
+    return samples;
   }
   /// Returns the number of ticks in which the process of the driver reduced the force.
   [[nodiscard]] std::uint64_t countReduced() const {
     const auto traffic = device_.traffic();
     return traffic ? traffic->reduced : 0;
   }
-  /// Returns true if the device has a new position.
-  bool tick(const Vec3& force_N) {
+  void beginTick() {
     if (stop_) throw Stopped();
     device_.waitForTick(deadline_);
     now_ = clock_.now();
     deadline_ = now_ + kTickPeriod;
+  }
+  /// Returns true if the device has a new position.
+  bool exchange(const Vec3& force_N) {
     const DeviceState state = device_.exchange(force_N, {});
     device_.sendForceEarly(force_N);
     while (const auto line = device_.nextMessage()) log_line_(*line);
@@ -156,7 +187,7 @@ class CheckRun {
   const Clock& clock_;
   const std::atomic<bool>& stop_;
   const std::function<void(const std::string&)>& log_line_;
-  LocalTime now_{};  // of the last tick
+  LocalTime now_{};  // begin of the tick
   LocalTime deadline_{};
   LocalTime last_reading_{};
   bool gap_ = false;  // between two readings, since it was read
@@ -196,21 +227,6 @@ MotionFit fitPush(const PushRecord& record, int axis) {
   along_mm.reserve(record.position_mm.size());
   for (const Vec3& each_mm : record.position_mm) along_mm.push_back(each_mm[axis]);
   return fitMotion(record.force_N, along_mm);
-}
-
-/// Returns the smallest step of the readings on any axis; infinity without one.
-double findCount_mm(const std::array<PushRecord, 6>& pushes) {
-  constexpr double kRounding_mm = 1e-6;
-  double smallest_mm = std::numeric_limits<double>::infinity();
-  for (const PushRecord& record : pushes) {
-    for (std::size_t i = 1; i < record.position_mm.size(); ++i) {
-      for (const double step_mm : record.position_mm[i] - record.position_mm[i - 1]) {
-        if (std::abs(step_mm) > kRounding_mm)
-          smallest_mm = std::min(smallest_mm, std::abs(step_mm));
-      }
-    }
-  }
-  return smallest_mm;
 }
 
 /// Returns the fault in sign or axis of the motion along an axis, or an empty text.
@@ -257,7 +273,7 @@ std::string describeChanges(const DeviceCheck& check, const DeviceProfile& profi
 
 DeviceCheck judgeDevice(const std::array<PushRecord, 6>& pushes, const DeviceProfile& profile) {
   DeviceCheck check;
-  check.mass_kg = std::numeric_limits<double>::infinity();
+  check.mass_kg = check.count_mm = std::numeric_limits<double>::infinity();
   std::vector<int> delays_ticks;
   for (int axis = 0; axis < 3 && check.fault.empty(); ++axis) {
     const PushRecord& to = pushes[static_cast<std::size_t>(2 * axis)];
@@ -274,7 +290,7 @@ DeviceCheck judgeDevice(const std::array<PushRecord, 6>& pushes, const DevicePro
   }
   std::sort(delays_ticks.begin(), delays_ticks.end());
   check.delay_ticks = delays_ticks[delays_ticks.size() / 2];
-  check.count_mm = findCount_mm(pushes);
+  for (const PushRecord& record : pushes) check.count_mm = std::min(check.count_mm, record.step_mm);
   if (check.fault.empty()) check.fault = findWrongProfile(check, profile);
   if (check.fault.empty()) check.note = describeChanges(check, profile);
   return check;

@@ -23,6 +23,7 @@ namespace hapticast::client {
 struct PushRecord {
   std::vector<double> force_N;
   std::vector<Vec3> position_mm;
+  double step_mm = 0.0;  ///< smallest step of the readings on any axis; infinity: no motion
 };
 
 /// Result of a check.
@@ -38,8 +39,8 @@ struct DeviceCheck {
 /// Judges the pushes against `profile`: record 2 i is the push along axis i in the positive
 /// direction, record 2 i + 1 that in the negative direction. The device fails if a motion has a
 /// wrong sign or axis, if an axis does not move, if its count is more than 1.5 times that of the
-/// profile, if its delay is above kMostDelay_ticks, or if its mass is more than three times that of
-/// the profile (somebody holds the grip).
+/// profile, if its mass is more than three times that of the profile (somebody holds the grip), or
+/// if its delay is above kMostDelay_ticks.
 DeviceCheck judgeDevice(const std::array<PushRecord, 6>& pushes, const DeviceProfile& profile);
 
 /// Lowers the mass and raises the delay of `profile` to the values of a check that the device

@@ -280,12 +280,17 @@ TEST_F(FalconClient, AKilledHelperIsReplacedByOneThatCommandsZero) {
   expectZeroAtLast();
 }
 
-/// How often a hold was broken, because no command arrived for so long.
-std::ptrdiff_t stalls(const std::vector<ReceivedRequest>& received) {
+/// How often no command arrived for so long.
+std::ptrdiff_t countGaps(const std::vector<ReceivedRequest>& received, Duration longest) {
   std::ptrdiff_t count = 0;
   for (std::size_t i = 1; i < received.size(); ++i)
-    count += received[i].at - received[i - 1].at > std::chrono::milliseconds(18) ? 1 : 0;
+    count += received[i].at - received[i - 1].at > longest ? 1 : 0;
   return count;
+}
+
+/// How often a hold was broken.
+std::ptrdiff_t stalls(const std::vector<ReceivedRequest>& received) {
+  return countGaps(received, std::chrono::milliseconds(18));
 }
 
 TEST_F(FalconClient, ACalibrationThatATerminalEndsLeavesZero) {
@@ -358,10 +363,10 @@ TEST_F(FalconClient, AFreeGripPassesTheCheck) {
   std::this_thread::sleep_for(std::chrono::milliseconds(500));
   port_->with([](FalconModel& model, BusFaults&) { model.let_go = true; });
   const auto code = client_->wait(std::chrono::seconds(300));  // it repeats what a pause spoils
-  for (const char* line : {"this machine is too busy for the check", "ms are stable"}) {
-    if (code == 1 && client_->says(line, kPatience))
-      GTEST_SKIP() << "this machine is too slow for the emulated bus: " << line;
-  }
+  const auto all = received();
+  const std::ptrdiff_t late = countGaps(all, std::chrono::milliseconds(2));
+  if (code == 1 && 10 * late > std::ssize(all))
+    GTEST_SKIP() << late << " of " << all.size() << " requests were late on the emulated bus";
   EXPECT_EQ(code, 0) << client_->output();
   expectZeroAtLast();
 }

@@ -2,8 +2,6 @@
 // A server that sends datagrams, for tests over loopback.
 #pragma once
 
-#include <unistd.h>
-
 #include <memory>
 #include <optional>
 
@@ -13,9 +11,11 @@
 
 namespace hapticast::testing {
 
-/// A group on this machine alone, and of this run of the tests alone.
+/// A group on this machine alone. The kernel chooses the port.
 inline server::MulticastChoice loopbackGroup(const std::string& host) {
-  return {{host, static_cast<std::uint16_t>(20'000 + ::getpid() % 20'000)}, "lo"};
+  asio::io_context io;
+  const asio::ip::udp::socket free(io, {asio::ip::address_v4::loopback(), 0});
+  return {{host, free.local_endpoint().port()}, "lo"};
 }
 
 /// A server that offers datagrams, and the group, if there is one.

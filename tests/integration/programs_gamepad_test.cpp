@@ -104,12 +104,13 @@ TEST_F(ProgramsGamepadTest, ContactRumblesAReleaseAndThePlugStopItAndItComesBack
             {"the tip over it", [this](const TickReport& r) { return steerTo(r) && r.over_object; },
              [this](const TickReport&) { forward(0.8); }},
             {"a press that rumbles", rumbles, rest},
-            {"a press, held", [this](const TickReport&) { return pad.motors.high < 15000; },
+            {"a press, held",
              [this](const TickReport& r) {
-               EXPECT_TRUE(r.contact);
-               EXPECT_GT(pad.motors.low, 10000);
-               forward(-1.0);
-             }},
+               // A late machine ended the contact: the tip leaves, and presses again.
+               forward(!r.contact ? 0.8 : pad.motors.low == 0 ? -0.8 : 0.0);
+               return r.contact && pad.motors.low > 10000 && pad.motors.high < 15000;
+             },
+             [this](const TickReport&) { forward(-1.0); }},
             {"a release", [&](const TickReport& r) { return !r.contact && is_quiet(); },
              [this](const TickReport&) { forward(0.8); }},
             {"a second press", rumbles,

@@ -27,6 +27,7 @@ class ProgramsOriginTest : public ProgramsTest {
 };
 
 TEST_F(ProgramsOriginTest, TheFirstKeyIsRemembered) {
+  keepPorts();
   auto server = startOrigin("origin.pem");
   const std::string address = addressOf(*server);
   const std::string key = keyOf(*server);

@@ -21,6 +21,7 @@ class ProgramsRelayTest : public ProgramsTest {
   void SetUp() override {
     if (!kHasRelays) GTEST_SKIP() << "this build has no libnats";
     if (!NatsServer::exists()) GTEST_SKIP() << "there is no nats-server";
+    keepPorts();
     std::filesystem::create_directories(path("nats"));
     nats_ = std::make_unique<NatsServer>(path("nats"), settings());
   }

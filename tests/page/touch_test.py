@@ -95,9 +95,9 @@ class Touch(support.BallTest):
         self.assertGreater(self.page.wait_for_force(), 0.1)
         self.page.shoot("contact")
         self.check_drawn_tips()
-        self.page.wait_pressed("document.getElementById('advice').innerText.startsWith('in contact')",
-                               "the page does not say that it is in contact")
-        self.assertGreater(float(self.page.text("force-text").split()[0]), 0.1)
+        self.page.wait_pressed("document.getElementById('advice').innerText.startsWith('in contact') && "
+                               "parseFloat(document.getElementById('force-text').innerText) > 0.1",
+                               "the page does not say that it is in contact, and with which force")
         self.page.wheel(at, -support.DEEP)
         self.page.wait_for_no_force()
 

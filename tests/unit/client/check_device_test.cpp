@@ -68,6 +68,15 @@ std::string findError(CheckedGrip& checked) {
   }
 }
 
+/// Lets the device hold each force until the next one. The virtual device alone applies a force to
+/// the time before it.
+void holdForces(CheckedGrip& checked) {
+  checked.device.answer = [last_N = Vec3(Vec3::Zero()),
+                           answer = checked.device.answer](const Vec3& force_N) mutable {
+    return answer(std::exchange(last_N, force_N));
+  };
+}
+
 TEST(CheckDevice, AFreeGripThatFitsItsProfilePasses) {
   PlantProfile damped = grip(0.1);
   damped.damping_Ns_m = 2.0;
@@ -124,12 +133,8 @@ TEST(CheckDevice, RefusesWrongMotionsAndProfiles) {
   CheckedGrip held(grip(), grip(), {0.3, 1.0, 20.0, 0.0, 0.0});
   const std::string held_fault = held.check()->fault;
   EXPECT_NE(held_fault.find("let go of the grip"), std::string::npos) << held_fault;
-  // Seven ticks: one more than a virtual device has.
   CheckedGrip late(grip(0.045, 6), grip());
-  Vec3 last_N = Vec3::Zero();
-  late.device.answer = [&last_N, answer = late.device.answer](const Vec3& force_N) {
-    return answer(std::exchange(last_N, force_N));
-  };
+  holdForces(late);
   const std::string late_fault = late.check()->fault;
   EXPECT_NE(late_fault.find("at most 5 ms are stable"), std::string::npos) << late_fault;
 }
@@ -157,27 +162,35 @@ TEST(CheckDevice, RepeatsAPushThatABusyMachineSpoils) {
   }
 }
 
-TEST(CheckDevice, MeasuresInMillisecondsWhereTicksAreLate) {
-  for (const int longest_ms : {2, 3, 4}) {
-    CheckedGrip late(grip(0.1, 2), grip(0.1, 2));
-    std::mt19937 random(static_cast<unsigned>(longest_ms));
-    std::uniform_int_distribution<int> wait_us(1000, 1000 * longest_ms);
-    late.device.wait = [&](LocalTime) {
-      late.clock.advance(std::chrono::microseconds(wait_us(random)));
-    };
-    const auto check = late.check();
-    EXPECT_EQ(check->fault, "");
-    EXPECT_NEAR(check->mass_kg, 0.1, 0.015);
-    EXPECT_NEAR(check->delay_ticks, 2, 2);
+TEST(CheckDevice, MeasuresInMillisecondsWhateverTheTicksAre) {
+  using std::chrono::microseconds;
+  for (const auto& [shortest, longest] :
+       {std::pair{1000, 2000}, std::pair{1000, 2900}, std::pair{500, 3000}}) {
+    CheckedGrip checked(grip(0.1), grip(0.1));
+    holdForces(checked);
+    std::mt19937 random(static_cast<unsigned>(longest));
+    std::uniform_int_distribution<int> wait_us(shortest, longest);
+    checked.device.wait = [&](LocalTime) { checked.clock.advance(microseconds(wait_us(random))); };
+    const auto check = checked.check();
+    ASSERT_TRUE(check);
+    EXPECT_EQ(check->fault, "") << longest;
+    EXPECT_NEAR(check->mass_kg, 0.1, 0.015) << longest;
+    EXPECT_NEAR(check->delay_ticks, 1, 1) << longest;
+    EXPECT_NEAR(check->count_mm, grip().count_mm, 1e-6) << longest;
   }
 }
 
-TEST(CheckDevice, NamesTheMachineThatLeavesTheGripNoRest) {
-  CheckedGrip busy(grip(), grip());
-  busy.device.wait = [&](LocalTime) {
-    busy.clock.advance(std::chrono::milliseconds(busy.device.forces_N.size() % 300 == 0 ? 12 : 1));
+TEST(CheckDevice, NamesTheMachineThatIsTooSlow) {
+  CheckedGrip no_rest(grip(), grip());
+  no_rest.device.wait = [&](LocalTime) {
+    const bool late = no_rest.device.forces_N.size() % 300 == 0;
+    no_rest.clock.advance(std::chrono::milliseconds(late ? 12 : 1));
   };
-  EXPECT_EQ(findError(busy), "check: this machine is too busy for the check; close other programs");
+  CheckedGrip slow(grip(), grip());
+  slow.device.wait = [&](LocalTime) { slow.clock.advance(std::chrono::milliseconds(3)); };
+  for (CheckedGrip* const busy : {&no_rest, &slow})
+    EXPECT_EQ(findError(*busy),
+              "check: this machine is too busy for the check; close other programs");
 }
 
 TEST(CheckDevice, EndsAtAStopAtALossAndAtARestlessGrip) {

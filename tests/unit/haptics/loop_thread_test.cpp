@@ -35,8 +35,8 @@ struct Threaded {
       return state;
     };
   }
-  void waitFor(const std::function<bool()>& what) const {
-    while (!what()) std::this_thread::yield();
+  static void waitFor(const std::function<bool()>& what) {
+    ASSERT_TRUE(waitUntil(std::chrono::seconds(60), what));
   }
 
   inline static const HandScript kFollower{HandKind::kFollow, HandStiffness{}};
