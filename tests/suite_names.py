@@ -15,12 +15,12 @@ ENDINGS = {".cpp", ".hpp", ".h", ".js"}
 
 
 def read_identifiers():
-    """Returns all identifiers of the product, in lower case and without lines."""
+    """Returns all identifiers of the product, in lower case and without lines. A member (`name_`) names nothing."""
     found = set()
     for folder in ("common", "server", "client", "tests/support", "tests/scenes"):
         for file in (ROOT / folder).rglob("*"):
             if file.suffix in ENDINGS:
-                words = re.findall(r"[A-Za-z_]\w*", file.read_text(encoding="utf-8"))
+                words = re.findall(r"\b[A-Za-z_]\w*(?<!_)\b", file.read_text(encoding="utf-8"))
                 found.update(word.lower().replace("_", "") for word in words)
     return found
 

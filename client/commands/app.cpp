@@ -49,7 +49,6 @@ class App::Impl {
   bool checkFirst();
   void runEvents();
   void readReports();
-  void sendContact();
   bool finish(const LoopThread& loop);
   HapticDevice& device() { return *local_.device; }
 
@@ -62,7 +61,6 @@ class App::Impl {
   Session session_;                        // its network thread uses everything above
   Reporter reporter_;
   TickReport last_report_;  // of those read from local_.reports
-  bool sent_contact_ = false;
   bool any_frame_ = false;
   bool time_is_over_ = false;
 };
@@ -126,7 +124,7 @@ void App::Impl::runEvents() {
     reporter_.writeFaults(local_.renderer->recorder());
     device().poll();
     while (const auto line = device().nextMessage()) spdlog::info("{}", *line);
-    sendContact();
+    session_.setInContact(last_report_.contact);
     const ConnectionStats& stats = session_.stats();
     if (!ui_.update(stats)) stop();
     if (const auto control = ui_.takeControl()) session_.control(*control);
@@ -147,12 +145,6 @@ void App::Impl::readReports() {
     reporter_.onReport(last_report_, ui_.rearm());
     ui_.onReport(last_report_);
   }
-}
-
-void App::Impl::sendContact() {
-  if (last_report_.contact == sent_contact_) return;
-  sent_contact_ = last_report_.contact;
-  session_.setInContact(sent_contact_);
 }
 
 bool App::Impl::finish(const LoopThread& loop) {

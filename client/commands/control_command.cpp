@@ -3,6 +3,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <chrono>
 #include <memory>
 #include <utility>
@@ -13,36 +14,43 @@ namespace hapticast::client {
 
 namespace {
 
-constexpr auto kControlPatience = std::chrono::seconds(5);
-// A seek in a long clip lasts as long as vision needs for the frames before; chosen.
+// A seek in a long clip lasts as long as vision needs for the frames before; chosen. Meanwhile the
+// server may be silent.
 constexpr auto kCarryOutPatience = std::chrono::minutes(2);
 
 /// State of one request, which its coroutines share.
 struct Exchange {
   explicit Exchange(asio::io_context& context) : io(context), timer(context) {}
   asio::io_context& io;
+  const SteadyClock clock;
   asio::steady_timer timer;
-  DialCancellation stop;
+  DialCancellation never;  // a dial has its own time limit
   std::unique_ptr<Channel> channel;
+  LocalTime latest = LocalTime::max();  // for the answer
+  bool ended = false;
   bool done = false;
-  std::string problem = "the server has ended the connection";
+  std::string problem;
 
-  /// Ends the request with `why` after `patience`. Replaces the limit before.
-  void limit(Duration patience, std::string why) {
-    timer.expires_after(patience);
-    timer.async_wait([this, why = std::move(why)](const boost::system::error_code& cancelled) {
-      if (cancelled) return;
-      problem = why;
-      stop.stop();
-      if (channel) channel->close();
-    });
-  }
   void end(std::string why) {
+    if (ended) return;
+    ended = true;
     problem = std::move(why);
     timer.cancel();
     if (channel) channel->close();
   }
 };
+
+/// Ends the request when a time limit has passed.
+void watch(Exchange& exchange, const ClientSession& session) {
+  if (exchange.ended) return;
+  const LocalTime now = exchange.clock.now();
+  if (const auto expired = session.expire(now)) return exchange.end(expired->why);
+  if (now >= exchange.latest)
+    return exchange.end("the server has not carried out the request in 2 minutes");
+  exchange.timer.expires_after(std::min(session.nextDeadline(), exchange.latest) - now);
+  exchange.timer.async_wait(
+      [&](const boost::system::error_code& /*cancelled*/) { watch(exchange, session); });
+}
 
 /// Handles a message of the server.
 void handle(Exchange& exchange, ClientSession& session, const Message& message,
@@ -54,21 +62,23 @@ void handle(Exchange& exchange, ClientSession& session, const Message& message,
     if (session.description().timeline)
       return exchange.end("each viewer of this server has a time line of its own (--on-demand)");
     (void)session.request(control);
-    exchange.limit(kCarryOutPatience, "the server has not carried out the request in 2 minutes");
+    exchange.latest = exchange.clock.now() + kCarryOutPatience;
   }
 }
 
-/// Runs a session until the server has answered the request.
-asio::awaitable<void> request(Exchange& exchange, Dial dial, Endpoint server,
-                              ClientSession& session, Control control) {
-  const SteadyClock clock;
-  Dialled dialled = co_await dial(exchange.io, server, kControlPatience, exchange.stop);
+/// Runs a session until the server has answered the request. All parameters outlive the coroutine.
+asio::awaitable<void> request(Exchange& exchange, const Dial& dial, const Endpoint& server,
+                              ClientSession& session, const Control& control) {
+  const SteadyClock& clock = exchange.clock;
+  Dialled dialled =
+      co_await dial(exchange.io, server, SessionSettings().connect_deadline, exchange.never);
   if (!dialled.ok()) co_return exchange.end(dialled.error().message);
   exchange.channel = std::move(dialled).value();
   Channel& channel = *exchange.channel;
   if (const auto refusal =
           session.open({channel.encrypted(), channel.ofThisMachine()}, clock.now()))
     co_return exchange.end(refusal->why);
+  watch(exchange, session);
   while (!exchange.done) {
     while (const auto message = session.poll(clock.now()))
       (void)co_await channel.write(encodeShared(*message));  // read() knows whether it has ended
@@ -80,7 +90,7 @@ asio::awaitable<void> request(Exchange& exchange, Dial dial, Endpoint server,
     channel.setReadLimit(session.readLimit());
     handle(exchange, session, message.value(), control);
   }
-  exchange.timer.cancel();
+  exchange.end("the server has ended the connection");
 }
 
 }  // namespace
@@ -90,14 +100,13 @@ bool controlServer(const Settings& settings) {
   asio::io_context io;
   Exchange exchange(io);
   SessionSettings of_session = makeSessionSettings(settings, server);
-  of_session.client_name = "hapticast-client --control";
+  of_session.client_name = "hapticast-client control";
+  of_session.silence_limit = kCarryOutPatience;
   of_session.sends_pings = false;
   ClientSession session(std::move(of_session), nullptr);
-  asio::co_spawn(
-      io,
-      request(exchange, chooseDial(settings, server), settings.server, session, *settings.control),
-      asio::detached);
-  exchange.limit(kControlPatience, "the server did not answer in time");
+  const Dial dial = chooseDial(settings, server);
+  asio::co_spawn(io, request(exchange, dial, settings.server, session, *settings.control),
+                 asio::detached);
   io.run();
   if (!exchange.done) spdlog::error("{}: {}", server, exchange.problem);
   return exchange.done;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Carries out --control: sends one request of an operator to a server, and waits for the server's
+// Subcommand control: sends one request of an operator to a server, and waits for the server's
 // answer.
 // Thread: main.
 #pragma once

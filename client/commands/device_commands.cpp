@@ -59,7 +59,7 @@ int runDeviceCheck(const Settings& settings) {
   if (!check) return kDone;
   storeResult(*device, *check);
   if (check->fault.empty()) return kDone;
-  spdlog::error("--check-device {}: refused: {}", settings.check_device, check->fault);
+  spdlog::error("check {}: refused: {}", settings.check_device, check->fault);
   return kFailed;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Commands of the client that use a device without a stream: --list-devices, --check-device,
-// --falcon-calibrate.
+// Subcommands of the client that use a device without a stream: list --devices, check and its
+// calibration of a Falcon.
 // Thread: main.
 #pragma once
 
@@ -10,7 +10,7 @@ namespace hapticast::client {
 
 /// Prints the kinds of devices and the connected devices.
 void printDevices(const Settings& settings);
-/// Runs the check of --check-device (device/check_device.hpp) and stores the result
+/// Runs the subcommand check (device/check_device.hpp) and stores the result
 /// (storeResult()). Returns the exit code. Throws like openDevice() and checkDevice().
 int runDeviceCheck(const Settings& settings);
 /// Calibrates the Falcon's motors. Returns the exit code. Throws like openDevice() and calibrate().

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// --replay: renders a recorded run again and writes its results. Thread: main.
+// Subcommand replay: renders a recorded run again and writes its results. Thread: main.
 #pragma once
 
 #include "client/settings/settings.hpp"

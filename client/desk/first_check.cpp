@@ -20,7 +20,7 @@ namespace {
 
 std::string checkFile() { return (stateFolder() / "checked-devices").string(); }
 
-/// Returns the name of the device for --check-device.
+/// Returns the name of the device for `hapticast-client check`.
 std::string nameDevice(const HapticDevice& device) {
   const std::string id = device.id();
   return id.substr(0, id.find(' '));

@@ -88,6 +88,7 @@ class Session::Impl {
   const bool server_given;
   const std::string server;
   LatestValue<ConnectionStats> stats;  // the network thread writes it
+  bool in_contact = false;             // last value of setInContact(), whose thread has it
   asio::io_context io;
   asio::signal_set signals{io, SIGINT, SIGTERM};
   DecodeThread decode_thread;
@@ -215,6 +216,7 @@ void Session::stop() { impl_->stop(); }
 const ConnectionStats& Session::stats() { return impl_->stats.load(); }
 
 void Session::setInContact(bool contact) {
+  if (std::exchange(impl_->in_contact, contact) == contact) return;
   asio::post(impl_->io, [impl = impl_.get(), contact] { impl->connection.setInContact(contact); });
 }
 

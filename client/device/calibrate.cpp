@@ -58,7 +58,7 @@ struct Hold {
       if (state.status == DeviceStatus::kLost && at_most_ticks > 0) throwTooHeavy();
       if (state.status == DeviceStatus::kLost)
         throw std::runtime_error(
-            "--falcon-calibrate: the device stopped answering; check its cable and power supply, "
+            "calibration: the device stopped answering; check its cable and power supply, "
             "and start again");
       if (state.status != DeviceStatus::kOk) continue;
       force_N = holder.hold(state.position_mm);
@@ -71,7 +71,7 @@ struct Hold {
     }
     if (!stop)
       throw std::runtime_error(
-          "--falcon-calibrate: the grip did not rest in the middle in time; start again");
+          "calibration: the grip did not rest in the middle in time; start again");
     return std::nullopt;
   }
   /// The largest force does not hold a weight that is too heavy for the present gain. The force
@@ -85,7 +85,7 @@ struct Hold {
   }
   [[noreturn]] static void throwTooHeavy() {
     throw std::runtime_error(
-        "--falcon-calibrate: the motors cannot hold this weight with the present gain: start again "
+        "calibration: the motors cannot hold this weight with the present gain: start again "
         "with half of it");
   }
   /// Ramps the force down. A weight without a hand falls then and may cause an implausible

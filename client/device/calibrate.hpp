@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Calibration of a Falcon's motors (--falcon-calibrate) with a known weight. A position controller
+// Calibration of a Falcon's motors (check --calibrate) with a known weight. A position controller
 // moves the grip to the middle and holds it there, first without the weight and then with it. With
 // the right gain, the force of the controller increases by exactly the weight. So the corrected
 // gain is the present gain, multiplied by the ratio of the measured increase to the weight. Thread:

@@ -101,7 +101,7 @@ typedef struct hapticast_driver {
   uint32_t size;       /* sizeof(hapticast_driver) */
   uint32_t abi;        /* HAPTICAST_DEVICE_ABI */
   const char* name;    /* name for --device, the file name without .so: [a-z0-9_]{1,32} */
-  const char* about;   /* one line for --list-devices */
+  const char* about;   /* one line for `list --devices` */
   const char* licence; /* SPDX identifier, or "proprietary" */
   uint32_t flags;
   uint32_t reserved;

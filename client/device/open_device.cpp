@@ -105,7 +105,7 @@ std::unique_ptr<HapticDevice> findDevice(const DeviceRequest& request) {
       found = !kind.list(its).empty();
       if (found) return kind.open(its);
     } catch (const std::runtime_error& error) {
-      // Without access nothing counts as plugged in; --list-devices shows the reason.
+      // Without access nothing counts as plugged in; `list --devices` shows the reason.
       if (found)
         request.log(std::string("the client continues without this device: ") + error.what());
     }

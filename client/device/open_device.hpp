@@ -47,8 +47,8 @@ std::unique_ptr<HapticDevice> openDevice(const std::string& name, const DeviceRe
 /// if there is none. Logs each connected device that cannot be opened.
 std::unique_ptr<HapticDevice> findDevice(const DeviceRequest& request);
 
-/// Returns the text of --list-devices. It has one line for each kind and for each driver in a file,
-/// with the detected devices of the kind.
+/// Returns the text of `list --devices`. It has one line for each kind and for each driver in a
+/// file, with the detected devices of the kind.
 std::string listDevices(const DeviceRequest& request);
 
 }  // namespace hapticast::client

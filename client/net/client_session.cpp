@@ -195,14 +195,18 @@ ReceiverReport ClientSession::makeReport() const {
           in_contact_};
 }
 
+LocalTime ClientSession::nextDeadline() const {
+  if (!state_.is_open) return LocalTime::max();
+  if (!state_.unanswered_since) return state_.deadline;
+  return std::min(state_.deadline, *state_.unanswered_since + settings_.pong_limit);
+}
+
 std::optional<SessionEnd> ClientSession::expire(LocalTime now) const {
-  if (!state_.is_open) return std::nullopt;
+  if (now < nextDeadline()) return std::nullopt;
   if (now >= state_.deadline) return SessionEnd{.why = state_.overdue, .code = ErrorCode::kTimeout};
-  if (state_.unanswered_since && now - *state_.unanswered_since >= settings_.pong_limit)
-    return SessionEnd{
-        .why = "the server answers no pings, so the client cannot synchronize the clocks",
-        .code = ErrorCode::kTimeout};
-  return std::nullopt;
+  return SessionEnd{
+      .why = "the server answers no pings, so the client cannot synchronize the clocks",
+      .code = ErrorCode::kTimeout};
 }
 
 bool ClientSession::isPermanent(const SessionEnd& end) const {

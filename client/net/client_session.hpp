@@ -83,6 +83,9 @@ class ClientSession {
   /// Returns the time of the next ping; LocalTime::max() before the welcome. Requests are due at
   /// once.
   [[nodiscard]] LocalTime nextPing() const { return state_.next_ping; }
+  /// Returns the time at which expire() returns an error if nothing arrives before. Each message
+  /// may change it. LocalTime::max() without a session.
+  [[nodiscard]] LocalTime nextDeadline() const;
   /// Returns an error if a time limit has passed at `now`. Then call close().
   [[nodiscard]] std::optional<SessionEnd> expire(LocalTime now) const;
   /// Ends the session, or an attempt to connect that never became one. Returns the pause before the

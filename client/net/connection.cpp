@@ -117,7 +117,8 @@ asio::awaitable<void> Connection::watch(SocketsPtr sockets) {
     sockets->expired = session_.expire(clock_.now());
     if (sockets->expired) co_return sockets->close();
     boost::system::error_code cancelled;
-    sockets->watcher.expires_after(kCheckEvery);
+    const Duration left = session_.nextDeadline() - clock_.now();
+    sockets->watcher.expires_after(std::min<Duration>(left, kCheckEvery));
     co_await sockets->watcher.async_wait(asio::redirect_error(asio::use_awaitable, cancelled));
   }
 }

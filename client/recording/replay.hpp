@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Replay: renders a recorded run again (--replay). The renderer receives the same readings, frames,
+// Replay: renders a recorded run again. The renderer receives the same readings, frames,
 // timing and controls at the same ticks, so that the result has the same bits. The recording's
 // order is that of the network thread for the events of the stream, and that of the loop for the
 // ticks. Before each tick, as many frames are handed over as the recorded loop had taken. With

@@ -89,7 +89,7 @@ void addFalconOptions(CLI::App& app, Settings& settings) {
                   "The Falcon's firmware, a file of your own, loaded after each power-up; default: "
                   "hapticast/falcon.bin in $XDG_DATA_HOME, else in ~/.local/share");
   addFalconOption(app, settings, "serial", "S",
-                  "Which Falcon, by its serial number (--list-devices); default: the first");
+                  "Which Falcon, by its serial number (list --devices); default: the first");
   showDefault(*addFalconOption(app, settings, "gain", "COUNTS_PER_NM",
                                "Motor counts for a torque of 1 N m at an arm of the Falcon, "
                                "100..20000; default: 3500",

@@ -12,9 +12,9 @@
 namespace hapticast::client {
 
 /// Reads all recordings of `study`. Throws JsonError with the line of the first condition whose
-/// recording is missing or damaged, or which the device with `profile` cannot render: its stiffness
-/// is above `stiffness_limit_N_mm` (0: three times the profile's stiffness), or the device lowers
-/// its mass.
+/// recording is missing or damaged, or which the device with `profile` cannot render: the stiffness
+/// of the condition is above `stiffness_limit_N_mm` (0: three times the profile's stiffness), or
+/// the device lowers the mass of the condition.
 void requireRenderable(const Study& study, const DeviceProfile& profile,
                        double stiffness_limit_N_mm);
 

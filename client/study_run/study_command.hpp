@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// --study: runs a study with one subject (client/study/README.md). Thread: main.
+// Subcommand study: runs a study with one subject (client/study/README.md). Thread: main.
 #pragma once
 
 #include "client/settings/settings.hpp"

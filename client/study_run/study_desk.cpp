@@ -100,6 +100,7 @@ void StudyDesk::onReport(TickReport report) {
                               report.inputs.timing > last_timing_.number);
   device_lost_ = device_lost_ || report.device == DeviceStatus::kLost;
   warm_ = warm_ || (report.safety_actions & bit(SafetyAction::kThermal)) != 0;
+  if (session_) session_->setInContact(report.contact);
   if (!hasStream()) report.lookup = Lookup::kInterpolated;  // no news: a trial has ended
   reporter_.onReport(report, ui_.rearm());
   ui_.onReport(report);

@@ -112,6 +112,20 @@ TEST_F(FalseOpeningTest, ControlEndsWithTheSentenceOfTheSession) {
   }
 }
 
+TEST_F(FalseOpeningTest, ControlEndsWithTheSentenceOfTheSessionForASilentServer) {
+  client::ClientSession session({}, nullptr);
+  ASSERT_FALSE(session.open({}, LocalTime{}));
+  const auto why = session.expire(session.nextDeadline());
+  ASSERT_TRUE(why);
+  FakeServer server(io);
+  client::Settings settings;
+  settings.server.port = server.port();
+  settings.control = Control{};
+  const LogLines log;
+  EXPECT_FALSE(control(settings, [&] { (void)serve(server, {}); }));
+  EXPECT_NE(log.text().find(why->why), std::string::npos) << log.text();
+}
+
 /// An operator's request goes to the expected origin only.
 TEST_F(FalseOpeningTest, ControlChecksTheOriginsKey) {
   for (const bool is_expected : {false, true}) {

@@ -46,8 +46,8 @@ struct WarpedPoint {
   double s = 0.0;
   Vec2 image_px;  ///< position in the picture of that frame
 
-  /// Transforms `nominal_mm` into the frame `in`. `now` is the object at play time. `px_per_mm` is
-  /// workspace.pixelsPerMm(). `in` must outlive this object.
+  /// Transforms `nominal_mm` into the received frame of the object `in`. `now` is the object at
+  /// play time. `px_per_mm` is workspace.pixelsPerMm(). `in` must outlive this object.
   WarpedPoint(const PlayObject& in, const InterpolatedObject& now, const Vec2& nominal_mm,
               const Workspace& workspace, const Vec2& px_per_mm) noexcept;
   /// Returns true if the point lies inside the mask. Requires shows(&frame).

@@ -3,7 +3,7 @@
 // states accelerations, rotations, impacts and motion grids. The client uses these values only as
 // far as the positions, velocities and reliefs of the frames around play time support them. Example
 // of a statement without support: a plateau at rest with an acceleration of 1e8 mm/s². The method
-// is in client/haptics/README.md, section 4.
+// is in client/haptics/playback/README.md.
 // Thread: loop, real-time (rules: client/haptics/README.md, section 1).
 #pragma once
 

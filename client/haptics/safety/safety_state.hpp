@@ -19,8 +19,7 @@ inline constexpr Duration kLateTick{1'500'000};
 
 enum class SafetyState : std::uint8_t {
   /// The force did more than kMovesHand_mJ of work on the hand in 10 s. Lasts until the user
-  /// re-arms
-  /// the force.
+  /// re-arms the force.
   kMovesHand,
   kTrustLost,    ///< trust in the stream was lost. Lasts until the user re-arms the force.
   kLateMachine,  ///< the loop misses its milliseconds. Ends a minute after the last ones.

@@ -19,8 +19,9 @@
 //
 //   hapticast::Recording recording("run.mcap");
 //   double most_N = 0.0;
-//   while (const auto tick = recording.nextTick()) most_N = std::fmax(most_N,
-//   tick->force_N.norm()); std::printf("%.2f N %s\n", most_N, recording.problem().c_str());
+//   while (const auto tick = recording.nextTick())
+//     most_N = std::fmax(most_N, tick->force_N.norm());
+//   std::printf("%.2f N %s\n", most_N, recording.problem().c_str());
 #pragma once
 
 #include <Eigen/Core>

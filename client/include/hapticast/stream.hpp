@@ -7,9 +7,8 @@
 // - Trust. The bytes of a server are checked before use. With TLS the server is authenticated as
 //   hapticast-client does it: by a certificate authority, or by the key of the first connection
 //   (file hapticast/known_servers in $XDG_STATE_HOME or ~/.local/state). Another key is an error.
-// - Threads. A Stream has a network thread, and with play() one that prepares frames. next() has
-// one
-//   thread of the caller. All other functions may be called by any thread.
+// - Threads. A Stream has a network thread, and with play() one that prepares frames. One thread of
+//   the caller calls next(). Any thread may call all other functions.
 // - Signals. The library handles none.
 // - fork(). A Stream belongs to the process that made it. In a child next(), play() and close()
 //   throw std::runtime_error.

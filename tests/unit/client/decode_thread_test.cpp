@@ -29,9 +29,9 @@ AssembledFrame frameOf(std::uint64_t id, std::uint64_t changed, bool with_relief
   return assembled;
 }
 
-class PreparerTest : public ::testing::Test {
+class FramePreparerTest : public ::testing::Test {
  protected:
-  PreparerTest() { preparation.reset(Workspace{}); }
+  FramePreparerTest() { preparation.reset(Workspace{}); }
 
   /// The id of the next frame the loop gets, and what its object points to; 0 when none is there.
   std::uint64_t take() {
@@ -51,7 +51,7 @@ class PreparerTest : public ::testing::Test {
   const HeightField* field = nullptr;
 };
 
-TEST_F(PreparerTest, AFrameIsReadyWhenItsStepIsDone) {
+TEST_F(FramePreparerTest, AFrameIsReadyWhenItsStepIsDone) {
   EXPECT_FALSE(preparation.step());
   (void)preparation.push(frameOf(1, 1, true));
   EXPECT_EQ(take(), 0U) << "pushing does not wait for the preparation";
@@ -66,7 +66,7 @@ TEST_F(PreparerTest, AFrameIsReadyWhenItsStepIsDone) {
   EXPECT_FALSE(preparation.step());
 }
 
-TEST_F(PreparerTest, ADroppedReliefMayBeSentAsUnchangedLater) {
+TEST_F(FramePreparerTest, ADroppedReliefMayBeSentAsUnchangedLater) {
   (void)preparation.push(frameOf(1, 1, true));
   (void)preparation.push(frameOf(2, 2, true));
   std::size_t left_out = 0;
@@ -83,7 +83,7 @@ TEST_F(PreparerTest, ADroppedReliefMayBeSentAsUnchangedLater) {
   }
 }
 
-TEST_F(PreparerTest, AReliefWithoutAFreeSlotMayBeSentAsUnchangedLater) {
+TEST_F(FramePreparerTest, AReliefWithoutAFreeSlotMayBeSentAsUnchangedLater) {
   for (std::uint64_t id = 1; id <= FramePool::kSlots + 1; ++id) {
     (void)preparation.push(frameOf(id, id, true));
     (void)preparation.step();
@@ -97,7 +97,7 @@ TEST_F(PreparerTest, AReliefWithoutAFreeSlotMayBeSentAsUnchangedLater) {
   EXPECT_NE(field, nullptr);
 }
 
-TEST_F(PreparerTest, AnotherStreamForgetsFramesAndReliefs) {
+TEST_F(FramePreparerTest, AnotherStreamForgetsFramesAndReliefs) {
   (void)preparation.push(frameOf(1, 1, true));
   (void)preparation.step();
   (void)preparation.push(frameOf(2, 1, false));
@@ -108,7 +108,7 @@ TEST_F(PreparerTest, AnotherStreamForgetsFramesAndReliefs) {
   EXPECT_EQ(done.back().reliefs_missing, 1U) << "reliefs of before are forgotten";
 }
 
-TEST_F(PreparerTest, LargeReliefsWaitInCodedFormUntilTheLoopReturnsASlot) {
+TEST_F(FramePreparerTest, LargeReliefsWaitInCodedFormUntilTheLoopReturnsASlot) {
   Workspace workspace;
   workspace.width_px = 1920;
   workspace.height_px = 1080;
@@ -129,14 +129,14 @@ TEST_F(PreparerTest, LargeReliefsWaitInCodedFormUntilTheLoopReturnsASlot) {
   EXPECT_TRUE(preparation.step());
 }
 
-TEST_F(PreparerTest, SmallReliefsDoNotWait) {
+TEST_F(FramePreparerTest, SmallReliefsDoNotWait) {
   for (std::uint64_t id = 1; id <= FramePool::kSlots; ++id) {
     (void)preparation.push(frameOf(id, id, true));
     EXPECT_TRUE(preparation.step()) << id;
   }
 }
 
-TEST_F(PreparerTest, AReliefThatWasLostOnTheWayIsNoErrorOfTheServer) {
+TEST_F(FramePreparerTest, AReliefThatWasLostOnTheWayIsNoErrorOfTheServer) {
   const auto missing = [this](AssembledFrame assembled) {
     (void)preparation.push(std::move(assembled));
     (void)preparation.step();
@@ -165,7 +165,7 @@ TEST_F(PreparerTest, AReliefThatWasLostOnTheWayIsNoErrorOfTheServer) {
   EXPECT_EQ(missing(later(70, 5, 0)), 1U) << "an honest server has repeated it";
 }
 
-TEST_F(PreparerTest, AReliefIsPreparedOnceHoweverOftenItComes) {
+TEST_F(FramePreparerTest, AReliefIsPreparedOnceHoweverOftenItComes) {
   (void)preparation.push(frameOf(1, 1, true));
   (void)preparation.push(frameOf(2, 1, true));
   (void)preparation.push(frameOf(3, 1, false));

@@ -64,7 +64,7 @@ Leads measureLeads(int delay_ticks) {
   return leads;
 }
 
-// client/haptics/README.md, section 4: the shares of the lead.
+// client/haptics/playback/README.md: the shares of the lead.
 TEST(ForceLead, IsThatOfTheSceneAndOfTheDamper) {
   for (int delay_ticks = 0; delay_ticks <= 2; ++delay_ticks) {
     const Leads leads = measureLeads(delay_ticks);
