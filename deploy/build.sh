@@ -79,8 +79,9 @@ build() {  # preset, plain or tidy; targets ...
     cd "build/$preset"
     while read -r object; do [ -e "$object" ] || echo missing; done
   ) | wc -l)
-  [ "$steps" -eq 0 ] ||
-    echo "Compiling $steps batches (preset $preset): about $(((steps * step_s / jobs + 59) / 60)) minutes, less with a warm cache"
+  about=""
+  [ "$preset" != release ] || about=": about $(((steps * step_s / jobs + 59) / 60)) minutes, less with a warm cache"
+  [ "$steps" -eq 0 ] || echo "Compiling $steps batches (preset $preset)$about"
   quiet=""
   [ -t 1 ] || quiet="--quiet"  # on a terminal ninja shows its progress in one line
   # shellcheck disable=SC2086

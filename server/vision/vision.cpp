@@ -12,8 +12,7 @@
 
 #include "common/text.hpp"
 #include "server/source/scale/picture_scale.hpp"
-#include "server/vision/describe.hpp"
-#include "server/vision/frame_motion.hpp"
+#include "server/vision/frame_describer.hpp"
 #include "server/vision/tracker.hpp"
 
 namespace hapticast::server {
@@ -84,13 +83,6 @@ bool usesTwoThreads(const SourceInfo& info, const VisionSettings& settings) {
          std::thread::hardware_concurrency() > 1;
 }
 
-// Returns whether a client accepts the frame with one more object.
-bool hasRoomFor(const HapticObject& object, const HapticFrame& frame) {
-  std::size_t sum = object.relief->rect.pixels();
-  for (const HapticObject& other : frame.objects) sum += other.relief->rect.pixels();
-  return frame.objects.size() < kMaxObjects && sum <= kMaxReliefPixels;
-}
-
 }  // namespace
 
 void stopOpenCvThreads() { cv::setNumThreads(1); }
@@ -103,7 +95,7 @@ class Vision::Impl {
         clock_(clock),
         two_threads_(usesTwoThreads(info_, settings_)),
         lookahead_(settings_.low_latency ? 1 : lookaheadFrames(info.fps)),
-        motion_(info_, settings_, lookahead_, clock) {
+        describer_(info_, settings_, lookahead_, clock) {
     checkPoints(info_, settings_, settings_.object_points, "--object");
     checkPoints(info_, settings_, settings_.not_points, "--not");
     description_.name = info_.name;
@@ -142,21 +134,12 @@ class Vision::Impl {
     if (!mapped_ && !tracked_.empty()) findLiveRange(tracked_);
     tracker_->decideStages(tracked_);
     for (const TrackedObject& object : tracked_) numbers_[object.id] = object.number;
-    Pending pending{{}, frame.index};
-    pending.result.frame.epoch = epoch_;
-    pending.result.frame.id = next_frame_id_++;
-    pending.result.frame.media_time = media_time;
-    pending.result.color = frame.color;
-    if (two_threads_) {
-      description_task_ =
-          std::async(std::launch::async, [this, objects = tracked_, noise = tracker_->noise(),
-                                          pending = std::move(pending)]() mutable {
-            describe(objects, noise, std::move(pending));
-          });
-    } else {
-      describe(tracked_, tracker_->noise(), std::move(pending));
-      collect();
-    }
+    VisionResult result;
+    result.frame.epoch = epoch_;
+    result.frame.id = next_frame_id_++;
+    result.frame.media_time = media_time;
+    result.color = frame.color;
+    describe(std::move(result), frame.index);
     return onReady();
   }
 
@@ -166,7 +149,7 @@ class Vision::Impl {
     settings_.mass_kg = from.mass_kg;
     settings_.objects = from.objects;
     description_.mass_kg = from.mass_kg;
-    motion_.setMass(from.mass_kg);
+    describer_.motion().setMass(from.mass_kg);
   }
 
   std::vector<VisionResult> flush() {
@@ -190,11 +173,6 @@ class Vision::Impl {
   }
 
  private:
-  struct Pending {
-    VisionResult result;
-    std::uint64_t clip_frame = 0;
-  };
-
   [[nodiscard]] double lastAnnotation_s() const {
     return std::max(lastTime_s(settings_.object_points), lastTime_s(settings_.not_points));
   }
@@ -236,58 +214,39 @@ class Vision::Impl {
     clip.smooth(nominal(), lookahead_, ended);
     std::vector<double> accelerations = clip.accelerations_mm_s2(lookahead_ / info_.fps);
     description_.largest_acceleration_mm_s2 = largestAcceleration_mm_s2(accelerations);
-    if (settings_.method != Method::kThesis) motion_.setClip(std::move(clip));
+    if (settings_.method != Method::kThesis) describer_.motion().setClip(std::move(clip));
   }
 
-  // The second half of a frame. The first half of the next frame does not depend on it: collect()
-  // adds its reports to the plans. So two threads yield the same frames as one.
-  void describe(const std::vector<TrackedObject>& objects, const DepthNoise& noise,
-                Pending pending) {
-    const HapticFrame& frame = pending.result.frame;
-    fillObjects(objects, noise, pending.result);
-    for (const auto& report : motion_.add(frame.id, toSeconds(frame.media_time), objects))
-      reports_.push_back(report);
-    pending_.push_back(std::move(pending));
-    if (pending_.size() > static_cast<std::size_t>(lookahead_)) complete();
+  // Starts the second half of a frame. The first half of the next frame does not depend on it:
+  // collect() adds its reports to the plans. So two threads yield the same frames as one.
+  void describe(VisionResult result, std::uint64_t clip_frame) {
+    if (!two_threads_) {
+      describer_.add(tracked_, tracker_->noise(), nominal(), std::move(result), clip_frame);
+      return collect();
+    }
+    description_task_ =
+        std::async(std::launch::async,
+                   [this, objects = tracked_, noise = tracker_->noise(), nominal = nominal(),
+                    result = std::move(result), clip_frame]() mutable {
+                     describer_.add(objects, noise, nominal, std::move(result), clip_frame);
+                   });
   }
 
   // Waits for describe(), and adopts its results.
   void collect() {
     if (description_task_.valid()) description_task_.get();
-    for (const auto& [id, report] : std::exchange(reports_, {})) {
+    for (const auto& [id, report] : describer_.popReports()) {
       if (tracker_) tracker_->report(id, report);
     }
-    for (VisionResult& result : std::exchange(completed_, {})) ready_.push_back(std::move(result));
-    if (info_.live) description_.largest_acceleration_mm_s2 = motion_.largestAcceleration_mm_s2();
+    for (VisionResult& result : describer_.popCompleted()) ready_.push_back(std::move(result));
+    if (info_.live)
+      description_.largest_acceleration_mm_s2 = describer_.motion().largestAcceleration_mm_s2();
   }
 
   void completeAll() {
     collect();
-    while (!pending_.empty()) complete();
+    describer_.completeAll(nominal());
     collect();
-  }
-
-  // Adds the reliefs of the objects to the frame, as many as a client accepts.
-  void fillObjects(const std::vector<TrackedObject>& objects, const DepthNoise& noise,
-                   VisionResult& result) {
-    HapticFrame& frame = result.frame;
-    for (const TrackedObject& object : objects) {
-      Described described = describeLayers(object, frame.id, last_objects_, noise, nominal(),
-                                           settings_, clock_, cutters_[object.id]);
-      reports_.emplace_back(object.id, described.report);
-      for (std::size_t i = 0; i < described.layers.size(); ++i) {
-        if (!hasRoomFor(described.layers[i], frame)) continue;
-        frame.objects.push_back(std::move(described.layers[i]));
-        if (settings_.offline)
-          result.measured.push_back(i < described.measured.size() ? described.measured[i]
-                                                                  : nullptr);
-      }
-    }
-    last_objects_ = frame.objects;
-    std::erase_if(cutters_, [this](const auto& cutter) {
-      return std::none_of(last_objects_.begin(), last_objects_.end(),
-                          [&](const HapticObject& o) { return o.id == cutter.first; });
-    });
   }
 
   [[nodiscard]] NominalFrame nominal() const {
@@ -315,15 +274,13 @@ class Vision::Impl {
   // Completes pending frames with shortened windows; no window reaches into the new epoch.
   void startEpoch() {
     completeAll();
-    motion_.forget();
-    cutters_.clear();
-    last_objects_.clear();
+    describer_.beginEpoch();
     ++epoch_;
   }
 
   void restart(std::uint32_t source_epoch) {
     startEpoch();
-    motion_.beginClip(next_object_id_);
+    describer_.motion().beginClip(next_object_id_);
     tracker_ = std::make_unique<Tracker>(info_, settings_, clock_, next_object_id_, annotations_);
     source_epoch_ = source_epoch;
   }
@@ -333,15 +290,6 @@ class Vision::Impl {
     for (const TrackedObject& object : objects)
       finder.add(object.id, object.surface, tracker_->noise());
     mapped_ = finder.range(kLiveMargin);
-  }
-
-  // Adds the motion of the window around it to the oldest pending frame.
-  void complete() {
-    Pending pending = std::move(pending_.front());
-    pending_.pop_front();
-    motion_.complete(pending.result.frame, pending.clip_frame, nominal());
-    for (const auto& report : motion_.reports()) reports_.push_back(report);
-    completed_.push_back(std::move(pending.result));
   }
 
   std::optional<VisionResult> onReady() {
@@ -369,13 +317,7 @@ class Vision::Impl {
   std::map<std::uint32_t, int> numbers_;      // by object id
   std::deque<VisionResult> ready_;
 
-  // Used by describe(). Other functions use these members after collect().
-  FrameMotion motion_;
-  std::map<std::uint32_t, LayerCutter> cutters_;  // by object id
-  std::vector<HapticObject> last_objects_;
-  std::deque<Pending> pending_;
-  std::vector<std::pair<std::uint32_t, StageReport>> reports_;  // by object id, in order
-  std::vector<VisionResult> completed_;
+  FrameDescriber describer_;            // of description_task_ until collect()
   std::future<void> description_task_;  // the last member: its destructor waits
 };
 

@@ -17,19 +17,10 @@
 #include "server/source/rgbd_source.hpp"
 #include "server/vision/scene_plan.hpp"
 #include "server/vision/surface/range.hpp"
+#include "server/vision/vision_result.hpp"
 #include "server/vision/vision_settings.hpp"
 
 namespace hapticast::server {
-
-/// A complete frame with its picture. A frame is complete `lookahead` frames after its push(),
-/// because its motion depends on later frames too, and one frame later with two threads.
-struct VisionResult {
-  HapticFrame frame;  ///< the frame, with the reliefs of all its objects
-  cv::Mat color;      ///< picture of the same frame
-  /// For each object of `frame` the heights that this frame alone measured, over the rectangle and
-  /// mask of its relief; null: none. Empty without VisionSettings::offline.
-  std::vector<std::shared_ptr<const Relief>> measured = {};
-};
 
 /// Switches off OpenCV's own threads in this program: they would compete with the program's
 /// threads. Thread: any, before others call OpenCV.

@@ -112,6 +112,10 @@ class StudyTest(unittest.TestCase):
     def run_client(self, *args, **named):
         return subprocess.run(self.command(*args, **named), capture_output=True, text=True, timeout=10 * SOON_S)
 
+    def complete(self, *args, **named):
+        done = self.run_client(*args, **named)
+        self.assertEqual(done.returncode, 0, done.stderr)
+
     def read_rows(self, out, subject="07"):
         file = self.folder / out / f"sub-{subject}/motion/sub-{subject}_task-test_events.tsv"
         lines = file.read_text().splitlines()
@@ -191,7 +195,7 @@ class Run(StudyTest):
 
     def test_the_recording_of_the_run_has_the_same_bits(self):
         self.write(make_study(blocks=1))
-        self.assertEqual(self.run_client("bits").returncode, 0)
+        self.complete("bits")
         file = next((self.folder / "bits/sourcedata/sub-07").glob("*.mcap"))
         replay = subprocess.run([CLIENT, "--replay", file], capture_output=True, text=True)
         self.assertIn("all forces have the recorded bits", replay.stdout)
@@ -228,7 +232,7 @@ class Refusals(StudyTest):
 
     def test_two_runs_for_one_subject(self):
         self.write(make_study(blocks=1))
-        self.assertEqual(self.run_client("twice").returncode, 0)
+        self.complete("twice")
         again = self.run_client("twice")
         self.assertEqual(again.returncode, 2)
         self.assertIn("continue with --resume", again.stderr)
@@ -255,7 +259,7 @@ class Refusals(StudyTest):
 class Results(StudyTest):
     def test_is_a_dataset_of_bids(self):
         self.write(make_study(blocks=1))
-        self.assertEqual(self.run_client("bids").returncode, 0)
+        self.complete("bids")
         out = self.folder / "bids"
         names = sorted(str(file.relative_to(out)) for file in out.rglob("*")
                        if file.is_file() and "sourcedata" not in file.parts)
@@ -299,7 +303,7 @@ class Results(StudyTest):
     def test_pandas_reads_all(self):
         import pandas
         self.write(make_study(blocks=1))
-        self.assertEqual(self.run_client("pandas").returncode, 0)
+        self.complete("pandas")
         start = self.folder / "pandas/sub-07/motion/sub-07_task-test_"
         channels = pandas.read_csv(f"{start}tracksys-haptic_channels.tsv", sep="\t")
         motion = pandas.read_csv(f"{start}tracksys-haptic_motion.tsv", sep="\t", header=None,
@@ -322,7 +326,7 @@ class Results(StudyTest):
     def test_the_analysis_draws_curve_and_table(self):
         self.write(make_study(blocks=3, conditions=[{"name": "still"}, {"name": "jitter", "jitter_ms": 30}]))
         for subject in ("1", "2"):
-            self.assertEqual(self.run_client("analysis", subject=subject).returncode, 0)
+            self.complete("analysis", subject=subject)
         done = self.analyse("analysis", "--figure", self.folder / "jnd.png", "--table", self.folder / "jnd.tsv")
         self.assertEqual(done.returncode, 0, done.stderr)
         rows = [line.split("\t") for line in (self.folder / "jnd.tsv").read_text().splitlines()]
