@@ -24,8 +24,8 @@ namespace {
 
 constexpr double kCheckPush_N = 0.3;  // chosen: no hand at the grip, and a grip that falls is safe
 // To, fro and to, so that a free grip ends where it began.
-constexpr int kPush_ticks = 30;
-constexpr int kRecord_ticks = 130;  // of a push, until shortly after its end
+constexpr Duration::rep kPush_ticks = 30;
+constexpr Duration::rep kRecord_ticks = 130;  // of a push, until shortly after its end
 constexpr Duration kPushAndSettle = (kRecord_ticks + 60) * kTickPeriod;
 // Of a grip at rest, before the first push. The process of a driver lets a force return within
 // 500 ms after a pause of the client.
@@ -90,7 +90,7 @@ PushRecord resample(const std::vector<Sample>& samples) {
   PushRecord record;
   record.step_mm = findStep_mm(samples);
   std::size_t next = 1;
-  for (int i = 0; i < kRecord_ticks; ++i) {
+  for (Duration::rep i = 0; i < kRecord_ticks; ++i) {
     const LocalTime at = samples.front().at + i * kTickPeriod;
     while (next + 1 < samples.size() && samples[next].at <= at) ++next;
     const Sample& from = samples[next - 1];
@@ -214,7 +214,7 @@ std::vector<KeyValue> readChecks(const std::string& file) {
 /// with damping moves farther to the other side.
 Vec3 findLargest(const PushRecord& record, int axis) {
   Vec3 largest_mm = Vec3::Zero();
-  for (int i = 0; i < 2 * kPush_ticks + kMostFittedDelay_ticks; ++i) {
+  for (Duration::rep i = 0; i < 2 * kPush_ticks + kMostFittedDelay_ticks; ++i) {
     const Vec3 moved_mm =
         record.position_mm[static_cast<std::size_t>(i)] - record.position_mm.front();
     if (std::abs(moved_mm[axis]) > std::abs(largest_mm[axis])) largest_mm = moved_mm;
