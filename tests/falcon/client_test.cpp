@@ -50,6 +50,17 @@ class FalconClient : public FalconTest {
       model.target_m = client::kFalconCentre_m + 1e-3 * Vec3(0.0, 0.0, z_mm);
     });
   }
+  /// Returns whether the hand has held the grip at its target for the last 100 requests.
+  bool restsAtTarget() {
+    constexpr std::ptrdiff_t kRest_requests = 100;
+    return port_->with([](FalconModel& model, BusFaults&) {
+      const auto& all = model.received();
+      return std::ssize(all) > kRest_requests &&
+             std::all_of(all.end() - kRest_requests, all.end(), [&](const ReceivedRequest& each) {
+               return (each.position_m - model.target_m).norm() < 0.5e-3;
+             });
+    });
+  }
   /// Time from `begin` to the first zero that stays.
   double timeToZero_s(LocalTime begin) {
     const auto all = received();
@@ -366,7 +377,7 @@ TEST_F(FalconClient, AFreeGripPassesTheCheck) {
         std::vector<std::string>{HAPTICAST_CLIENT_PROGRAM, "--check-device", "falcon"});
     ASSERT_TRUE(client_->says("Falcon: ready", kPatience)) << client_->output();
     aim(0.0);
-    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    ASSERT_TRUE(waitUntil(kPatience, [this] { return restsAtTarget(); }));
     port_->with([](FalconModel& model, BusFaults&) { model.let_go = true; });
     code = client_->wait(std::chrono::seconds(100));  // it repeats what a pause spoils
     expectZeroAtLast();

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Outputs that cannot be written: a log whose reader has ended, and a full disk.
+#include <nlohmann/json.hpp>
+
 #include "tests/integration/programs_fixture.hpp"
 
 namespace hapticast::testing {
@@ -40,7 +42,9 @@ TEST_F(ProgramsOutputsTest, ALogWithoutAReaderEndsNoProgram) {
                                   address + " --device virtual --hand press --seconds 2 --log '" +
                                       path("run.csv") + "' --summary '" + path("run.json") + "'");
   EXPECT_TRUE(client->says("ended with 0", kSoon)) << client->output();
-  EXPECT_FALSE(readLog(path("run.csv")).empty());
+  const auto rows = readLog(path("run.csv"));
+  EXPECT_FALSE(rows.empty());
+  EXPECT_EQ(nlohmann::json::parse(std::ifstream(path("run.json")))["ticks"], rows.size());
   EXPECT_GT(std::filesystem::file_size(path("run.json")), 100U);
   interrupt(*server);
   const auto unread = startUnread(HAPTICAST_SERVER_PROGRAM,
@@ -68,6 +72,7 @@ TEST_F(ProgramsOutputsTest, AFullDiskIsOneLineAndAnExitCode) {
     const std::string text = client->output();
     EXPECT_NE(text.find(row.cause), std::string::npos) << text;
     EXPECT_EQ(countOccurrences(row.file, text), 1U) << text;
+    EXPECT_EQ(countOccurrences(" error ", text), 1U) << text;
   }
   interrupt(*server);
   const auto preview = start(HAPTICAST_SERVER_PROGRAM, {"--source", makeClip("clip"), "--preview",

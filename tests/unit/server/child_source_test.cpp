@@ -179,6 +179,7 @@ TEST(ChildSource, ALiveSourceGoesOnInANewEpochAfterItsChildDied) {
       const auto frame = source.read();
       if (!frame) return false;
       EXPECT_EQ(frame->depth.at<float>(1, 1), 1000.0F + float(frame->index % 200));
+      EXPECT_LT(frame->age, std::chrono::seconds(1));
       epoch = frame->epoch;
       EXPECT_TRUE(epoch == 0 || frame->clip_time_s < 0.5);
       return epoch > 0;
