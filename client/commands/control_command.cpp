@@ -18,7 +18,7 @@ namespace {
 // server may be silent.
 constexpr auto kCarryOutPatience = std::chrono::minutes(2);
 
-/// State of one request, which its coroutines share.
+/// State of one request.
 struct Exchange {
   explicit Exchange(asio::io_context& context) : io(context), timer(context) {}
   asio::io_context& io;
