@@ -122,7 +122,7 @@ class ProgramsMaliciousOriginTest : public ProgramsMaliciousTest {
     runFalseStreams(expected, [this](const FalseStream& false_stream) {
       const auto address = *server::parseNatsAddress(nats_->channel(false_stream.name));
       edges_.push_back(startServer({"--source", nats_->channel(false_stream.name)}));
-      EXPECT_TRUE(edges_.back()->says("waiting for an origin", kSoon));
+      EXPECT_TRUE(edges_.back()->says("waiting for an origin", kStart));
       origins_.push_back(std::make_unique<MaliciousOrigin>(false_stream, address));
       return addressOf(*edges_.back());
     });
