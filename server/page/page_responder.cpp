@@ -12,6 +12,7 @@
 #include "common/text.hpp"
 #include "server/http/host_names.hpp"
 #include "server/http/http_request.hpp"
+#include "server/page/page_policy.hpp"
 #include "server/page/websocket_handshake.hpp"
 
 namespace hapticast::server {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "server/relay/origin_follower.hpp"
+#include "server/stream/send_queue.hpp"
 
 namespace hapticast::server {
 

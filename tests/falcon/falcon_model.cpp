@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "tests/falcon/falcon_arms.hpp"
 #include "tests/support/falcon_bytes.hpp"

@@ -13,6 +13,7 @@
 #include <string_view>
 #include <vector>
 
+#include "common/haptic_frame.hpp"
 #include "server/source/picture/byte_stream.hpp"
 #include "server/source/picture/npy_array.hpp"
 #include "server/source/picture/npz_file.hpp"
