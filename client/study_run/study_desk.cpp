@@ -18,8 +18,8 @@ namespace {
 
 constexpr auto kDeskTurn = std::chrono::milliseconds(10);  // as App
 constexpr double kBetweenBeeps_s = 0.25;                   // a beep lasts 0.15 s
-constexpr double kLongestStart_s = 10.0;                   // chosen: until the first frame arrives
-constexpr double kLongestFade_s = 2.0;  // chosen: four times the fade of a stale stream
+constexpr double kLongestStart_s = 10.0;  // chosen: from a server's scan to its first frame
+constexpr double kLongestFade_s = 2.0;    // chosen: four times the fade of a stale stream
 
 Settings makeSessionSettings(const Settings& settings, const Condition& condition) {
   Settings own = settings;
@@ -220,8 +220,11 @@ TrialEnd StudyDesk::findTrialEnd() const {
 }
 
 TrialEnd StudyDesk::waitForFirstFrame() {
-  const LocalTime latest = clock_.now() + fromSeconds(kLongestStart_s);
+  LocalTime latest = clock_.now() + fromSeconds(kLongestStart_s);
   while (findTrialEnd() == TrialEnd::kComplete && !has_frame_) {
+    const bool scans =
+        session_ && session_->stats().connected && session_->stats().scan_share < 1.0;
+    if (scans) latest = clock_.now() + fromSeconds(kLongestStart_s);
     if (clock_.now() > latest) return TrialEnd::kStreamLost;
     turn();
   }
