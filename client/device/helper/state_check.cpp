@@ -52,7 +52,7 @@ DeviceState StateCheck::check(const DeviceReading& reading, LocalTime now) noexc
     return last_;
   }
   const LocalTime taken{Duration(state.taken_ns)};
-  if (fault || (accepted_any_ && taken == last_.time) || now - taken > kOldest) return last_;
+  if (fault || (accepted_any_ && taken == last_.time) || taken < now - kOldest) return last_;
   accepted_any_ = true;
   last_.position_mm = {state.position_mm[0], state.position_mm[1], state.position_mm[2]};
   last_.buttons = state.buttons;

@@ -141,6 +141,12 @@ TEST(StateCheck, ALostDeviceStaysLostUntilItAnswers) {
       << "28 ms old";
 }
 
+TEST(StateCheck, AFirstReadingWithTheLeastTimeIsTooOld) {
+  StateCheck check({160.0, 120.0, 70.0});
+  EXPECT_EQ(check.check(readingAt(1, LocalTime::min(), Vec3::Zero()), kBegin).status,
+            DeviceStatus::kNoData);
+}
+
 TEST(StateCheck, RandomBytesGiveFinitePositionsWithinTheWorkspace) {
   std::mt19937_64 random(20261126);
   StateCheck check({160.0, 120.0, 70.0});
