@@ -220,12 +220,11 @@ TrialEnd StudyDesk::findTrialEnd() const {
 }
 
 TrialEnd StudyDesk::waitForFirstFrame() {
-  LocalTime latest = clock_.now() + fromSeconds(kLongestStart_s);
+  LocalTime begin = clock_.now();
   while (findTrialEnd() == TrialEnd::kComplete && !has_frame_) {
-    const bool scans =
-        session_ && session_->stats().connected && session_->stats().scan_share < 1.0;
-    if (scans) latest = clock_.now() + fromSeconds(kLongestStart_s);
-    if (clock_.now() > latest) return TrialEnd::kStreamLost;
+    const ConnectionStats stats = session_ ? session_->stats() : ConnectionStats{};
+    if (stats.connected && stats.scan_share < 1.0) begin = clock_.now();  // as App with --seconds
+    if (clock_.now() - begin > fromSeconds(kLongestStart_s)) return TrialEnd::kStreamLost;
     turn();
   }
   return findTrialEnd();
