@@ -32,10 +32,10 @@ struct DeviceProfile {
   /// Delay: the number of ticks from the reading of a position to the begin of its force, 0..5. A
   /// profile must never understate it.
   int delay_ticks = 1;
-  /// Bit of the enabling button (dead-man's switch) in DeviceState::buttons. A force acts only
+  /// Bit number of the enabling button (dead-man's switch) in DeviceState::buttons. Forces act only
   /// while the user holds the button. nullopt: the device has no such button.
   std::optional<int> enable_button;
-  /// Bits of two buttons in DeviceState::buttons. The first pauses or resumes play time. The second
+  /// Bit numbers of two buttons there. The first pauses or resumes play time. The second
   /// re-arms the force. nullopt: the device has no such button.
   std::optional<int> pause_button;
   std::optional<int> rearm_button;

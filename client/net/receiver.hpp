@@ -38,7 +38,7 @@ struct ReceiverCounts {
   std::uint64_t malformed = 0;  ///< frames whose fragments contradict each other: dropped
   std::uint64_t resyncs = 0;    ///< number of steps of the ids that no loss explains
   std::uint64_t overrun = 0;  ///< frames dropped because they arrived faster than they were decoded
-  /// Frames that were dropped because the pool had no free slot.
+  /// Frames that were dropped after their decoding, because FramePool had no free slot.
   std::uint64_t no_slot = 0;
   /// Reliefs that a frame declares unchanged but that the server never sent. Their objects have no
   /// relief. A relief that the network may have lost does not count.

@@ -75,11 +75,11 @@ struct RelayPicture {
   MediaTime media_time;
   SharedBytes message;
 };
-/// Answer of the active origin to a RelayPing.
+/// Answer of the active origin to a RelayPing, for the edge's clock (transport/clock_sync.hpp).
 struct RelayPong {
-  LocalTime t0;
-  MediaTime t1;
-  MediaTime t2;
+  LocalTime t0;  ///< RelayPing::t0, unchanged: the edge's clock
+  MediaTime t1;  ///< when the ping arrived: the origin's media clock
+  MediaTime t2;  ///< when the origin made this answer: the origin's media clock
 };
 using RelayContent = std::variant<RelayState, RelayFrame, RelayPicture, RelayPong>;
 

@@ -53,7 +53,7 @@ class WireReader {
     std::memcpy(&value, bytes.data(), sizeof(T));  // both are little-endian
     return true;
   }
-  /// Reads a length and so many bytes, which stay valid as long as those of the reader.
+  /// Reads a length, and lets `bytes` refer to that many bytes of the input; false: too few.
   bool readBytes(std::span<const std::uint8_t>& bytes);
   /// Reads a length, and calls `visit` with a reader of so many bytes. Returns its result.
   template <class Visit>

@@ -27,11 +27,11 @@ struct HttpRequest {
   boost::beast::http::request_header<> head;  ///< request line and all fields
 };
 
-/// Parses the request at the begin of `bytes`, removes it and returns it. If the bytes are no valid
-/// request, or exceed kMaxHead_bytes, sets `error`; the returned request is then meaningless.
-/// Returns nullopt if the request has not arrived completely. Each call parses the bytes from the
-/// begin, so the result does not depend on how the bytes were split on arrival. (Beast's own loops
-/// apply the limit to each part alone.) Requires: bytes.max_size() is kMaxHead_bytes.
+/// Parses the head of a request at the begin of `bytes`. Returns nullopt if the head is not
+/// complete; `error` then has no meaning, and a later call with more bytes parses from the begin
+/// again. Returns the request, and removes its head from `bytes`, if the head is valid. Sets
+/// `error` if it is not valid, or is longer than kMaxHead_bytes; the returned request then has no
+/// meaning. Requires: bytes.max_size() is kMaxHead_bytes.
 [[nodiscard]] std::optional<HttpRequest> readRequest(boost::beast::flat_buffer& bytes,
                                                      boost::system::error_code& error);
 

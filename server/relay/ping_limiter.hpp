@@ -28,7 +28,9 @@ class PingLimiter {
   static constexpr std::int64_t kNewBurst = 100;
   static constexpr Duration kNewRefill = std::chrono::milliseconds(10);
 
-  /// Returns whether the origin answers a ping with the subject `asker` for the answer.
+  /// Counts a ping that arrived at `now`. Returns whether the origin has to answer it; false if its
+  /// sender exceeds its rate, or is one of too many new ones. `asker`: the ping's reply subject,
+  /// which identifies the sender.
   [[nodiscard]] bool admit(const std::string& asker, LocalTime now) {
     auto found = askers_.find(asker);
     if (found == askers_.end()) {

@@ -26,7 +26,7 @@ inline std::optional<double> parseFalconGain(std::string_view text) {
 }
 
 struct FalconSettings {
-  /// Empty: the default file, or no file if the firmware already runs.
+  /// Firmware that the client loads if none runs. Empty: usualFalconFirmware(), if it exists.
   std::string firmware_file = {};
   std::string serial = {};      ///< serial number of the device; empty: the first device
   double gain = kFalconGain;    ///< motor counts for each N m at the arm

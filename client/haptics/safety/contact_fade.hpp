@@ -50,7 +50,7 @@ class ContactFade {
   /// Advances fade, release ramp and arming by one tick. Returns the bits of the safety actions
   /// that acted. `account` pays for each rise of the gain.
   std::uint32_t step(const FadeTick& tick, DiscontinuityAccount& account) noexcept;
-  /// Lets the force begin at zero, and lets the next touchable tick decide about arming.
+  /// Sets the gain to 0. The next tick with FadeTick::touchable checks the arming depth again.
   void restart() noexcept;
 
   /// Returns the gain of the wall and of the dynamic force, 0..1.

@@ -83,7 +83,7 @@ class PassivityObserver {
   void setDelay(int delay_ticks) noexcept;
 
   /// Adds one tick to the meters. The force that acted in this tick was sent 1 + delay ticks
-  /// before. Returns the work of that force on the hand in this tick, mJ.
+  /// before. Returns its work on the hand in this tick, mJ; positive: into the hand.
   double meter(const PortTick& tick) noexcept;
   /// Records the force sent to the device after this tick. `dynamic_N` is the object's share of it.
   void sent(const Vec3& force_N, const Vec3& dynamic_N) noexcept;

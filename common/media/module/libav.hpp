@@ -15,7 +15,8 @@ extern "C" {
 
 namespace hapticast::media {
 
-/// Frees an object of libav with a function that takes a pointer to its pointer.
+/// Deleter for std::unique_ptr. `kFree`: the function of libav that frees a T; it has a T** as its
+/// parameter.
 template <class T, void (*kFree)(T**)>
 struct LibavDelete {
   void operator()(T* object) const { kFree(&object); }

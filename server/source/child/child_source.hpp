@@ -114,11 +114,11 @@ class ChildSource final : public RgbdSource {
     bool begins_epoch = false;  ///< whether the next answer of a live source begins an epoch
     LocalTime begin{};
   };
-  /// What the log has already.
+  /// Messages that are in the log already; each is logged once.
   struct Logged {
-    bool advice = false;   ///< for the next pass of the clip
-    bool wait = false;     ///< for the first answer
-    bool problem = false;  ///< of an answer that is not required
+    bool advice = false;   ///< ChildTask::advise(), when the clip plays again
+    bool wait = false;     ///< the source waits for the first answer
+    bool problem = false;  ///< the problem of an answer that is not required
   };
 
   const SteadyClock clock_;

@@ -12,8 +12,10 @@
 
 namespace hapticast::server {
 
-/// Connects to `url`, decodes the first frame and returns the source. `fps` > 0 states the rate of
-/// the stream, frames/s. Throws SourceError. No error message contains a password of `url`.
+/// Connects to `url`, decodes the first frame and returns the source. `fps`: rate of the stream,
+/// frames/s; 0: the rate that the stream states. Blocks for at most about 20 s. Throws SourceError
+/// if no frame arrives, or if colour and depth do not have the form in `layout`. No error message
+/// contains a password of `url`.
 std::unique_ptr<RgbdSource> openNetworkStream(const std::string& url, const VideoLayout& layout,
                                               double fps);
 

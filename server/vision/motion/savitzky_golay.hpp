@@ -31,8 +31,8 @@ struct Sample {
 /// background did not move.
 std::vector<Sample> compensatePan(const std::vector<Sample>& samples);
 
-/// Returns the lookahead in frames (frames on each side of a window) for a source of `fps`
-/// frames/s. Windows have about the same duration at every rate: 7 frames at 25-30 fps, 11 at 60.
+/// Returns the lookahead for `fps` frames/s: frames on each side of a window, 3..20. Within that
+/// range it lasts about 85 ms: 3 frames at 25-30 fps, 5 at 60. A window has 2 * lookahead + 1.
 int lookaheadFrames(double fps);
 
 /// Returns position, velocity, acceleration, angle and angular velocity at samples[at]. Other

@@ -42,8 +42,8 @@ struct Tile {
   double evidence = 0;         ///< evidence that depth or outline changed, added up over frames
   double weight = 1.0;         ///< weight of this frame's values in the held values, 0..1
   Cause cause = Cause::kNone;  ///< cause if the tile was released in this frame
-  /// Remaining frames of the transition from held to new values, including this one. After motion
-  /// the transition lasts one frame. If only depth or outline changed, it lasts kBlend frames.
+  /// Remaining frames of the transition from held to new values; 0: no transition. A release for
+  /// kOutline or kDepth starts it at kBlend, a release for any other cause at 1.
   int blending = 0;
   bool mask_held = false;
 

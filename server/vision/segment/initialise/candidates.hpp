@@ -41,7 +41,7 @@ Candidates computeCandidates(const FrameContext& scene, const Click& click);
 struct ObjectnessTerms {
   double apart = 0.0;  ///< distance of its colours from those of the ring around it (Bhattacharyya)
   double edge = 0.0;   ///< mean strength of the edges of colour or depth along the contour
-  /// Share of the contour where the depth continues outside. Half of it counts at a colour edge.
+  /// Share of the contour across which the depth continues. A pixel at a colour edge counts half.
   double contact = 0.0;
   double stray = 0.0;     ///< share of pixels farther from the median depth than the mask's width
   double skin = 0.0;      ///< share of pixels with colours of skin
