@@ -138,7 +138,7 @@ std::string formatIso8601(WallTime time) {
   return fmt::format("{}.{:06}Z", std::string_view(text.data(), size), us);
 }
 
-StudyFolder::StudyFolder(const fs::path& out, const Study& study, std::string subject)
+StudyFolder::StudyFolder(const fs::path& out, const Study& study, const std::string& subject)
     : out_(out), study_(study), subject_("sub-" + subject) {
   if (subject.size() > 32 || !isLabel(subject))
     throw std::runtime_error("--subject " + subject +

@@ -32,7 +32,7 @@ class StudyFolder {
  public:
   /// Names the files of `subject` in the folder `out`. Throws std::runtime_error with one line if
   /// the code is not 1 to 32 letters and digits.
-  StudyFolder(const std::filesystem::path& out, const Study& study, std::string subject);
+  StudyFolder(const std::filesystem::path& out, const Study& study, const std::string& subject);
 
   [[nodiscard]] std::filesystem::path eventsFile() const { return motionPath("_events.tsv"); }
   [[nodiscard]] std::filesystem::path motionFile() const { return trackedPath("_motion.tsv"); }

@@ -91,7 +91,7 @@ class Bake {
 
  private:
   [[nodiscard]] SourceInfo describe() const;
-  void addFrame(VisionResult result);
+  void addFrame(const VisionResult& result);
 
   const Settings& settings_;
   BakeProgress progress_;
@@ -152,7 +152,7 @@ bool Bake::write() {
     if (wanted && file_.beginsBlock()) vision_.beginBlock();
     auto result = vision_.next(wanted);
     if (!result) break;
-    if (wanted) addFrame(std::move(*result));
+    if (wanted) addFrame(*result);
     progress_.show(done + 1, total);
   }
   progress_.clear();
@@ -160,7 +160,7 @@ bool Bake::write() {
   return true;
 }
 
-void Bake::addFrame(VisionResult result) {
+void Bake::addFrame(const VisionResult& result) {
   file_.add(vision_.vision().description(), result.frame, slices_,
             encodePicture(result.color, settings_.bake.picture_quality));
 }

@@ -97,10 +97,10 @@ void EncoderThread::encode(Job job, const SliceSettings& slices) {
     if (clock_ != nullptr) times_.encode.add(now() - begin);
   }
   for (StreamSink* sink : sinks_) sink->publish(frame);
-  if (isVideoWanted(sinks_)) encodeVideoOf(std::move(job));
+  if (isVideoWanted(sinks_)) encodeVideoOf(job);
 }
 
-void EncoderThread::encodeVideoOf(Job job) {
+void EncoderThread::encodeVideoOf(const Job& job) {
   const LocalTime begin = now();
   const HapticFrame& frame = job.result.frame;
   const EncodedVideo video = encodeVideo(

@@ -51,7 +51,7 @@ class EncoderThread {
   };
   void run();
   void encode(Job job, const SliceSettings& slices);
-  void encodeVideoOf(Job job);
+  void encodeVideoOf(const Job& job);
   [[nodiscard]] LocalTime now() const { return clock_ != nullptr ? clock_->now() : LocalTime(); }
   void stop() noexcept;
 

@@ -121,7 +121,7 @@ std::unique_ptr<RgbdSource> addMasks(std::unique_ptr<RgbdSource> source, const S
 
 }  // namespace
 
-std::unique_ptr<RgbdSource> openClip(const Settings& settings, KeepWaiting keep_waiting) {
+std::unique_ptr<RgbdSource> openClip(const Settings& settings, const KeepWaiting& keep_waiting) {
   VideoLayout layout = settings.layout;
   layout.color_only = !settings.child.depth_command.empty();
   auto source = openSource(settings.source, settings.fps, settings.to_and_fro, layout);

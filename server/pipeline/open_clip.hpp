@@ -14,6 +14,6 @@ namespace hapticast::server {
 /// Returns the source. Starts the user's programs and waits for their first answers. The source
 /// calls `keep_waiting` while it waits for them; it may be null. Throws SourceError.
 [[nodiscard]] std::unique_ptr<RgbdSource> openClip(const Settings& settings,
-                                                   KeepWaiting keep_waiting = nullptr);
+                                                   const KeepWaiting& keep_waiting = nullptr);
 
 }  // namespace hapticast::server

@@ -16,7 +16,7 @@ namespace {
 
 /// The topics of a test, which the program forgets after it.
 struct PageTopics {
-  explicit PageTopics(std::vector<std::string> names) {
+  explicit PageTopics(const std::vector<std::string>& names) {
     for (const std::string& name : names) topics()[name] = {"about", name + " against the truth."};
   }
   ~PageTopics() { topics().clear(); }

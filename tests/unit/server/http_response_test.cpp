@@ -30,7 +30,7 @@ HttpResponse respondTo(const std::string& text, bool may_stay_open = true) {
 
 int readStatus(const std::string& text) { return static_cast<int>(respondTo(text).result_int()); }
 
-std::string toText(HttpResponse response) {
+std::string toText(const HttpResponse& response) {
   std::ostringstream text;
   text << response;
   return text.str();

@@ -44,7 +44,7 @@ class HttpSender {
   /// What the sender does with connection `number`, 0 for the first one, after its request.
   using Script = std::function<void(HttpSender& sender, int number)>;
 
-  explicit HttpSender(Script script)
+  explicit HttpSender(const Script& script)
       : acceptor_(io_, {asio::ip::address_v4::loopback(), 0}), thread_([this, script] {
           for (int number = 0; !stop_; ++number) {
             boost::system::error_code error;
