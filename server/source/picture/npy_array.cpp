@@ -117,7 +117,8 @@ NpyHeaderResult readNpyHeader(ByteStream& stream, NpyShape shape) {
     return {{}, "is not a whole NPY array; save it anew (numpy: np.save)"};
   if (std::string problem = parseText(*text, shape, header); !problem.empty()) return {{}, problem};
   const std::uint64_t content = stream.size() - std::min(stream.size(), header.begin);
-  const std::uint64_t whole = content / header.pictureBytes();
+  // parseText() refuses a picture without bytes, which an analyzer does not see.
+  const std::uint64_t whole = content / std::max<std::uint64_t>(header.pictureBytes(), 1);
   if (whole >= header.count) return {header, ""};
   std::string problem = "is cut off";
   if (shape == NpyShape::kStack)
