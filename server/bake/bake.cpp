@@ -11,7 +11,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <utility>
 
 #include "common/cli/run_program.hpp"
 #include "server/bake/bake_progress.hpp"
