@@ -3,6 +3,7 @@
 
 #include <exception>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -12,10 +13,11 @@
 #include "server/bake/bake.hpp"
 #include "server/preview/preview.hpp"
 #include "server/settings/command_line.hpp"
-#include "server/show/app.hpp"
-#include "server/show/edge.hpp"
-#include "server/show/play_on_demand.hpp"
-#include "server/show/play_recording.hpp"
+#include "server/show/clip_producer.hpp"
+#include "server/show/edge_producer.hpp"
+#include "server/show/on_demand_producer.hpp"
+#include "server/show/recording_producer.hpp"
+#include "server/show/show.hpp"
 #include "server/source/rgbd_source.hpp"
 #include "server/stream/key_file.hpp"
 #include "server/stream/stream_settings.hpp"
@@ -27,6 +29,7 @@ using hapticast::kDone;
 using hapticast::kFailed;
 using hapticast::kWrongInput;
 using hapticast::server::Command;
+using hapticast::server::Producer;
 
 /// Calls `run`, and turns errors of the input into a line of the log and an exit code. `streaming`
 /// returns whether a later error is a failure at run time. `flag`: names the source.
@@ -51,38 +54,34 @@ int runReporting(const char* flag, const Run& run, const Streaming& streaming) {
   }
 }
 
-/// Serves viewers until the end of the stream or a signal. `app`: that of a clip.
-void serve(const hapticast::server::Settings& settings, const hapticast::Clock& clock,
-           hapticast::server::ReadSettings reread, std::unique_ptr<hapticast::server::App>& app) {
+std::unique_ptr<Producer> openProducer(const hapticast::server::Settings& settings,
+                                       const hapticast::Clock& clock) {
+  if (settings.command == Command::kBake)
+    return hapticast::server::makeBakeProducer(settings, clock);
   if (settings.command == Command::kRelay)
-    return hapticast::server::runEdge(settings, clock, std::move(reread));
+    return std::make_unique<hapticast::server::EdgeProducer>(settings, clock);
   if (settings.on_demand)
-    return hapticast::server::playOnDemand(settings, clock, std::move(reread));
+    return std::make_unique<hapticast::server::OnDemandProducer>(settings, clock);
   if (settings.is_recording)
-    return hapticast::server::playRecording(settings, clock, std::move(reread));
-  app = std::make_unique<hapticast::server::App>(settings, clock, std::move(reread));
-  app->run();
+    return std::make_unique<hapticast::server::RecordingProducer>(settings, clock);
+  return std::make_unique<hapticast::server::ClipProducer>(settings, clock);
 }
 
 int runCommand(const hapticast::server::Settings& settings,
                hapticast::server::ReadSettings reread) {
   const hapticast::SteadyClock clock;
-  if (settings.command == Command::kBake) {
-    bool started = false;
-    return runReporting(
-        "bake ", [&] { return hapticast::server::bake(settings, clock, started); },
-        [&] { return started; });
-  }
-  std::unique_ptr<hapticast::server::App> app;
+  std::unique_ptr<Producer> producer;
+  std::optional<hapticast::server::Show> show;
   const auto run = [&]() -> int {
     if (settings.command == Command::kPreview) {
       hapticast::server::writePreview(settings, clock);
-    } else {
-      serve(settings, clock, std::move(reread), app);
+      return kDone;
     }
-    return kDone;
+    producer = openProducer(settings, clock);
+    return show.emplace(settings, clock, std::move(reread), *producer).run() ? kDone : kFailed;
   };
-  return runReporting("--source ", run, [&] { return app && app->streaming(); });
+  return runReporting(settings.command == Command::kBake ? "bake " : "--source ", run,
+                      [&] { return show && show->streaming(); });
 }
 
 }  // namespace

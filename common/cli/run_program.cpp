@@ -7,6 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <csignal>
 #include <cstdlib>
 #include <exception>
@@ -25,6 +26,13 @@ bool journalReadsLog() {
   struct stat file {};
   if (stream == nullptr || ::fstat(STDERR_FILENO, &file) != 0) return false;
   return stream == std::to_string(file.st_dev) + ":" + std::to_string(file.st_ino);
+}
+
+std::atomic<std::atomic<bool>*> stop_at_signal{nullptr};
+
+void onStopSignal(int signal) {
+  if (std::atomic<bool>* const stop = stop_at_signal) *stop = true;
+  std::signal(signal, SIG_DFL);
 }
 
 }  // namespace
@@ -50,6 +58,11 @@ int runProgram(bool quiet, const std::function<int()>& run) {
     spdlog::error("{}", sanitizeUtf8(error.what()));
     return kFailed;
   }
+}
+
+void stopAtSignals(std::atomic<bool>& stop) {
+  stop_at_signal = &stop;
+  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, onStopSignal);
 }
 
 bool sighupIgnored() {

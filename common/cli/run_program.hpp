@@ -3,6 +3,7 @@
 // code caught, and determines the exit code. Thread: main.
 #pragma once
 
+#include <atomic>
 #include <functional>
 #include <string>
 
@@ -22,6 +23,10 @@ void startLog(const std::string& name);
 /// are logged. If `run` throws an exception, its message becomes one line in the log, and the exit
 /// code is kFailed.
 int runProgram(bool quiet, const std::function<int()>& run);
+
+/// Sets `stop` at the first SIGINT or SIGTERM; a second one ends the program at once. For work
+/// without an event loop. `stop` must outlive the program's other work. Thread: main.
+void stopAtSignals(std::atomic<bool>& stop);
 
 /// Returns true if the program was started with SIGHUP ignored, as nohup arranges. The program then
 /// has to ignore it as well. Thread: main, at start-up.

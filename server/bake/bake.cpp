@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <csignal>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -21,20 +20,13 @@
 #include "server/pipeline/input_check.hpp"
 #include "server/pipeline/open_clip.hpp"
 #include "server/pipeline/plan_log.hpp"
+#include "server/show/show.hpp"
 #include "server/vision/describe.hpp"
 #include "server/vision/offline/offline_vision.hpp"
 
 namespace hapticast::server {
 
 namespace {
-
-volatile std::sig_atomic_t stop_signal = 0;
-
-/// Notes Ctrl-C; a second one ends the program at once.
-void onStopSignal(int signal) {
-  stop_signal = signal;
-  std::signal(signal, SIG_DFL);
-}
 
 /// Adds size and newest time of a file, or of all files in a folder.
 struct FileSums {
@@ -78,29 +70,6 @@ std::string findRecording(const BakeChoices& bake) {
   return bake.out + (bake.out.ends_with('/') ? kPageRecording : "");
 }
 
-/// One bake.
-class Bake {
- public:
-  Bake(const Settings& settings, const Clock& clock);
-  /// Scans the clip. Returns false after a signal.
-  bool scan();
-  /// Writes the frames. Returns whether the file is complete; false after a signal.
-  bool write();
-  [[nodiscard]] std::uint64_t frames() const { return file_.frames(); }
-
- private:
-  [[nodiscard]] SourceInfo describe() const;
-  void addFrame(const VisionResult& result);
-
-  const Settings& settings_;
-  BakeProgress progress_;
-  std::unique_ptr<RgbdSource> source_;
-  VisionSettings vision_settings_;
-  OfflineVision vision_;
-  SliceSettings slices_;
-  BakedFile file_;  // after all that refuses wrong input
-};
-
 std::unique_ptr<RgbdSource> openRecorded(const Settings& settings) {
   auto source = openClip(settings);
   if (source->info().live)
@@ -108,89 +77,126 @@ std::unique_ptr<RgbdSource> openRecorded(const Settings& settings) {
   return source;
 }
 
-Bake::Bake(const Settings& settings, const Clock& clock)
-    : settings_(settings),
-      progress_(clock, settings.quiet),
-      source_(openRecorded(settings)),
-      vision_settings_(preparePoints(settings.vision, source_->info())),
-      vision_(*source_, describe(), vision_settings_),
-      slices_{.error_mm = computeHeightError_mm(vision_settings_)},
-      file_(findRecording(settings.bake), makeFingerprint(settings, source_->info()),
-            static_cast<std::uint64_t>(std::max(1L, std::lround(source_->info().fps))),
-            settings.bake.resume) {}
-
-SourceInfo Bake::describe() const {
-  SourceInfo info = source_->info();
-  if (!settings_.name.empty()) info.name = settings_.name;
+SourceInfo describeSource(const RgbdSource& source, const std::string& name) {
+  SourceInfo info = source.info();
+  if (!name.empty()) info.name = name;
   return info;
 }
 
-bool Bake::scan() {
-  const bool can_touch = warnOfUnlikelyInput(*source_, vision_settings_);
-  if (frames() > 0) spdlog::info("continues after {} frames", frames());
-  progress_.begin("scans the clip");
-  const bool whole = vision_.scan([this](std::uint64_t done, std::uint64_t total) {
-    progress_.show(done, total);
-    return stop_signal == 0;
-  });
-  progress_.clear();
-  if (!whole || stop_signal != 0) return false;
-  DepthRangeLog().log(vision_.vision().mapped());
-  if (can_touch) warnOfNoObject(vision_.vision(), source_->info().name);
-  return true;
-}
-
-bool Bake::write() {
-  progress_.begin("bakes");
-  const std::uint64_t limit = settings_.frames != 0 ? settings_.frames : UINT64_MAX;
-  const std::uint64_t total = std::min(limit, source_->info().frame_count.value_or(0));
-  const std::uint64_t kept = frames();
-  for (std::uint64_t done = 0; done < limit; ++done) {
-    if (stop_signal != 0) return false;
-    const bool wanted = done >= kept;
-    if (wanted && file_.beginsBlock()) vision_.beginBlock();
-    auto result = vision_.next(wanted);
-    if (!result) break;
-    if (wanted) addFrame(*result);
-    progress_.show(done + 1, total);
-  }
-  progress_.clear();
-  file_.finish();
-  return true;
-}
-
-void Bake::addFrame(const VisionResult& result) {
-  file_.add(vision_.vision().description(), result.frame, slices_,
-            encodePicture(result.color, settings_.bake.picture_quality));
-}
-
 /// Adds the page to the recording in `folder`.
-int completePage(const std::string& folder) {
+void completePage(const std::string& folder) {
   writePageFolder(folder);
   spdlog::info("{} is complete: any web server can serve it, such as python3 -m http.server -d {}",
                folder, folder);
-  return kDone;
+}
+
+/// The clip of a bake and its file.
+struct BakedClip {
+  explicit BakedClip(const Settings& settings)
+      : source(openRecorded(settings)),
+        vision_settings(preparePoints(settings.vision, source->info())),
+        vision(*source, describeSource(*source, settings.name), vision_settings),
+        slices{.error_mm = computeHeightError_mm(vision_settings)},
+        file(findRecording(settings.bake), makeFingerprint(settings, source->info()),
+             static_cast<std::uint64_t>(std::max(1L, std::lround(source->info().fps))),
+             settings.bake.resume) {}
+
+  std::unique_ptr<RgbdSource> source;
+  VisionSettings vision_settings;
+  OfflineVision vision;
+  SliceSettings slices;
+  BakedFile file;  // after all that refuses wrong input
+};
+
+/// Produces the frames of a clip into a file. It opens the clip in prepare(), because a signal has
+/// to end that, too.
+class BakeProducer final : public Producer {
+ public:
+  BakeProducer(const Settings& settings, const Clock& clock)
+      : settings_(settings), progress_(clock, settings.quiet) {}
+
+  void connect(Show& show) override { show_ = &show; }
+  void prepare() override;
+  void start() override;
+  bool step() override;
+  bool finish() override;
+
+ private:
+  [[nodiscard]] std::uint64_t frames() const { return clip_ ? clip_->file.frames() : 0; }
+  void addFrame(const VisionResult& result);
+
+  const Settings& settings_;
+  BakeProgress progress_;
+  Show* show_ = nullptr;
+  std::optional<BakedClip> clip_;
+  std::uint64_t kept_ = 0;  // frames of the bake before
+  std::uint64_t done_ = 0;
+  std::uint64_t limit_ = UINT64_MAX;
+  bool is_complete_ = false;
+};
+
+void BakeProducer::prepare() {
+  clip_.emplace(settings_);
+  const bool can_touch = warnOfUnlikelyInput(*clip_->source, clip_->vision_settings);
+  if (frames() > 0) spdlog::info("continues after {} frames", frames());
+  progress_.begin("scans the clip");
+  const bool whole = clip_->vision.scan([this](std::uint64_t done, std::uint64_t total) {
+    progress_.show(done, total);
+    return !show_->stopped();
+  });
+  progress_.clear();
+  if (!whole || show_->stopped()) return show_->stop();
+  DepthRangeLog().log(clip_->vision.vision().mapped());
+  if (can_touch) warnOfNoObject(clip_->vision.vision(), clip_->source->info().name);
+}
+
+void BakeProducer::start() {
+  progress_.begin("bakes");
+  if (settings_.frames != 0) limit_ = settings_.frames;
+  kept_ = frames();
+}
+
+bool BakeProducer::step() {
+  const bool wanted = done_ >= kept_;
+  if (wanted && done_ < limit_ && clip_->file.beginsBlock()) clip_->vision.beginBlock();
+  auto result = done_ < limit_ ? clip_->vision.next(wanted) : std::nullopt;
+  is_complete_ = !result;
+  if (is_complete_) return false;
+  if (wanted) addFrame(*result);
+  progress_.show(++done_, std::min(limit_, clip_->source->info().frame_count.value_or(0)));
+  return true;
+}
+
+bool BakeProducer::finish() {
+  progress_.clear();
+  if (!is_complete_) {
+    if (frames() > 0)
+      spdlog::warn("interrupted: the same command with --resume continues {}.part",
+                   findRecording(settings_.bake));
+    else
+      spdlog::warn("interrupted before the first frame");
+    return false;
+  }
+  clip_->file.finish();
+  const std::string& out = settings_.bake.out;
+  if (out.ends_with('/'))
+    completePage(out);
+  else
+    spdlog::info("{} is complete; --source {} plays it", out, out);
+  return true;
+}
+
+void BakeProducer::addFrame(const VisionResult& result) {
+  clip_->file.add(clip_->vision.vision().description(), result.frame, clip_->slices,
+                  encodePicture(result.color, settings_.bake.picture_quality));
 }
 
 }  // namespace
 
-int bake(const Settings& settings, const Clock& clock, bool& started) {
-  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, onStopSignal);
+std::unique_ptr<Producer> makeBakeProducer(const Settings& settings, const Clock& clock) {
   const std::string& out = settings.bake.out;
   if (out.ends_with('/')) createPageFolder(out);
-  Bake work(settings, clock);
-  started = work.scan();
-  if (started && work.write()) {
-    if (out.ends_with('/')) return completePage(out);
-    spdlog::info("{} is complete; --source {} plays it", out, out);
-    return kDone;
-  }
-  if (work.frames() > 0)
-    spdlog::warn("interrupted: the same command with --resume continues {}.part",
-                 findRecording(settings.bake));
-  else
-    spdlog::warn("interrupted before the first frame");
-  return kFailed;
+  return std::make_unique<BakeProducer>(settings, clock);
 }
 
 }  // namespace hapticast::server

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <utility>
 
+#include "server/pipeline/control_queue.hpp"
+
 namespace hapticast::server {
 
 namespace {
@@ -96,11 +98,26 @@ void FramePump::seek(double time_s, const std::function<bool()>& ends_early) {
     (void)parts_.vision.push(*frame, begin + fromSeconds(static_cast<double>(i) / info.fps));
   }
   (void)parts_.vision.flush();
+  resume();
 }
 
-void FramePump::setMaterials(const VisionSettings& settings) {
-  parts_.vision.setMaterials(settings);
-  parts_.encoder.setSlices({.error_mm = computeHeightError_mm(settings)});
+void FramePump::changeMaterials(const Material& change) {
+  VisionSettings& settings = parts_.settings;
+  changeMaterial(change, settings.material);
+  for (AuthorObject& object : settings.objects) changeMaterial(change, object.material);
+  setMaterials();
+}
+
+void FramePump::applyReload(const VisionSettings& reloaded) {
+  parts_.settings.material = reloaded.material;
+  parts_.settings.mass_kg = reloaded.mass_kg;
+  parts_.settings.objects = reloaded.objects;
+  setMaterials();
+}
+
+void FramePump::setMaterials() {
+  parts_.vision.setMaterials(parts_.settings);
+  parts_.encoder.setSlices({.error_mm = computeHeightError_mm(parts_.settings)});
 }
 
 void FramePump::logSkippedFrames() {

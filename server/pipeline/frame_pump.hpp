@@ -10,6 +10,7 @@
 
 #include "common/time.hpp"
 #include "server/pipeline/encoder_thread.hpp"
+#include "server/pipeline/operated_stream.hpp"
 #include "server/pipeline/pipeline_counter.hpp"
 #include "server/source/pacer.hpp"
 #include "server/source/rgbd_source.hpp"
@@ -25,7 +26,7 @@ enum class PumpStep : std::uint8_t {
 };
 
 /// The pump of one stream.
-class FramePump {
+class FramePump final : public OperatedStream {
  public:
   /// Waits until `due` or until the server stops. Returns false if the server stops.
   using Wait = std::function<bool(MediaTime due)>;
@@ -34,6 +35,7 @@ class FramePump {
   struct Parts {
     RgbdSource& source;
     Vision& vision;
+    VisionSettings& settings;  ///< those of vision; operators change their materials
     EncoderThread& encoder;
     const Clock& clock;
     const MediaClock& media_clock;
@@ -48,22 +50,25 @@ class FramePump {
   /// publishes the delayed frames. Otherwise they would arrive late, and the viewers would increase
   /// their playout delay. Throws SourceError.
   PumpStep step();
-  /// Call it while the stream is paused: waits 20 ms, or reads a frame of a live source and drops
-  /// it. Throws SourceError.
-  void idle();
+  /// Publishes the frames that vision still delays, or continues.
+  void setPaused(bool paused) override { paused ? flush() : resume(); }
+  /// Waits 20 ms, or reads a frame of a live source and drops it. Throws SourceError.
+  void idle() override;
+  [[nodiscard]] bool canSeek() const override { return !isLive(); }
   /// Continues with the frame at `time_s` of the clip. Vision tracks objects from the first frame
   /// of the clip. So it processes all frames before `time_s` again, but the pump does not publish
   /// them. Ends early as soon as `ends_early` returns true. Requires a source that is not live.
   /// Throws SourceError.
-  void seek(double time_s, const std::function<bool()>& ends_early);
+  void seek(double time_s, const std::function<bool()>& ends_early) override;
+  bool setSpeed(double /*speed*/) override { return false; }
+  void changeMaterials(const Material& change) override;
+  void applyReload(const VisionSettings& reloaded) override;
   /// Returns whether the source is live.
   [[nodiscard]] bool isLive() const { return parts_.source.info().live; }
   /// Publishes all frames that vision still delays.
   void flush();
   /// Continues after a time without playback: the next frame is due now.
   void resume() { pacer_.resume(parts_.media_clock.now()); }
-  /// Replaces material and mass of all objects by those of `settings`.
-  void setMaterials(const VisionSettings& settings);
 
   /// Returns the media time of the last frame that the pump passed to the encoder.
   [[nodiscard]] MediaTime lastPublished() const { return last_published_; }
@@ -76,6 +81,7 @@ class FramePump {
   void process(const RgbdFrame& frame);
   void publish(VisionResult result);
   void publishHeldBack();
+  void setMaterials();
   void logSkippedFrames();
 
   Parts parts_;

@@ -12,7 +12,7 @@
 
 #include "common/protocol/messages.hpp"
 #include "server/pipeline/control_queue.hpp"
-#include "server/pipeline/frame_pump.hpp"
+#include "server/pipeline/operated_stream.hpp"
 #include "server/pipeline/pipeline_counter.hpp"
 #include "server/stream/limited_log.hpp"
 #include "server/vision/vision_settings.hpp"
@@ -38,18 +38,17 @@ class OperatorRequests {
   /// masses only. Thread: any.
   void pushReload(VisionSettings reloaded);
   /// Carries out the requests and the reload that were added since the last call. A newer seek ends
-  /// a running one. Writes the new materials to `settings`, the settings of the stream. Returns
-  /// true if it carried out a request of an operator; a reload alone does not count. Throws
-  /// SourceError if the source fails during a seek. Thread: the pipeline's.
-  bool carryOut(FramePump& pump, PipelineCounter& counter, VisionSettings& settings);
-  /// Returns whether the stream is paused. Thread: the pipeline's.
+  /// a running one. Throws SourceError if the source fails during a seek. Thread: the stream's.
+  void carryOut(OperatedStream& stream, PipelineCounter& counter);
+  /// Returns whether a request of an operator waits. Thread: any.
+  [[nodiscard]] bool waits() const { return queue_.waits(); }
+  /// Returns whether the stream is paused. Thread: the stream's.
   [[nodiscard]] bool paused() const { return paused_; }
 
  private:
-  void applyReload(FramePump& pump, VisionSettings& settings);
-  void carryOut(const Control& request, FramePump& pump, PipelineCounter& counter,
-                VisionSettings& settings);
-  void seek(double time_s, FramePump& pump, PipelineCounter& counter);
+  void applyReload(OperatedStream& stream);
+  void carryOut(const Control& request, OperatedStream& stream, PipelineCounter& counter);
+  void seek(double time_s, OperatedStream& stream, PipelineCounter& counter);
 
   const Clock& clock_;
   ControlQueue queue_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/show/origin.hpp"
+#include "server/show/sinks.hpp"
 
 #include <spdlog/spdlog.h>
 
@@ -23,12 +23,13 @@ std::vector<KeyBytes> trustedOrigins(const Settings& settings, const FrameSigner
 
 }  // namespace
 
-Origin::Origin(const Settings& settings, const Clock& clock, const MediaClock& media_clock,
-               const StreamDescription& description)
+Sinks::Sinks(const Settings& settings, const Clock& clock, const MediaClock& media_clock,
+             const StreamDescription& description)
     : signer_(settings.signing_key_file.empty() ? SigningKey()
                                                 : loadSigningKey(settings.signing_key_file),
               settings.tls.wanted() ? std::make_unique<DatagramSealer>(clock) : nullptr),
-      service_(settings, clock, media_clock, description, signer_.identity()) {
+      service_(settings, clock, media_clock, description,
+               settings.command == Command::kRelay ? StreamIdentity{} : signer_.identity()) {
   // Viewers of relays need the key: a relay could show another one.
   if (settings.publish || !settings.signing_key_file.empty())
     spdlog::info("origin key: {}", toHex(signer_.identity().verifying_key));
@@ -39,18 +40,17 @@ Origin::Origin(const Settings& settings, const Clock& clock, const MediaClock& m
   if (settings.http) signer_.measure(clock);
 }
 
-void Origin::start(std::function<void()> on_signal, std::function<void()> on_reload,
-                   Broadcaster::OnControl on_control, std::function<void(Metrics&)> add_metrics) {
+void Sinks::start(std::function<void()> on_signal, std::function<void()> on_reload,
+                  std::function<void(Metrics&)> add_metrics) {
   service_.watch([this, add_metrics = std::move(add_metrics)](Metrics& metrics) {
-    add_metrics(metrics);
     if (relay_) metrics.relay = relay_->counts();
+    add_metrics(metrics);
   });
   service_.broadcaster().onRemoved([this] { signer_.revokeKey(); });
-  service_.broadcaster().onControl(std::move(on_control));
   service_.start(std::move(on_signal), std::move(on_reload));
 }
 
-std::vector<StreamSink*> Origin::sinks() {
+std::vector<StreamSink*> Sinks::all() {
   std::vector<StreamSink*> sinks{&service_.broadcaster()};
   if (relay_) sinks.push_back(&*relay_);
   if (recorder_) sinks.push_back(&*recorder_);

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: MIT
+#include "server/show/show.hpp"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <functional>
+#include <thread>
+#include <utility>
+
+#include "common/cli/run_program.hpp"
+
+namespace hapticast::server {
+
+Show::Show(const Settings& settings, const Clock& clock, ReadSettings reread, Producer& producer)
+    : settings_(settings),
+      producer_(producer),
+      reloader_(settings, std::move(reread), clock),
+      requests_(clock),
+      counter_(clock) {
+  if (const MediaClock* const media_clock = producer.mediaClock())
+    sinks_.emplace(settings, clock, *media_clock, producer.description());
+}
+
+bool Show::run() {
+  struct End {  // also after an exception
+    Show& show;
+    ~End() { show.end(); }
+  } const at_end{*this};
+  producer_.connect(*this);
+  start();
+  producer_.prepare();
+  if (!stop_) play();
+  return producer_.finish();
+}
+
+void Show::start() {
+  if (!sinks_) return stopAtSignals(stop_);
+  if (producer_.operated() != nullptr)
+    sinks_->service().broadcaster().onControl(
+        [this](const Control& control, std::function<void()> confirm) {
+          requests_.push(control, std::move(confirm));
+        });
+  sinks_->start([this] { stop(); },
+                [this] {
+                  if (auto vision = reloader_.reload()) requests_.pushReload(std::move(*vision));
+                },
+                [this](Metrics& metrics) {
+                  if (settings_.command != Command::kRelay) metrics.pipeline = counter_.counts();
+                  producer_.addTo(metrics);
+                });
+}
+
+void Show::play() {
+  if (sinks_) openToViewers();
+  streaming_ = true;
+  counter_.enter(PipelinePhase::kStream);
+  producer_.start();
+  while (!stop_ && (operate() || producer_.step())) {
+  }
+}
+
+void Show::openToViewers() {
+  sinks_->service().open(producer_.description().name);
+  if (settings_.wait_for_viewer) waitForViewer();
+}
+
+void Show::waitForViewer() {
+  const Broadcaster& broadcaster = sinks_->service().broadcaster();
+  if (broadcaster.viewers() > 0) return;
+  counter_.enter(PipelinePhase::kWaitForViewer);
+  spdlog::info("waiting for the first viewer");
+  while (!stop_ && broadcaster.viewers() == 0) waitUntil(producer_.mediaClock()->now() + kSlice);
+}
+
+bool Show::operate() {
+  if (sinks_) sinks_->service().manager().reportAlive();
+  OperatedStream* const stream = producer_.operated();
+  if (stream == nullptr) return false;
+  requests_.carryOut(*stream, counter_);
+  if (!requests_.paused()) return false;
+  stream->idle();
+  return true;
+}
+
+bool Show::waitUntil(MediaTime due, Until until) {
+  while (!stop_) {
+    sinks_->service().manager().reportAlive();
+    const Duration left = due - producer_.mediaClock()->now();
+    if (left <= Duration::zero()) return true;
+    if (until == Until::kDueOrRequest && requests_.waits()) return false;
+    std::this_thread::sleep_for(std::min(left, kSlice));
+  }
+  return false;
+}
+
+void Show::end() noexcept {
+  if (sinks_) sinks_->service().end();
+  producer_.release();
+}
+
+}  // namespace hapticast::server
