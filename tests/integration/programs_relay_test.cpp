@@ -84,6 +84,22 @@ TEST_F(ProgramsRelayTest, AnEdgeServesTheOriginsStreamByEachTransport) {
   interrupt(*origin);
 }
 
+TEST_F(ProgramsRelayTest, ARecordingFeedsEdgesAndARecorder) {
+  const auto recorded = startServer({"--source", "synthetic:bounce", "--map-range", "520,620",
+                                     "--frames", "60", "--record", path("first.mcap")});
+  ASSERT_EQ(recorded->wait(kStart), 0) << recorded->output();
+  const auto origin = startServer({"--source", path("first.mcap"), "--loop", "--publish",
+                                   nats_->channel("lab"), "--record", path("second.mcap")});
+  const auto edge = startEdge();
+  const auto viewer = startViewer(addressOf(*edge), "edge");
+  ASSERT_TRUE(waitUntil(kSoon, [&] { return countInterpolated("edge") > 3000; }));
+  EXPECT_EQ(endViewer(*viewer, "edge")["frames"]["reliefs_refused"], 0);
+  interrupt(*edge);
+  interrupt(*origin);
+  const auto again = startServer({"--source", path("second.mcap"), "--frames", "60"});
+  EXPECT_EQ(again->wait(kStart), 0) << again->output();
+}
+
 TEST_F(ProgramsRelayTest, AStandbyTakesOverAndTheViewersStayConnected) {
   const auto first = startOrigin();
   ASSERT_TRUE(first->says("active (term", kStart)) << first->output();
