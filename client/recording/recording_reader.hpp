@@ -38,9 +38,10 @@ enum RecordedTypes : unsigned {
   kDescriptionMessages = setOf(kDescriptionChannel),
   kTimingMessages = setOf(kTimingChannel),
   kPreparationMessages = setOf(kPreparedChannel),
+  kShownMessages = kPictureMessages | kDescriptionMessages,
   /// What the stream and the loop gave.
-  kStreamMessages = kFrameMessages | kTickMessages | kPictureMessages | kDescriptionMessages |
-                    kTimingMessages | kPreparationMessages,
+  kStreamMessages =
+      kFrameMessages | kTickMessages | kShownMessages | kTimingMessages | kPreparationMessages,
 };
 
 /// A message of a recording.

@@ -15,6 +15,18 @@ namespace {
 // Bytes that are read ahead for the inputs of a tick; chosen: far more than a run needs.
 constexpr std::size_t kMostAheadBytes = 64U << 20U;
 
+/// Reads up to the first ticks. Returns why the recording cannot be rendered; nullopt: it can.
+std::optional<Error> findObstacle(TypedReader<RecordedContent>& file) {
+  bool has_settings = false;
+  while (const auto message = file.next(kRunMessages & ~kShownMessages)) {
+    if (!file.decode(*message)) break;
+    has_settings = has_settings || message->channel == kSettingsChannel;
+    if (message->channel == kTickChannel && has_settings) return std::nullopt;
+    if (message->channel == kTickChannel) break;
+  }
+  return has_settings ? file.lack("ticks") : Error{"has no settings before its ticks"};
+}
+
 }  // namespace
 
 bool hasSameBits(const Vec3& a, const Vec3& b) {
@@ -34,28 +46,17 @@ Result<std::unique_ptr<Replay>> Replay::open(const std::string& file) {
   if (!opened.ok()) return opened.error();
   if (!opened.value().has(kTickMessages))
     return Error{"has no channel /tick: it is no recording of hapticast-client"};
-  // A probe reads up to the first tick. The replay begins at the begin, for its outputs.
-  const std::unique_ptr<Replay> probe(new Replay(std::move(opened).value()));
-  if (auto obstacle = probe->findObstacle()) return std::move(*obstacle);
-  probe->file_.seek(0);
-  return std::unique_ptr<Replay>(new Replay(std::move(probe->file_)));
-}
-
-std::optional<Error> Replay::findObstacle() {
-  // The settings precede the first tick.
-  while (ticks_.empty() && readMessage()) {
-  }
-  if (!has_settings_) return Error{"has no settings before its ticks"};
-  if (ticks_.empty()) return file_.lack("ticks");
-  return std::nullopt;
+  if (auto obstacle = findObstacle(opened.value())) return std::move(*obstacle);
+  opened.value().seek(0);
+  return std::unique_ptr<Replay>(new Replay(std::move(opened).value()));
 }
 
 bool Replay::readMessage() {
   const auto message = file_.next(kRunMessages);
   if (!message) return false;
   ahead_bytes_ += message->data.size();
-  const auto channel = static_cast<RunChannel>(message->type);
-  if (channel != kDescriptionChannel && channel != kPictureChannel) {
+  const auto channel = static_cast<RunChannel>(message->channel);
+  if ((setOf(channel) & kShownMessages) == 0) {
     auto content = file_.decode(*message);
     if (!content) return false;
     std::visit([this](auto& each) { add(std::move(each)); }, *content);

@@ -78,8 +78,6 @@ class Replay {
   using StreamEvent = std::variant<AssembledFrame, Workspace>;
 
   explicit Replay(TypedReader<RecordedContent> file) : file_(std::move(file)) {}
-  /// Returns why the recording cannot be rendered; nullopt: it can.
-  [[nodiscard]] std::optional<Error> findObstacle();
   /// Reads a message. Returns false at the end, or at the first damage.
   bool readMessage();
   void add(RendererSettings settings);

@@ -38,13 +38,6 @@ template <class Content, auto decodeContent>
 /// Returns the set of the type with the number `type`, a bit.
 [[nodiscard]] constexpr unsigned setOf(std::size_t type) { return 1U << type; }
 
-/// A message of a listed type. `data` is valid until the next call of the reader.
-struct TypedMessage {
-  std::size_t type = 0;  ///< number in the list
-  std::uint64_t time_ns = 0;
-  std::span<const std::uint8_t> data;
-};
-
 /// A recording that is open for reading.
 template <class Content>
 class TypedReader {
@@ -64,27 +57,29 @@ class TypedReader {
   /// Returns the time of the last message.
   [[nodiscard]] std::uint64_t end_ns() const { return file_.end_ns(); }
 
-  /// Returns the next message of the set `types`. Returns nullopt at the end, and once there is a
-  /// problem().
-  [[nodiscard]] std::optional<TypedMessage> next(unsigned types) {
+  /// Returns the next message of the set `types`, with the number of its type as `channel`. Returns
+  /// nullopt at the end, and once there is a problem().
+  [[nodiscard]] std::optional<McapMessage> next(unsigned types) {
     while (problem_.empty()) {
-      const auto message = file_.next();
+      auto message = file_.next();
       if (!message) {
         problem_ = file_.problem();
         break;
       }
       const auto type = channels_.find(message->channel);
-      if (type != channels_.end() && (setOf(type->second) & types) != 0)
-        return TypedMessage{type->second, message->time_ns, message->data};
+      if (type == channels_.end() || (setOf(type->second) & types) == 0) continue;
+      message->channel = type->second;
+      return message;
     }
     return std::nullopt;
   }
-  /// Returns the content of a message. If it is invalid, returns nullopt and sets the problem.
-  [[nodiscard]] std::optional<Content> decode(const TypedMessage& message) {
-    const ContentType<Content>& type = types_[message.type];
+  /// Returns the content of a message of next(). If it is invalid, returns nullopt and sets the
+  /// problem.
+  [[nodiscard]] std::optional<Content> decode(const McapMessage& message) {
+    const ContentType<Content>& type = types_[message.channel];
     auto decoded = type.decode(message.data);
     if (decoded.ok()) return std::move(decoded).value();
-    stop(std::string("has an invalid ") + type.name + " (" + decoded.error().message + ")");
+    problem_ = std::string("has an invalid ") + type.name + " (" + decoded.error().message + ")";
     return std::nullopt;
   }
   /// Continues at or before the first message of `time_ns` or later, as McapReader::seek() does.
@@ -108,9 +103,8 @@ class TypedReader {
  private:
   TypedReader(McapReader file, Types types) : file_(std::move(file)), types_(types) {
     for (const auto& [id, channel] : file_.channels()) {
-      for (std::size_t i = 0; i < types_.size(); ++i) {
-        if (channel.message_encoding != "protobuf" || channel.schema.name != types_[i].schema)
-          continue;
+      for (std::uint16_t i = 0; i < types_.size() && channel.message_encoding == "protobuf"; ++i) {
+        if (channel.schema.name != types_[i].schema) continue;
         channels_[id] = i;
         found_ |= setOf(i);
       }
@@ -123,8 +117,8 @@ class TypedReader {
 
   McapReader file_;
   Types types_;
-  std::map<std::uint16_t, std::size_t> channels_;  // number in the file -> number of the type
-  unsigned found_ = 0;                             // set of the types of the channels
+  std::map<std::uint16_t, std::uint16_t> channels_;  // number in the file -> number of the type
+  unsigned found_ = 0;                               // set of the types of the channels
   std::string problem_;
 };
 

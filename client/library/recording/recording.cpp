@@ -91,7 +91,7 @@ class FrameCursor {
     from_ns_ = time_ns;
     // A client's recording has a relief that does not change only once.
     file_.seek(file_.isOfClient() ? 0 : beforeRepeat(time_ns));
-    pairs_.clear();
+    pairs_ = client::PicturePairs(file_.has(client::kPictureMessages));
     infos_.clear();
     description_.reset();
     reader_ = {};
