@@ -69,11 +69,6 @@ class Replay {
   [[nodiscard]] const std::string& problem() const { return file_.problem(); }
 
  private:
-  /// The clock of the decode thread, which is not used for a force.
-  class StillClock final : public Clock {
-   public:
-    [[nodiscard]] LocalTime now() const noexcept override { return {}; }
-  };
   /// An event of the stream: a frame, or a reset of the reliefs.
   using StreamEvent = std::variant<AssembledFrame, Workspace>;
 
@@ -117,7 +112,7 @@ class Replay {
   std::size_t ahead_bytes_ = 0;  // read since the last tick had its inputs
   std::uint64_t last_tick_ = 0;
 
-  StillClock clock_;
+  SetClock clock_;  // stands: no force needs it
   FramePool pool_;
   FrameQueue queue_;
   std::optional<FramePreparer> preparer_;
