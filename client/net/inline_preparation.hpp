@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Preparation of received frames without a thread: the owner calls step(). For owners in whose time
-// everything happens, such as a web page or a replay. Thread: one.
+// everything happens, such as a web page or a caller of the library. Thread: one.
 #pragma once
 
 #include <functional>
@@ -19,12 +19,6 @@ class InlinePreparation final : public FrameSink {
 
   void reset(const Workspace& workspace) override { queue_.reset(workspace); }
   std::size_t push(AssembledFrame assembled) override { return queue_.push(std::move(assembled)); }
-  /// Drops a frame as a full queue does: later frames may declare its reliefs unchanged. Requires
-  /// an empty queue. For a replay.
-  void drop(AssembledFrame assembled) {
-    (void)queue_.push(std::move(assembled));
-    queue_.dropAll();
-  }
   /// Prepares the oldest queued frame. Returns false if there is none, or if it has to wait
   /// (FramePreparer::holdsBack()).
   bool step() {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "client/recording/recording_reader.hpp"
 
-#include <algorithm>
 #include <array>
 #include <span>
 
@@ -21,88 +20,50 @@ Result<AssembledFrame, WireError> decodeSentFrame(std::span<const std::uint8_t> 
   return to;
 }
 
+/// Returns the type of the messages of a channel of a run.
 template <auto decodeContent>
-Result<RecordedContent> decodeAs(std::span<const std::uint8_t> bytes) {
-  auto decoded = decodeContent(bytes);
-  if (!decoded.ok()) return Error{decoded.error().message};
-  return RecordedContent(std::move(decoded).value());
+constexpr ContentType<RecordedContent> makeType(RunChannel channel, const char* name) {
+  return {kRunChannelNames[channel].message, name, decodeAs<RecordedContent, decodeContent>};
 }
 
-struct Decoder {
-  const char* message;
-  RecordedKind kind;
-  const char* name;  // in problem()
-  Result<RecordedContent> (*decode)(std::span<const std::uint8_t>);
-};
-
-constexpr std::array<Decoder, 7> kDecoders = {{
-    {"hapticast.proto.HapticFrame", kFrameMessages, "frame", decodeAs<decodeSentFrame>},
-    {"hapticast.proto.ReceivedFrame", kFrameMessages, "frame", decodeAs<decodeReceivedFrame>},
-    {"hapticast.proto.Ticks", kTickMessages, "tick", decodeAs<decodeTicks>},
-    {"foxglove.CompressedImage", kPictureMessages, "picture", decodeAs<decodePictureContent>},
-    {"hapticast.proto.StreamDescription", kDescriptionMessages, "description",
-     decodeAs<decodeDescriptionContent>},
-    {"hapticast.proto.Timing", kTimingMessages, "timing", decodeAs<decodeTiming>},
-    {"hapticast.proto.PreparedFrame", kPreparationMessages, "preparation",
-     decodeAs<decodePreparation>},
+constexpr std::array<ContentType<RecordedContent>, kRunChannels + 1> kTypes = {{
+    makeType<decodeSettings>(kSettingsChannel, "message of the settings"),
+    makeType<decodeTicks>(kTickChannel, "tick"),
+    makeType<decodeReceivedFrame>(kFrameChannel, "frame"),
+    makeType<decodePreparation>(kPreparedChannel, "preparation"),
+    makeType<decodeTiming>(kTimingChannel, "timing"),
+    makeType<decodeControls>(kControlsChannel, "message of the controls"),
+    makeType<decodeDescriptionContent>(kDescriptionChannel, "description"),
+    makeType<decodePictureContent>(kPictureChannel, "picture"),
+    {"hapticast.proto.HapticFrame", "frame", decodeAs<RecordedContent, decodeSentFrame>},
 }};
 
 }  // namespace
 
+TypedReader<RecordedContent>::Types listRecordedTypes() { return kTypes; }
+
 Result<RecordingReader> RecordingReader::open(const std::string& file) {
-  auto opened = McapReader::open(file);
+  auto opened = TypedReader<RecordedContent>::open(file, kTypes);
   if (!opened.ok()) return opened.error();
   RecordingReader reader(std::move(opened).value());
-  if (!reader.findChannels())
+  if (!reader.has(kSentFrameMessages | kTickMessages))
     return Error{
         "has no channel /frame or /tick of hapticast: it is no recording of hapticast-server or "
         "hapticast-client"};
-  auto first = reader.file_.next();
-  while (first && !reader.channels_.contains(first->channel)) first = reader.file_.next();
-  if (!first) return Error{"has no messages: it " + reader.file_.problem()};
+  const auto first = reader.file_.next(kStreamMessages);
+  if (!first) return reader.file_.lack("messages");
   reader.begin_ns_ = first->time_ns;
   reader.seek(0);
   return reader;
 }
 
-bool RecordingReader::findChannels() {
-  bool is_of_server = false;
-  for (const auto& [id, channel] : file_.channels()) {
-    if (channel.message_encoding != "protobuf") continue;
-    for (std::size_t i = 0; i < kDecoders.size(); ++i) {
-      if (channel.schema.name != kDecoders[i].message) continue;
-      channels_[id] = i;
-      is_of_server = is_of_server || i == 0;
-      is_of_client_ = is_of_client_ || kDecoders[i].kind == kTickMessages;
-    }
-  }
-  return is_of_server || is_of_client_;
-}
-
-bool RecordingReader::has(RecordedKind kind) const {
-  return std::any_of(channels_.begin(), channels_.end(),
-                     [kind](const auto& each) { return kDecoders[each.second].kind == kind; });
-}
-
-std::optional<RecordedMessage> RecordingReader::next(unsigned kinds) {
-  while (problem_.empty()) {
-    const auto message = file_.next();
-    if (!message) {
-      problem_ = file_.problem();
-      return std::nullopt;
-    }
-    const auto channel = channels_.find(message->channel);
-    if (channel == channels_.end() || (kDecoders[channel->second].kind & kinds) == 0) continue;
-    const Decoder& decoder = kDecoders[channel->second];
-    auto decoded = decoder.decode(message->data);
-    if (!decoded.ok()) {
-      problem_ =
-          std::string("has an invalid ") + decoder.name + " (" + decoded.error().message + ")";
-      return std::nullopt;
-    }
-    const auto* const frame = std::get_if<AssembledFrame>(&decoded.value());
-    if (frame != nullptr && !is_of_client_ && !rises(*frame)) continue;
-    return RecordedMessage{message->time_ns, message->data.size(), std::move(decoded).value()};
+std::optional<RecordedMessage> RecordingReader::next(unsigned types) {
+  while (const auto message = file_.next(types)) {
+    auto content = file_.decode(*message);
+    if (!content) break;
+    const auto* const frame = std::get_if<AssembledFrame>(&*content);
+    if (frame == nullptr || isOfClient() || rises(*frame))
+      return RecordedMessage{message->time_ns, message->data.size(), std::move(*content)};
   }
   return std::nullopt;
 }
@@ -116,7 +77,6 @@ bool RecordingReader::rises(const AssembledFrame& frame) {
 void RecordingReader::seek(std::uint64_t time_ns) {
   file_.seek(time_ns);
   last_.reset();
-  problem_.clear();
 }
 
 }  // namespace hapticast::client

@@ -15,6 +15,18 @@ namespace {
 // Bytes that are read ahead for the inputs of a tick; chosen: far more than a run needs.
 constexpr std::size_t kMostAheadBytes = 64U << 20U;
 
+/// Reads up to the first ticks. Returns why the recording cannot be rendered; nullopt: it can.
+std::optional<Error> findObstacle(TypedReader<RecordedContent>& file) {
+  bool has_settings = false;
+  while (const auto message = file.next(kRunMessages & ~kShownMessages)) {
+    if (!file.decode(*message)) break;
+    has_settings = has_settings || message->channel == kSettingsChannel;
+    if (message->channel == kTickChannel && has_settings) return std::nullopt;
+    if (message->channel == kTickChannel) break;
+  }
+  return has_settings ? file.lack("ticks") : Error{"has no settings before its ticks"};
+}
+
 }  // namespace
 
 bool hasSameBits(const Vec3& a, const Vec3& b) {
@@ -30,63 +42,25 @@ void ReplayCounts::add(const Vec3& force_N, const Vec3& recorded_N) {
 }
 
 Result<std::unique_ptr<Replay>> Replay::open(const std::string& file) {
-  auto opened = McapReader::open(file);
+  auto opened = TypedReader<RecordedContent>::open(file, listRecordedTypes());
   if (!opened.ok()) return opened.error();
-  // A probe reads up to the first tick. The replay begins at the begin, for its outputs.
-  auto reopened = opened.value().reopen();
-  if (!reopened.ok()) return reopened.error();
-  const std::unique_ptr<Replay> probe(new Replay(std::move(reopened).value()));
-  if (!probe->findChannels())
+  if (!opened.value().has(kTickMessages))
     return Error{"has no channel /tick: it is no recording of hapticast-client"};
-  if (auto obstacle = probe->findObstacle()) return std::move(*obstacle);
-  std::unique_ptr<Replay> replay(new Replay(std::move(opened).value()));
-  (void)replay->findChannels();
-  return replay;
-}
-
-std::optional<Error> Replay::findObstacle() {
-  // The settings precede the first tick.
-  while (ticks_.empty() && readMessage()) {
-  }
-  if (!has_settings_) return Error{"has no settings before its ticks"};
-  if (ticks_.empty())
-    return Error{problem_.empty() ? "has no ticks" : "has no ticks: it " + problem_};
-  return std::nullopt;
-}
-
-bool Replay::findChannels() {
-  for (const auto& [id, channel] : file_.channels()) {
-    for (std::size_t i = 0; i < kRunChannels; ++i) {
-      if (channel.schema.name == kRunChannelNames[i].message)
-        channels_[id] = static_cast<RunChannel>(i);
-    }
-  }
-  return std::any_of(channels_.begin(), channels_.end(),
-                     [](const auto& each) { return each.second == kTickChannel; });
-}
-
-template <class Content>
-bool Replay::accept(Result<Content> decoded) {
-  if (!decoded.ok()) {
-    problem_ = "has an invalid message (" + decoded.error().message + ")";
-    return false;
-  }
-  add(std::move(decoded).value());
-  return true;
+  if (auto obstacle = findObstacle(opened.value())) return std::move(*obstacle);
+  opened.value().seek(0);
+  return std::unique_ptr<Replay>(new Replay(std::move(opened).value()));
 }
 
 bool Replay::readMessage() {
-  if (!problem_.empty()) return false;
-  const auto message = file_.next();
-  if (!message) {
-    problem_ = file_.problem();
-    return false;
-  }
+  const auto message = file_.next(kRunMessages);
+  if (!message) return false;
   ahead_bytes_ += message->data.size();
-  const auto found = channels_.find(message->channel);
-  if (found == channels_.end()) return true;
-  const RunChannel channel = found->second;
-  if (!readContent(channel, message->data)) return false;
+  const auto channel = static_cast<RunChannel>(message->channel);
+  if ((setOf(channel) & kShownMessages) == 0) {
+    auto content = file_.decode(*message);
+    if (!content) return false;
+    std::visit([this](auto& each) { add(std::move(each)); }, *content);
+  }
   if (!outputs_.onMessage || channel == kTickChannel) return true;
   if (channel == kSettingsChannel) {
     outputs_.onMessage(channel, message->time_ns, encodeSettings(settings_));
@@ -96,25 +70,6 @@ bool Replay::readMessage() {
     outputs_.onMessage(channel, message->time_ns, message->data);
   }
   return true;
-}
-
-bool Replay::readContent(RunChannel channel, std::span<const std::uint8_t> data) {
-  switch (channel) {
-    case kSettingsChannel:
-      return accept(decodeSettings(data));
-    case kTickChannel:
-      return accept(decodeTicks(data));
-    case kFrameChannel:
-      return accept(decodeReceivedFrame(data));
-    case kPreparedChannel:
-      return accept(decodePreparation(data));
-    case kTimingChannel:
-      return accept(decodeTiming(data));
-    case kControlsChannel:
-      return accept(decodeControls(data));
-    default:
-      return true;
-  }
 }
 
 void Replay::add(RendererSettings settings) {
@@ -154,13 +109,13 @@ bool Replay::hasInputsOf(const TickReport& tick) const {
 
 bool Replay::readInputsOf(const TickReport& tick) {
   if (tick.tick != last_tick_ + 1) {
-    problem_ = "lacks ticks";
+    file_.stop("lacks ticks");
     return false;
   }
   last_tick_ = tick.tick;
   while (!hasInputsOf(tick)) {
     if (ahead_bytes_ <= kMostAheadBytes && readMessage()) continue;
-    if (problem_.empty()) problem_ = "lacks what a tick has read";
+    file_.stop("lacks what a tick has read");
     return false;
   }
   ahead_bytes_ = 0;
@@ -180,22 +135,21 @@ bool Replay::prepareNext() {
   preparations_.pop_front();
   const auto place = findFrame(next.id);
   if (!place) {
-    problem_ = "lacks a frame";
+    file_.stop("lacks a frame");
     return false;
   }
   for (std::size_t i = 0; i <= *place; ++i) {
     StreamEvent event = std::move(events_.front());
     events_.pop_front();
     if (const auto* const workspace = std::get_if<Workspace>(&event)) {
-      preparation_->reset(*workspace);
-    } else if (i == *place && next.handed_over) {
-      (void)preparation_->push(std::move(std::get<AssembledFrame>(event)));
-      (void)preparation_->step();
-      ++handed_over_;
-    } else {
-      preparation_->drop(std::move(std::get<AssembledFrame>(event)));
+      queue_.reset(*workspace);
+      continue;
     }
+    (void)queue_.push(std::move(std::get<AssembledFrame>(event)));
+    if (i < *place || !next.handed_over) queue_.dropAll();
   }
+  if (const auto accepted = queue_.pop()) preparer_->prepare(*accepted);
+  handed_over_ += next.handed_over ? 1 : 0;
   return true;
 }
 
@@ -221,8 +175,7 @@ ReplayCounts Replay::run(const ReplayChanges& changes, const ReplayOutputs& outp
   std::fegetenv(&tick_mode);
   LatestValue<StreamTiming> timing;
   LatestValue<UserControls> controls;
-  preparation_ = std::make_unique<InlinePreparation>(pool_, clock_, settings_.method,
-                                                     [](const PreparedFrame&) {});
+  preparer_.emplace(pool_, clock_, settings_.method, [](const PreparedFrame&) {});
   const auto renderer =
       std::make_unique<HapticRenderer>(settings_, pool_, timing, controls, nullptr);
   ReplayCounts counts;

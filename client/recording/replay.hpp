@@ -17,10 +17,8 @@
 #include <string>
 #include <variant>
 
-#include "client/net/inline_preparation.hpp"
-#include "client/recording/run_channels.hpp"
-#include "client/recording/run_codec.hpp"
-#include "common/recording/mcap_reader.hpp"
+#include "client/net/frame_preparer.hpp"
+#include "client/recording/recording_reader.hpp"
 #include "common/result.hpp"
 
 namespace hapticast::client {
@@ -68,26 +66,15 @@ class Replay {
   /// Renders all ticks with `changes`. Call it once.
   ReplayCounts run(const ReplayChanges& changes, const ReplayOutputs& outputs);
   /// Returns why the ticks end before the end of the file, as a phrase; empty: they do not.
-  [[nodiscard]] const std::string& problem() const { return problem_; }
+  [[nodiscard]] const std::string& problem() const { return file_.problem(); }
 
  private:
-  /// The clock of the decode thread, which is not used for a force.
-  class StillClock final : public Clock {
-   public:
-    [[nodiscard]] LocalTime now() const noexcept override { return {}; }
-  };
   /// An event of the stream: a frame, or a reset of the reliefs.
   using StreamEvent = std::variant<AssembledFrame, Workspace>;
 
-  explicit Replay(McapReader file) : file_(std::move(file)) {}
-  [[nodiscard]] bool findChannels();
-  /// Returns why the recording cannot be rendered; nullopt: it can.
-  [[nodiscard]] std::optional<Error> findObstacle();
-  [[nodiscard]] bool readContent(RunChannel channel, std::span<const std::uint8_t> data);
-  /// Reads messages up to the next ticks. Returns false at the end, or at the first damage.
+  explicit Replay(TypedReader<RecordedContent> file) : file_(std::move(file)) {}
+  /// Reads a message. Returns false at the end, or at the first damage.
   bool readMessage();
-  template <class Content>
-  bool accept(Result<Content> decoded);
   void add(RendererSettings settings);
   void add(std::vector<TickReport> ticks);
   void add(AssembledFrame frame);
@@ -97,6 +84,8 @@ class Replay {
   }
   void add(const RecordedTiming& timing);
   void add(UserControls controls);
+  void add(const StreamDescription&) {}  // it goes to the outputs only, as pictures do
+  void add(const VideoFrame&) {}
   /// Replaces the recorded settings by those of the user.
   void change(RendererSettings& settings) const;
   /// Reads on until all inputs of `tick` are known. Returns false if they are missing.
@@ -106,8 +95,7 @@ class Replay {
   bool prepareNext();
   [[nodiscard]] std::optional<std::size_t> findFrame(std::uint64_t id) const;
 
-  McapReader file_;
-  std::map<std::uint16_t, RunChannel> channels_;  // by number in the file
+  TypedReader<RecordedContent> file_;
   ReplayOutputs outputs_;
   RendererSettings settings_;
   bool has_settings_ = false;
@@ -123,11 +111,11 @@ class Replay {
   std::uint64_t handed_over_ = 0;
   std::size_t ahead_bytes_ = 0;  // read since the last tick had its inputs
   std::uint64_t last_tick_ = 0;
-  std::string problem_;
 
-  StillClock clock_;
+  SetClock clock_;  // stands: no force needs it
   FramePool pool_;
-  std::unique_ptr<InlinePreparation> preparation_;
+  FrameQueue queue_;
+  std::optional<FramePreparer> preparer_;
 };
 
 }  // namespace hapticast::client

@@ -2,7 +2,9 @@
 #include "common/playback/stream_reader.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
+#include <span>
 
 #include "common/protocol/recorded.hpp"
 #include "common/wire_limits.hpp"
@@ -15,13 +17,30 @@ namespace {
 constexpr Duration kRepeatWithin = std::chrono::milliseconds(1500);
 constexpr std::uint64_t kFirstStepBack_ns = 2'000'000'000;  // chosen: one or two chunks
 
+/// Decodes a frame whose times have room for what playback adds to them.
+Result<CodedFrame, WireError> decodePlayableFrame(std::span<const std::uint8_t> bytes) {
+  auto decoded = decodeFrameContent(bytes);
+  if (decoded.ok() &&
+      std::abs(decoded.value().media_time.time_since_epoch().count()) > limits::kTime_ns / 2)
+    return WireError{ErrorCode::kMalformed, "a time is out of range"};
+  return decoded;
+}
+
+constexpr std::array<ContentType<RecordedItem>, 3> kTypes = {{
+    {"hapticast.proto.HapticFrame", "frame", decodeAs<RecordedItem, decodePlayableFrame>},
+    {"hapticast.proto.StreamDescription", "description",
+     decodeAs<RecordedItem, decodeDescriptionContent>},
+    {"foxglove.CompressedImage", "picture", decodeAs<RecordedItem, decodePictureContent>},
+}};
+constexpr unsigned kFrames = setOf(0), kDescriptions = setOf(1), kPictures = setOf(2);
+
 }  // namespace
 
 Result<StreamReader> StreamReader::open(const std::string& file) {
-  auto opened = McapReader::open(file);
+  auto opened = TypedReader<RecordedItem>::open(file, kTypes);
   if (!opened.ok()) return opened.error();
   StreamReader reader(std::move(opened).value());
-  if (!reader.findChannels())
+  if (!reader.file_.has(kFrames))
     return Error{"has no channel /frame of hapticast: it is no recording of hapticast-server"};
   while (const auto item = reader.next()) {
     const auto* const frame = std::get_if<CodedFrame>(&*item);
@@ -33,25 +52,13 @@ Result<StreamReader> StreamReader::open(const std::string& file) {
     reader.seek(reader.begin_);
     return reader;
   }
-  const std::string& problem = reader.problem();
-  return Error{problem.empty() ? "has no frames" : "has no frames: it " + problem};
-}
-
-bool StreamReader::findChannels() {
-  for (const auto& [id, channel] : file_.channels()) {
-    if (channel.message_encoding != "protobuf") continue;
-    if (channel.schema.name == "hapticast.proto.HapticFrame") frames_ = id;
-    if (channel.schema.name == "hapticast.proto.StreamDescription") descriptions_ = id;
-    if (channel.schema.name == "foxglove.CompressedImage") pictures_ = id;
-  }
-  return frames_.has_value();
+  return reader.file_.lack("frames");
 }
 
 Result<StreamReader> StreamReader::reopen() const {
   auto file = file_.reopen();
   if (!file.ok()) return file.error();
   StreamReader reader(std::move(file).value());
-  (void)reader.findChannels();
   reader.first_description_ = first_description_;
   reader.begin_ = begin_;
   reader.end_ = end_;
@@ -68,8 +75,7 @@ MediaTime StreamReader::findEnd() {
     const std::uint64_t end_ns = std::min<std::uint64_t>(file_.end_ns(), limits::kTime_ns);
     const bool is_all = back_ns >= end_ns || end_ns - back_ns <= begin_ns;
     file_.seek(is_all ? begin_ns : end_ns - back_ns);
-    while (const auto message = file_.next())
-      if (message->channel == frames_) last_ns = std::max(last_ns, message->time_ns);
+    while (const auto message = file_.next(kFrames)) last_ns = std::max(last_ns, message->time_ns);
     if (is_all) break;
   }
   return std::max(begin_, MediaTime(Duration(static_cast<std::int64_t>(
@@ -77,57 +83,29 @@ MediaTime StreamReader::findEnd() {
 }
 
 std::optional<RecordedItem> StreamReader::next() {
-  while (problem_.empty()) {
-    const auto message = file_.next();
-    if (!message) {
-      problem_ = file_.problem();
-      return std::nullopt;
-    }
-    if (auto item = read(*message)) return item;
+  while (const auto message = file_.next(kFrames | kDescriptions | (from_ ? 0 : kPictures))) {
+    auto item = file_.decode(*message);
+    if (!item || accept(*item)) return item;
   }
   return std::nullopt;
 }
 
-std::optional<RecordedItem> StreamReader::read(const McapMessage& message) {
-  if (message.channel == frames_) return readFrame(message.data);
-  if (message.channel == descriptions_) {
-    auto decoded = decodeDescriptionContent(message.data);
-    if (!decoded.ok()) {
-      problem_ = "has an invalid description (" + decoded.error().message + ")";
-    } else if (description_ != decoded.value()) {
-      description_ = std::move(decoded).value();
-      return *description_;
-    }
-    return std::nullopt;
-  }
-  if (message.channel != pictures_ || from_) return std::nullopt;
-  auto decoded = decodePictureContent(message.data);
-  if (decoded.ok()) return std::move(decoded).value();
-  problem_ = "has an invalid picture (" + decoded.error().message + ")";
-  return std::nullopt;
+bool StreamReader::accept(RecordedItem& item) {
+  if (auto* const frame = std::get_if<CodedFrame>(&item)) return accept(*frame);
+  const auto* const description = std::get_if<StreamDescription>(&item);
+  return description == nullptr || std::exchange(description_, *description) != *description;
 }
 
-std::optional<RecordedItem> StreamReader::readFrame(std::span<const std::uint8_t> data) {
-  auto decoded = decodeFrameContent(data);
-  if (!decoded.ok()) {
-    problem_ = "has an invalid frame (" + decoded.error().message + ")";
-    return std::nullopt;
-  }
-  CodedFrame& frame = decoded.value();
-  // Room for what playback adds to the times.
-  if (std::abs(frame.media_time.time_since_epoch().count()) > limits::kTime_ns / 2) {
-    problem_ = "has an invalid frame (a time is out of range)";
-    return std::nullopt;
-  }
+bool StreamReader::accept(CodedFrame& frame) {
   if (last_ && frame.media_time <= *last_) {
     ++left_out_;
-    return std::nullopt;
+    return false;
   }
   last_ = frame.media_time;
   complete(frame);
-  if (from_ && frame.media_time < *from_) return std::nullopt;
+  if (from_ && frame.media_time < *from_) return false;
   from_.reset();
-  return std::move(frame);
+  return true;
 }
 
 void StreamReader::complete(CodedFrame& frame) {
@@ -149,7 +127,6 @@ void StreamReader::seek(MediaTime time) {
   last_.reset();
   from_ = time;
   reliefs_.clear();
-  problem_.clear();
   left_out_ = 0;
 }
 

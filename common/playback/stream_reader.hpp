@@ -8,14 +8,13 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <span>
 #include <string>
 #include <utility>
 #include <variant>
 
 #include "common/codec/coded_frame.hpp"
 #include "common/protocol/messages.hpp"
-#include "common/recording/mcap_reader.hpp"
+#include "common/recording/typed_reader.hpp"
 #include "common/result.hpp"
 
 namespace hapticast {
@@ -46,25 +45,21 @@ class StreamReader {
   /// Continues with the first frame at `time` or later.
   void seek(MediaTime time);
   /// Returns why the items end early, as a phrase; empty: they do not.
-  [[nodiscard]] const std::string& problem() const { return problem_; }
+  [[nodiscard]] const std::string& problem() const { return file_.problem(); }
   /// Returns the number of frames that were left out because their times run back.
   [[nodiscard]] std::uint64_t leftOut() const { return left_out_; }
 
  private:
-  explicit StreamReader(McapReader file) : file_(std::move(file)) {}
-  /// Finds the channels. Returns whether there are frames.
-  [[nodiscard]] bool findChannels();
+  explicit StreamReader(TypedReader<RecordedItem> file) : file_(std::move(file)) {}
   /// Returns the media time of the last frame. Other messages may come after it.
   [[nodiscard]] MediaTime findEnd();
-  /// Returns the item in a message. Returns nullopt if it is none to return, and sets problem_ if
-  /// the message is invalid.
-  [[nodiscard]] std::optional<RecordedItem> read(const McapMessage& message);
-  [[nodiscard]] std::optional<RecordedItem> readFrame(std::span<const std::uint8_t> data);
+  /// Adds what a frame leaves out. Returns whether the item is one to return.
+  [[nodiscard]] bool accept(RecordedItem& item);
+  [[nodiscard]] bool accept(CodedFrame& frame);
   /// Adds the reliefs that the frame leaves out, where they are known.
   void complete(CodedFrame& frame);
 
-  McapReader file_;
-  std::optional<std::uint16_t> frames_, descriptions_, pictures_;  // numbers of channels
+  TypedReader<RecordedItem> file_;
   StreamDescription first_description_;
   std::optional<StreamDescription> description_;
   MediaTime begin_{}, end_{};      // of the first and the last frame
@@ -76,7 +71,6 @@ class StreamReader {
   };
   std::map<ObjectKey, Known> reliefs_;
   std::uint64_t left_out_ = 0;
-  std::string problem_;
 };
 
 }  // namespace hapticast

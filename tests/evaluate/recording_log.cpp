@@ -258,8 +258,7 @@ class StreamCurves {
 
 template <class Curves>
 std::vector<CurvePanel> readPanels(client::RecordingReader& reader, Curves curves) {
-  constexpr unsigned kAll = ~0U;
-  while (const auto message = reader.next(kAll)) curves.add(*message);
+  while (const auto message = reader.next(client::kStreamMessages)) curves.add(*message);
   return curves.finish();
 }
 

@@ -8,33 +8,8 @@
 
 namespace hapticast::client {
 
-namespace {
-// A frame goes without its picture when so many later frames have arrived. Chosen: a picture
-// follows its frame within a frame interval, unless the server drops it.
-constexpr std::size_t kWaitsForPicture = 4;
-}  // namespace
-
-void FrameInbox::push(Frame frame) {
-  const std::lock_guard lock(mutex_);
-  without_picture_.push_back(std::move(frame));
-  const std::size_t keep = pictures_ ? kWaitsForPicture : 0;
-  if (without_picture_.size() > keep) release(without_picture_.size() - keep);
-}
-
-void FrameInbox::push(std::uint64_t id, std::vector<std::uint8_t> jpeg) {
-  const std::lock_guard lock(mutex_);
-  const auto frame = std::find_if(without_picture_.begin(), without_picture_.end(),
-                                  [id](const Frame& each) { return each.id == id; });
-  if (frame == without_picture_.end()) return;
-  frame->jpeg = std::move(jpeg);
-  release(static_cast<std::size_t>(frame - without_picture_.begin()) + 1);
-}
-
-void FrameInbox::release(std::size_t count) {
-  for (std::size_t i = 0; i < count; ++i) {
-    frames_.push_back(std::move(without_picture_.front()));
-    without_picture_.pop_front();
-  }
+void FrameInbox::release() {
+  while (auto frame = pairs_.next()) frames_.push_back(std::move(*frame));
   for (; frames_.size() > max_waiting_; ++dropped_) frames_.pop_front();
   changed_.notify_all();
 }
@@ -42,7 +17,8 @@ void FrameInbox::release(std::size_t count) {
 void FrameInbox::end(const std::string& error) {
   const std::lock_guard lock(mutex_);
   if (ended_) return;
-  release(without_picture_.size());
+  pairs_.finish();
+  release();
   ended_ = true;
   error_ = error;
   changed_.notify_all();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Bounded queue between the network thread of a Stream and its reader. A frame waits for its
-// picture, if the stream has pictures.
+// picture, if the stream has pictures (picture_pairs.hpp).
 // Thread: any; the queue locks itself.
 #pragma once
 
@@ -11,9 +11,9 @@
 #include <mutex>
 #include <optional>
 #include <string>
-#include <vector>
+#include <utility>
 
-#include "common/include/hapticast/frame.hpp"
+#include "client/library/receive/picture_pairs.hpp"
 
 namespace hapticast::client {
 
@@ -21,11 +21,15 @@ class FrameInbox {
  public:
   /// The queue drops its oldest frame when it has more than `max_waiting`.
   FrameInbox(std::size_t max_waiting, bool pictures)
-      : max_waiting_(max_waiting), pictures_(pictures) {}
+      : max_waiting_(max_waiting), pairs_(pictures) {}
 
-  void push(Frame frame);
-  /// Adds the picture of frame `id`. The frames before it have none.
-  void push(std::uint64_t id, std::vector<std::uint8_t> jpeg);
+  /// Adds a frame, or a picture.
+  template <class Item>
+  void push(Item item) {
+    const std::lock_guard lock(mutex_);
+    pairs_.add(std::move(item));
+    release();
+  }
   /// Ends the queue. `error` is one line, or empty for an end without an error.
   void end(const std::string& error);
 
@@ -36,18 +40,17 @@ class FrameInbox {
   [[nodiscard]] bool ended() const;
 
  private:
-  /// Moves the first `count` frames that wait for pictures to the reader's queue.
-  void release(std::size_t count);
+  /// Moves the frames that wait for no picture to the reader's queue.
+  void release();
 
   const std::size_t max_waiting_;
-  const bool pictures_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  std::deque<Frame> without_picture_;  // guarded by mutex_
-  std::deque<Frame> frames_;           // guarded by mutex_
-  std::uint64_t dropped_ = 0;          // guarded by mutex_
-  bool ended_ = false;                 // guarded by mutex_
-  std::string error_;                  // guarded by mutex_
+  PicturePairs pairs_;         // guarded by mutex_
+  std::deque<Frame> frames_;   // guarded by mutex_
+  std::uint64_t dropped_ = 0;  // guarded by mutex_
+  bool ended_ = false;         // guarded by mutex_
+  std::string error_;          // guarded by mutex_
 };
 
 }  // namespace hapticast::client

@@ -140,7 +140,7 @@ client::ConnectionEvents Stream::Impl::events() {
   client::ConnectionEvents events;
   events.welcomed =
       events.described = [this](const StreamDescription& description) { onWelcome(description); };
-  events.video = [this](VideoFrame video) { inbox_.push(video.id, std::move(video.jpeg)); };
+  events.video = [this](VideoFrame video) { inbox_.push(std::move(video)); };
   events.goodbye = [this] { goodbye_ = true; };
   events.disconnected = [this](const std::string& why) { onDisconnected(why); };
   events.failed = [this](const std::string& why) { end(address_ + ": " + why); };

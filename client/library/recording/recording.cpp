@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "client/library/receive/frame_reader.hpp"
+#include "client/library/receive/picture_pairs.hpp"
 #include "client/recording/recording_reader.hpp"
 
 namespace hapticast {
@@ -19,8 +20,6 @@ using client::RecordingReader;
 // A server repeats the description within a second, and then the reliefs within another one; the
 // rest is for late frames.
 constexpr std::uint64_t kRepeatWithin_ns = 2'500'000'000;
-// As many later frames are read to find the picture of a frame (as FrameInbox waits for them).
-constexpr std::size_t kFramesToPicture = 4;
 
 RecordingReader openRecording(const std::string& file) {
   auto opened = RecordingReader::open(file);
@@ -63,7 +62,7 @@ RecordedTick exportTick(const client::TickReport& from) {
 class FrameCursor {
  public:
   explicit FrameCursor(RecordingReader file)
-      : file_(std::move(file)), has_pictures_(file_.has(client::kPictureMessages)) {
+      : file_(std::move(file)), pairs_(file_.has(client::kPictureMessages)) {
     constexpr unsigned kFirst = client::kDescriptionMessages | client::kFrameMessages;
     if (const auto first = file_.next(kFirst)) {
       if (const auto* const found = std::get_if<StreamDescription>(&first->content))
@@ -77,36 +76,29 @@ class FrameCursor {
   [[nodiscard]] const std::string& problem() const { return problem_; }
 
   std::optional<Frame> next() {
-    while (!isComplete() && problem_.empty() && read()) {
+    auto frame = pairs_.next();
+    while (!frame && problem_.empty() && read()) frame = pairs_.next();
+    if (!frame) {
+      pairs_.finish();
+      frame = pairs_.next();
     }
-    if (waiting_.empty()) return std::nullopt;
-    Waiting first = std::move(waiting_.front());
-    waiting_.pop_front();
-    info_ = std::move(first.info);
-    return std::move(first.frame);
+    if (!frame) return std::nullopt;
+    info_ = std::move(infos_.front());
+    infos_.pop_front();
+    return frame;
   }
   void seek(std::uint64_t time_ns) {
     from_ns_ = time_ns;
     // A client's recording has a relief that does not change only once.
     file_.seek(file_.isOfClient() ? 0 : beforeRepeat(time_ns));
-    waiting_.clear();
-    pictures_.clear();
+    pairs_ = client::PicturePairs(file_.has(client::kPictureMessages));
+    infos_.clear();
     description_.reset();
     reader_ = {};
     problem_.clear();
   }
 
  private:
-  struct Waiting {
-    Frame frame;
-    MediaTime time;
-    StreamInfo info;
-  };
-  /// Returns whether the first frame has its picture, or need not wait for it.
-  [[nodiscard]] bool isComplete() const {
-    return !waiting_.empty() && (!has_pictures_ || !waiting_.front().frame.jpeg.empty() ||
-                                 waiting_.size() > kFramesToPicture);
-  }
   /// Reads a message. Returns false at the end.
   bool read() {
     constexpr unsigned kAll =
@@ -119,12 +111,10 @@ class FrameCursor {
     if (auto* const description = std::get_if<StreamDescription>(&message->content)) {
       description_ = std::move(*description);
     } else if (auto* const picture = std::get_if<VideoFrame>(&message->content)) {
-      pictures_.push_back(std::move(*picture));
-      if (pictures_.size() > kFramesToPicture) pictures_.pop_front();
+      pairs_.add(std::move(*picture));
     } else if (auto* const frame = std::get_if<client::AssembledFrame>(&message->content)) {
       add(*frame, message->time_ns);
     }
-    matchPictures();
     return true;
   }
   void add(const client::AssembledFrame& frame, std::uint64_t time_ns) {
@@ -133,30 +123,18 @@ class FrameCursor {
     } else if (!description_) {
       problem_ = "has no description of the stream before its frames";
     } else {
-      waiting_.push_back({reader_.read(frame, description_->workspace), frame.frame.media_time,
-                          exportInfo(*description_)});
-    }
-  }
-  /// Gives each picture to the frame of its time. A picture can arrive before its frame.
-  void matchPictures() {
-    for (Waiting& each : waiting_) {
-      const auto picture = std::find_if(
-          pictures_.begin(), pictures_.end(),
-          [&each](const VideoFrame& candidate) { return candidate.media_time == each.time; });
-      if (picture == pictures_.end()) continue;
-      each.frame.jpeg = std::move(picture->jpeg);
-      pictures_.erase(picture);
+      pairs_.add(reader_.read(frame, description_->workspace));
+      infos_.push_back(exportInfo(*description_));
     }
   }
 
   RecordingReader file_;
-  bool has_pictures_;
   std::uint64_t from_ns_ = 0;
   std::optional<StreamDescription> description_;
   std::optional<StreamInfo> info_;
   client::FrameReader reader_;
-  std::deque<Waiting> waiting_;
-  std::deque<VideoFrame> pictures_;  // without a frame so far
+  client::PicturePairs pairs_;
+  std::deque<StreamInfo> infos_;  // of the frames in pairs_
   std::string problem_;
 };
 
