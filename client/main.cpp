@@ -6,10 +6,10 @@
 #include <memory>
 #include <string>
 
-#include "client/commands/app.hpp"
 #include "client/commands/control_command.hpp"
 #include "client/commands/device_commands.hpp"
 #include "client/commands/replay_command.hpp"
+#include "client/commands/touch_command.hpp"
 #include "client/desk/user_interface.hpp"
 #include "client/device/open_device.hpp"
 #include "client/discovery/find_server.hpp"

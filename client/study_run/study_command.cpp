@@ -73,7 +73,7 @@ class SubjectRun {
  public:
   /// Throws std::runtime_error (one line) if the subject cannot begin, or cannot continue.
   SubjectRun(const Settings& settings, const Study& study, const std::string& text,
-             StudyDesk& desk);
+             TrialPlayer& desk);
   /// Runs the study. Returns the exit code.
   int run();
 
@@ -87,7 +87,7 @@ class SubjectRun {
   const StudySettings& settings_;
   const Study& study_;
   const std::string& text_;
-  StudyDesk& desk_;
+  TrialPlayer& desk_;
   StudyFolder folder_;
   TrialSchedule schedule_;
   std::optional<WallTime> start_;  // of the motion file
@@ -98,7 +98,7 @@ class SubjectRun {
 };
 
 SubjectRun::SubjectRun(const Settings& settings, const Study& study, const std::string& text,
-                       StudyDesk& desk)
+                       TrialPlayer& desk)
     : settings_(settings.study),
       study_(study),
       text_(text),
@@ -214,7 +214,7 @@ int runStudy(const Settings& settings, const Clock& clock, Views views) {
     requireWindow(own, views);
     const std::string text = readStudyText(own.file);
     const Study study = readStudy(text, own.file);
-    StudyDesk desk(settings, clock, std::move(views));
+    TrialPlayer desk(settings, clock, std::move(views));
     if (own.simulate && desk.isAutoDetected())
       throw std::runtime_error(
           "--simulate: name the device (--device virtual); no person holds the one that was found");

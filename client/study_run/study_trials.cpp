@@ -69,7 +69,7 @@ double readAnswer(const Question& question, const StudyInput& input) {
 
 }  // namespace
 
-bool askConsent(const Study& study, StudyDesk& desk) {
+bool askConsent(const Study& study, TrialPlayer& desk) {
   StudyPrompt prompt{.text = study.consent, .choices = {"I agree", "I do not take part"}};
   const auto input = desk.ask(prompt);
   if (input && input->choice.value_or(0) == 0) return true;

@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <set>
 
-#include "client/commands/app.hpp"
+#include "client/commands/touch_command.hpp"
 #include "client/view/window/window.hpp"
 #include "tests/integration/driver_fixture.hpp"
 

@@ -9,7 +9,7 @@
 #include <optional>
 #include <utility>
 
-#include "client/commands/app.hpp"
+#include "client/commands/touch_command.hpp"
 #include "tests/integration/programs_fixture.hpp"
 #include "tests/support/virtual_pad.hpp"
 

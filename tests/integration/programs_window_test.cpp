@@ -10,7 +10,7 @@
 #include <regex>
 #include <utility>
 
-#include "client/commands/app.hpp"
+#include "client/commands/touch_command.hpp"
 #include "tests/integration/programs_fixture.hpp"
 
 namespace hapticast::testing {

@@ -38,13 +38,13 @@ enum class TrialEnd : std::uint8_t {
   kEnded,
 };
 
-class StudyDesk {
+class TrialPlayer {
  public:
   /// Opens the device and the views. Throws std::runtime_error (one line).
-  StudyDesk(const Settings& settings, const Clock& clock, Views views);
-  ~StudyDesk();
-  StudyDesk(const StudyDesk&) = delete;
-  StudyDesk& operator=(const StudyDesk&) = delete;
+  TrialPlayer(const Settings& settings, const Clock& clock, Views views);
+  ~TrialPlayer();
+  TrialPlayer(const TrialPlayer&) = delete;
+  TrialPlayer& operator=(const TrialPlayer&) = delete;
 
   [[nodiscard]] const DeviceProfile& profile() const { return profile_; }
   [[nodiscard]] std::string deviceName() const { return local_.device->description(); }

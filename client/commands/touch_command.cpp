@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "client/commands/app.hpp"
+#include "client/commands/touch_command.hpp"
 
 #include <spdlog/spdlog.h>
 

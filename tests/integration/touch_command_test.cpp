@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The client's app between a real server and a view that a test brings: a further view is one file.
-#include "client/commands/app.hpp"
+#include "client/commands/touch_command.hpp"
 
 #include <stdexcept>
 #include <thread>

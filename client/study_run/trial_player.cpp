@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "client/study_run/study_desk.hpp"
+#include "client/study_run/trial_player.hpp"
 
 #include <spdlog/spdlog.h>
 
@@ -30,7 +30,7 @@ Settings makeSessionSettings(const Settings& settings, const Condition& conditio
 
 }  // namespace
 
-StudyDesk::StudyDesk(const Settings& settings, const Clock& clock, Views views)
+TrialPlayer::TrialPlayer(const Settings& settings, const Clock& clock, Views views)
     : settings_(settings),
       clock_(clock),
       ui_(settings, std::move(views)),
@@ -44,18 +44,18 @@ StudyDesk::StudyDesk(const Settings& settings, const Clock& clock, Views views)
   });
 }
 
-StudyDesk::~StudyDesk() {
+TrialPlayer::~TrialPlayer() {
   if (loop_) loop_->stop();
   finishStream();
 }
 
-bool StudyDesk::checkDevice() {
+bool TrialPlayer::checkDevice() {
   return local_.is_checked ||
          runFirstCheck(*local_.device, clock_, ended_, ui_, [this] { turn(); });
 }
 
-WallTime StudyDesk::start(const std::filesystem::path& recording, MotionFile& motion,
-                          std::optional<WallTime> begin) {
+WallTime TrialPlayer::start(const std::filesystem::path& recording, MotionFile& motion,
+                            std::optional<WallTime> begin) {
   OutputSettings outputs = settings_.outputs;
   outputs.record = recording.string();
   recorder_ = std::make_unique<RunRecorder>(outputs, clock_);
@@ -70,9 +70,9 @@ WallTime StudyDesk::start(const std::filesystem::path& recording, MotionFile& mo
   return begin.value_or(now);
 }
 
-double StudyDesk::now_s() const { return offset_s_ + toSeconds(clock_.now() - start_); }
+double TrialPlayer::now_s() const { return offset_s_ + toSeconds(clock_.now() - start_); }
 
-void StudyDesk::turn() {
+void TrialPlayer::turn() {
   io_.poll();
   TickReport report;
   while (local_.reports.tryPop(report)) onReport(report);
@@ -91,7 +91,7 @@ void StudyDesk::turn() {
   std::this_thread::sleep_for(kDeskTurn);
 }
 
-void StudyDesk::onReport(TickReport report) {
+void TrialPlayer::onReport(TickReport report) {
   recorder_->onTick(report);
   motion_->append(report, offset_s_ + toSeconds(report.time - start_));
   last_report_ = report;
@@ -106,7 +106,7 @@ void StudyDesk::onReport(TickReport report) {
   ui_.onReport(report);
 }
 
-std::optional<StudyInput> StudyDesk::ask(const StudyPrompt& prompt) {
+std::optional<StudyInput> TrialPlayer::ask(const StudyPrompt& prompt) {
   ui_.setStudyPrompt(prompt);
   const auto has_answer = [&] {
     const StudyInput& input = ui_.studyInput();
@@ -120,14 +120,14 @@ std::optional<StudyInput> StudyDesk::ask(const StudyPrompt& prompt) {
   return input;
 }
 
-bool StudyDesk::wait(double seconds, const StudyPrompt& prompt) {
+bool TrialPlayer::wait(double seconds, const StudyPrompt& prompt) {
   ui_.setStudyPrompt(prompt);
   const LocalTime end = clock_.now() + fromSeconds(seconds);
   while (!isInterrupted() && clock_.now() < end) turn();
   return !isInterrupted();
 }
 
-bool StudyDesk::beep(int count) {
+bool TrialPlayer::beep(int count) {
   for (int i = 0; i < count; ++i) {
     if (i > 0 && !wait(kBetweenBeeps_s)) return false;
     ui_.beep();
@@ -135,14 +135,14 @@ bool StudyDesk::beep(int count) {
   return true;
 }
 
-bool StudyDesk::waitForDevice() {
+bool TrialPlayer::waitForDevice() {
   const LocalTime latest = clock_.now() + fromSeconds(kLongestStart_s);
   while (!isInterrupted() && last_report_.device == DeviceStatus::kLost && clock_.now() < latest)
     turn();
   return !isInterrupted() && last_report_.device != DeviceStatus::kLost;
 }
 
-void StudyDesk::rearm() {
+void TrialPlayer::rearm() {
   UserControls controls = ui_.userControls();
   ++controls.rearm;
   ui_.setControls(controls);
@@ -152,7 +152,7 @@ void StudyDesk::rearm() {
     turn();
 }
 
-void StudyDesk::changeControls(const Condition& condition) {
+void TrialPlayer::changeControls(const Condition& condition) {
   const UserControls& before = ui_.userControls();
   UserControls controls;  // without what a user changed before the study
   controls.stop = before.stop;
@@ -168,7 +168,7 @@ void StudyDesk::changeControls(const Condition& condition) {
   ui_.setPictureAhead(fromSeconds(1e-3 * condition.delay_ms));
 }
 
-void StudyDesk::startStream(const Condition& condition, std::uint64_t seed) {
+void TrialPlayer::startStream(const Condition& condition, std::uint64_t seed) {
   has_frame_ = device_lost_ = false;
   const auto picture = [this](const VideoFrame& video, const Workspace& workspace) {
     ui_.onPicture(video, workspace);
@@ -195,7 +195,7 @@ void StudyDesk::startStream(const Condition& condition, std::uint64_t seed) {
       TrialStream::Events{.picture = picture, .frame = frame}, recorder_.get());
 }
 
-void StudyDesk::finishStream() {
+void TrialPlayer::finishStream() {
   if (stream_) last_timing_ = stream_->finish();
   if (session_) {
     session_->stop();
@@ -205,21 +205,21 @@ void StudyDesk::finishStream() {
   session_.reset();
 }
 
-TrialEnd StudyDesk::findInterruption() const {
+TrialEnd TrialPlayer::findInterruption() const {
   if (ended_) return TrialEnd::kEnded;
   if (stopped_) return TrialEnd::kStopped;
   if (device_lost_ || last_report_.halt == Halt::kDeviceLost) return TrialEnd::kDeviceLost;
   return last_report_.halt == Halt::kTrustLost ? TrialEnd::kTrustLost : TrialEnd::kComplete;
 }
 
-TrialEnd StudyDesk::findTrialEnd() const {
+TrialEnd TrialPlayer::findTrialEnd() const {
   const TrialEnd end = findInterruption();
   if (end != TrialEnd::kComplete || !has_frame_) return end;
   const bool lost = stream_ ? stream_->failed() : last_report_.lookup == Lookup::kStale;
   return lost ? TrialEnd::kStreamLost : TrialEnd::kComplete;
 }
 
-TrialEnd StudyDesk::waitForFirstFrame() {
+TrialEnd TrialPlayer::waitForFirstFrame() {
   LocalTime begin = clock_.now();
   while (findTrialEnd() == TrialEnd::kComplete && !has_frame_) {
     const ConnectionStats stats = session_ ? session_->stats() : ConnectionStats{};
@@ -230,7 +230,7 @@ TrialEnd StudyDesk::waitForFirstFrame() {
   return findTrialEnd();
 }
 
-TrialEnd StudyDesk::play(const Condition& condition, std::uint64_t seed) {
+TrialEnd TrialPlayer::play(const Condition& condition, std::uint64_t seed) {
   ui_.setStudyPrompt({});
   changeControls(condition);
   startStream(condition, seed);
@@ -256,7 +256,7 @@ TrialEnd StudyDesk::play(const Condition& condition, std::uint64_t seed) {
   return end == TrialEnd::kComplete ? findInterruption() : end;
 }
 
-const LoopStats& StudyDesk::finish() {
+const LoopStats& TrialPlayer::finish() {
   finishStream();
   loop_->stop();
   turn();
