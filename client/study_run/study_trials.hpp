@@ -16,8 +16,8 @@
 namespace hapticast::client {
 
 /// Shows the consent text of `study`. Returns true if the subject agrees. Call it before the loop
-/// of `desk` starts and before a file exists.
-[[nodiscard]] bool askConsent(const Study& study, TrialPlayer& desk);
+/// of `player` starts and before a file exists.
+[[nodiscard]] bool askConsent(const Study& study, TrialPlayer& player);
 
 class StudyTrials {
  public:
@@ -25,7 +25,7 @@ class StudyTrials {
     const Study& study;
     TrialSchedule& schedule;
     EventsFile& events;
-    TrialPlayer& desk;
+    TrialPlayer& player;
     const std::optional<SimulatedObserver>& observer;  ///< answers in place of the subject
     /// Receives a line for each event.
     std::function<void(const std::string& event)> on_event;

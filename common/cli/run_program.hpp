@@ -3,6 +3,7 @@
 // code caught, and determines the exit code. Thread: main.
 #pragma once
 
+#include <atomic>
 #include <functional>
 #include <string>
 
@@ -22,6 +23,13 @@ void startLog(const std::string& name);
 /// are logged. If `run` throws an exception, its message becomes one line in the log, and the exit
 /// code is kFailed.
 int runProgram(bool quiet, const std::function<int()>& run);
+
+/// Calls `step`. Returns true if it succeeds. Its exception becomes one line in the log.
+[[nodiscard]] bool succeed(const std::function<void()>& step);
+
+/// From now on SIGINT, SIGTERM, SIGQUIT and SIGHUP (unless sighupIgnored()) end no program, also a
+/// second one. Returns a flag that such a signal sets: the program has to end soon.
+[[nodiscard]] const std::atomic<bool>& stopAtSignals();
 
 /// Returns true if the program was started with SIGHUP ignored, as nohup arranges. The program then
 /// has to ignore it as well. Thread: main, at start-up.

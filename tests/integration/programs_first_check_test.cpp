@@ -9,6 +9,7 @@
 
 #include "client/commands/touch_command.hpp"
 #include "client/view/window/window.hpp"
+#include "common/cli/run_program.hpp"
 #include "tests/integration/driver_fixture.hpp"
 
 namespace hapticast::testing {
@@ -183,8 +184,7 @@ TEST_F(ProgramsFirstCheckTest, EnterInTheWindowConfirms) {
   client::Views views;
   views.push_back(std::make_unique<ConfirmingView>(seen));
   const SteadyClock clock;
-  client::App app(settings, clock, std::move(views));
-  EXPECT_TRUE(app.run());
+  EXPECT_EQ(client::runTouch(settings, clock, std::move(views)), kDone);
   EXPECT_GE(seen.ticks, 100) << "the loop runs after the check";
   EXPECT_EQ(seen.requests.size(), 2U) << "the request, and the state meanwhile";
   EXPECT_FALSE(seen.pixels.empty());
