@@ -3,13 +3,12 @@
 
 #include <exception>
 #include <functional>
-#include <memory>
-#include <string>
+#include <utility>
 
-#include "client/commands/app.hpp"
 #include "client/commands/control_command.hpp"
 #include "client/commands/device_commands.hpp"
 #include "client/commands/replay_command.hpp"
+#include "client/commands/touch_command.hpp"
 #include "client/desk/user_interface.hpp"
 #include "client/device/open_device.hpp"
 #include "client/discovery/find_server.hpp"
@@ -26,39 +25,27 @@ using hapticast::kWrongInput;
 using hapticast::client::Command;
 using hapticast::client::Settings;
 
-int runClient(const Settings& settings) {
-  const hapticast::SteadyClock clock;
-  std::unique_ptr<hapticast::client::App> app;
-  try {
-    hapticast::client::requireVirtualHand(settings);
-    hapticast::client::requireDistinctOutputs(settings);
-    app = std::make_unique<hapticast::client::App>(settings, clock,
-                                                   hapticast::client::openViews(settings));
-  } catch (const hapticast::client::DeviceAbsent& error) {
-    spdlog::error("{}", hapticast::sanitizeUtf8(error.what()));
-    return kFailed;
-  } catch (const std::exception& error) {
-    spdlog::error("{}", hapticast::sanitizeUtf8(error.what()));
-    return kWrongInput;
-  }
-  return app->run() ? kDone : kFailed;
-}
-
-/// Returns the exit code of `command`. Logs its exception.
+/// Returns the exit code of `command`. Logs its exception, except for a device that is absent.
 int runOrRefuse(const std::function<int()>& command) {
   try {
     return command();
+  } catch (const hapticast::client::DeviceAbsent&) {
+    throw;  // a failure, no wrong input
   } catch (const std::exception& error) {
     spdlog::error("{}", hapticast::sanitizeUtf8(error.what()));
     return kWrongInput;
   }
 }
 
-int runStudy(const Settings& settings) {
+/// Runs a subcommand with a person at the device. Returns its exit code.
+int runAtDesk(const Settings& settings) {
   hapticast::client::requireVirtualHand(settings);
   hapticast::client::requireDistinctOutputs(settings);
-  return hapticast::client::runStudy(settings, hapticast::SteadyClock(),
-                                     hapticast::client::openViews(settings));
+  const hapticast::SteadyClock clock;
+  auto views = hapticast::client::openViews(settings);
+  return settings.command == Command::kStudy
+             ? hapticast::client::runStudy(settings, clock, std::move(views))
+             : hapticast::client::runTouch(settings, clock, std::move(views));
 }
 
 int runList(const Settings& settings) {
@@ -71,8 +58,6 @@ int runCommand(const Settings& settings) {
   switch (settings.command) {
     case Command::kReplay:
       return runOrRefuse([&] { return hapticast::client::runReplay(settings); });
-    case Command::kStudy:
-      return runOrRefuse([&] { return runStudy(settings); });
     case Command::kCheck:
       return settings.calibration_g > 0.0 ? hapticast::client::runFalconCalibration(settings)
                                           : hapticast::client::runDeviceCheck(settings);
@@ -80,10 +65,11 @@ int runCommand(const Settings& settings) {
       return runOrRefuse(
           [&] { return hapticast::client::controlServer(settings) ? kDone : kFailed; });
     case Command::kList:
+    case Command::kStudy:
     case Command::kTouch:
       break;
   }
-  return runClient(settings);
+  return runOrRefuse([&] { return runAtDesk(settings); });
 }
 
 }  // namespace

@@ -4,7 +4,6 @@
 #include <spdlog/spdlog.h>
 
 #include <atomic>
-#include <csignal>
 #include <cstdio>
 
 #include "client/desk/first_check.hpp"
@@ -17,13 +16,6 @@
 namespace hapticast::client {
 
 namespace {
-
-std::atomic<bool> stop_command{false};
-
-void stopAtSignals() {
-  const auto stop = [](int /*signal*/) { stop_command = true; };
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) std::signal(signal, stop);
-}
 
 void logInfo(const std::string& line) { spdlog::info("{}", line); }
 
@@ -52,10 +44,10 @@ int runDeviceCheck(const Settings& settings) {
         "no device was found: is it plugged in? hapticast-client list --devices says why");
     return kFailed;
   }
-  stopAtSignals();
+  const std::atomic<bool>& stop = stopAtSignals();
   spdlog::info("check: let go of the grip; the client pushes it six times, with 0.3 N for 0.12 s");
   (void)requestRealtime();  // as the loop that touches
-  const auto check = checkDevice(*device, clock, stop_command, logInfo);
+  const auto check = checkDevice(*device, clock, stop, logInfo);
   if (!check) return kDone;
   storeResult(*device, *check);
   if (check->fault.empty()) return kDone;
@@ -66,13 +58,13 @@ int runDeviceCheck(const Settings& settings) {
 int runFalconCalibration(const Settings& settings) {
   const SteadyClock clock;
   const auto device = openDevice("falcon", toRequest(settings, clock));
-  stopAtSignals();
+  const std::atomic<bool>& stop = stopAtSignals();
   const auto options = selectDriverOptions(settings.device_options, "falcon");
   const auto set = options.find("gain");
   (void)requestRealtime();
   // The driver has checked it.
   const double used = set == options.end() ? kFalconGain : parseFalconGain(set->second).value();
-  const auto gain = calibrate(*device, clock, used, settings.calibration_g, stop_command, logInfo);
+  const auto gain = calibrate(*device, clock, used, settings.calibration_g, stop, logInfo);
   if (!gain) return kDone;
   if (settings.config_file.empty()) {
     spdlog::info("put this line into a file for --config: falcon-gain = {:.0f}", *gain);

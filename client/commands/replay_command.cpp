@@ -4,11 +4,10 @@
 #include <fmt/core.h>
 #include <spdlog/spdlog.h>
 
+#include <atomic>
 #include <cstdio>
-#include <exception>
 #include <optional>
 #include <span>
-#include <stdexcept>
 
 #include "client/commands/replay_outputs.hpp"
 #include "client/recording/replay.hpp"
@@ -30,16 +29,17 @@ ReplayChanges readChanges(const Settings& settings) {
   return changes;
 }
 
-/// Renders `replay` with `changes`, and writes the files of `settings`. Returns nullopt if one of
-/// them is not complete; the log has the reason.
+/// Renders `replay` with `changes` until `stop`, and writes the files of `settings`. Returns
+/// nullopt if one of them is not complete; the log has the reason.
 std::optional<ReplayCounts> writeOutputs(const Settings& settings, Replay& replay,
-                                         const ReplayChanges& changes) {
+                                         const ReplayChanges& changes,
+                                         const std::atomic<bool>& stop) {
   LogFile log(settings.log_file);
   ReplayViews views(settings);
   std::optional<ReplayRecording> recording;
   if (!settings.outputs.record.empty()) recording.emplace(settings.outputs.record);
   std::optional<LocalTime> begin;
-  ReplayOutputs outputs;
+  ReplayOutputs outputs{.stop = &stop};
   outputs.onTick = [&](const TickReport& report) {
     if (recording) recording->onTick(report);
     if (!begin) begin = report.time;
@@ -54,18 +54,9 @@ std::optional<ReplayCounts> writeOutputs(const Settings& settings, Replay& repla
     views.onMessage(channel, data);
   };
   const ReplayCounts counts = replay.run(changes, outputs);
-  bool complete = true;
-  const auto finish = [&complete](const auto& output) {
-    try {
-      output();
-    } catch (const std::exception& error) {
-      spdlog::error("{}", sanitizeUtf8(error.what()));
-      complete = false;
-    }
-  };
-  finish([&] { log.close(); });
-  if (recording) finish([&] { recording->finish(); });
-  if (counts.ticks > 0) finish([&] { views.finish(); });
+  bool complete = succeed([&] { log.close(); });
+  if (recording) complete = succeed([&] { recording->finish(); }) && complete;
+  if (counts.ticks > 0) complete = views.finish() && complete;
   return complete ? std::optional(counts) : std::nullopt;
 }
 
@@ -81,12 +72,13 @@ int runReplay(const Settings& settings) {
   }
   Replay& replay = *opened.value();
   const ReplayChanges changes = readChanges(settings);
-  const auto rendered = writeOutputs(settings, replay, changes);
+  const std::atomic<bool>& stop = stopAtSignals();
+  const auto rendered = writeOutputs(settings, replay, changes, stop);
   if (!rendered) return kFailed;
   const ReplayCounts& counts = *rendered;
   if (!replay.problem().empty())
     spdlog::warn("{} {}: {} ticks are rendered", file, replay.problem(), counts.ticks);
-  if (counts.ticks == 0) return kFailed;
+  if (counts.ticks == 0 && !stop) return kFailed;
   const std::string difference =
       counts.different == 0
           ? "all forces have the recorded bits"

@@ -90,9 +90,9 @@ void ReplayViews::onMessage(RunChannel channel, std::span<const std::uint8_t> da
   }
 }
 
-void ReplayViews::finish() {
+bool ReplayViews::finish() {
   update();
-  for (const auto& view : views_) view->finish();
+  return finishViews(views_);
 }
 
 }  // namespace hapticast::client

@@ -43,8 +43,8 @@ class ReplayViews {
   /// Receives a tick, whose `time` counts from the first one, and another message.
   void onTick(const TickReport& report);
   void onMessage(RunChannel channel, std::span<const std::uint8_t> data);
-  /// Writes the files. Throws std::runtime_error with one line.
-  void finish();
+  /// Writes the files as finishViews() does.
+  [[nodiscard]] bool finish();
 
  private:
   void update();

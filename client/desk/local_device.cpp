@@ -33,12 +33,11 @@ SelectedDevice selectDevice(const Settings& settings, const Clock& clock,
   return {.device = openDevice(scripted ? "virtual" : settings.device, request)};
 }
 
-RendererSettings rendererSettings(const Settings& settings, const HapticDevice& device,
+RendererSettings rendererSettings(const Settings& settings, const DeviceProfile& profile,
                                   bool is_auto_detected) {
   RendererSettings renderer;
   renderer.unconfirmed = is_auto_detected;
-  renderer.profile = device.profile();
-  (void)applyStoredCheck(device, renderer.profile);
+  renderer.profile = profile;
   renderer.method = settings.method;
   renderer.stiffness_limit_N_mm = settings.stiffness_limit_N_mm;
   renderer.surface =
@@ -53,13 +52,18 @@ LocalDevice::LocalDevice(const Settings& settings, const Clock& clock, UserInter
   device = std::move(selected.device);
   is_auto_detected = selected.auto_detected;
   ui.setDevice(device->profile(), followsPointer(*device));
-  DeviceProfile profile = device->profile();
-  is_checked = applyStoredCheck(*device, profile);
+  readCheck();
   if (!is_checked) requireConfirmation(*device, ui);
 }
 
+void LocalDevice::readCheck() {
+  profile = device->profile();
+  is_checked = applyStoredCheck(*device, profile);
+}
+
 void LocalDevice::createRenderer(const Settings& settings, UserInterface& ui) {
-  renderer_settings = rendererSettings(settings, *device, is_auto_detected);
+  readCheck();
+  renderer_settings = rendererSettings(settings, profile, is_auto_detected);
   renderer =
       std::make_unique<HapticRenderer>(renderer_settings, pool, stream, ui.controls(), &reports);
 }

@@ -18,9 +18,12 @@ struct LocalDevice {
   LocalDevice(const Settings& settings, const Clock& clock, UserInterface& ui);
   /// Creates the renderer, for the device's profile with the changes of its check.
   void createRenderer(const Settings& settings, UserInterface& ui);
+  /// Sets `profile` and `is_checked` by the stored check of the device.
+  void readCheck();
 
   std::unique_ptr<HapticDevice> device;
   bool is_auto_detected = false;       ///< a real device that the user did not name
+  DeviceProfile profile;               ///< with the changes of the last check of the device
   bool is_checked = false;             ///< false: runFirstCheck() has to come first
   RendererSettings renderer_settings;  ///< the renderer reads it
   FramePool pool;

@@ -23,6 +23,18 @@ RunRecorder::RunRecorder(const OutputSettings& settings, const Clock& clock)
 
 RunRecorder::~RunRecorder() { pushTicks(); }
 
+void RunRecorder::finish() {
+  pushTicks();
+  outputs_.finish();
+}
+
+void RunRecorder::attachTo(Receiver& receiver) {
+  receiver.onFrame([this](const AssembledFrame& frame) { onFrame(frame); });
+  receiver.onTiming([this](const StreamTiming& timing, bool resets_reliefs) {
+    onTiming(timing, resets_reliefs);
+  });
+}
+
 void RunRecorder::push(RunChannel channel, std::span<const std::uint8_t> bytes) {
   outputs_.push(channel, toFileTime(clock_.now()), bytes);
 }

@@ -7,6 +7,7 @@
 
 #include <vector>
 
+#include "client/net/receiver.hpp"
 #include "client/recording/run_channels.hpp"
 #include "client/recording/run_codec.hpp"
 #include "common/live/message_outputs.hpp"
@@ -24,6 +25,11 @@ class RunRecorder {
   RunRecorder(const RunRecorder&) = delete;
   RunRecorder& operator=(const RunRecorder&) = delete;
 
+  /// Completes the outputs as MessageOutputs::finish() does. Thread: main, after all others.
+  void finish();
+
+  /// Records the frames and timings of `receiver`, which this object must outlive. Thread: main.
+  void attachTo(Receiver& receiver);
   /// Records the settings. Call it once, before the first tick. Thread: main.
   void onSettings(const RendererSettings& settings);
   /// Records a tick. Thread: main.

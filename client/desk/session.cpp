@@ -4,7 +4,6 @@
 #include <spdlog/spdlog.h>
 
 #include <atomic>
-#include <csignal>
 #include <thread>
 #include <utility>
 
@@ -16,7 +15,6 @@
 #include "client/report/messages.hpp"
 #include "client/trust/known_origins.hpp"
 #include "client/trust/server_trust.hpp"
-#include "common/cli/run_program.hpp"
 #include "common/private_file.hpp"
 #include "common/transport/asio.hpp"
 
@@ -43,29 +41,25 @@ void logLine(spdlog::level::level_enum level, const std::optional<std::string>& 
 
 class Session::Impl {
  public:
-  Impl(const Settings& settings, const Clock& clock, FramePool& pool,
-       LatestValue<StreamTiming>& stream, bool wants_video, Events events, RunRecorder* recorder,
-       const StreamTiming& before)
+  Impl(const Settings& settings, Desk& desk, const StreamTiming& before)
       : method(settings.method),
-        recorder(recorder),
-        clock(clock),
-        events(std::move(events)),
+        desk(desk),
+        recorder(desk.recorder()),
+        clock(desk.clock()),
         server_given(settings.server_given),
         server(nameServer(settings)),
-        decode_thread(pool, clock, settings.method,
+        decode_thread(desk.local().pool, clock, settings.method,
                       [this](const PreparedFrame& frame) {
                         asio::post(io, [this, frame] { onPrepared(frame); });
                       }),
-        receiver(decode_thread, stream, settings.method == Method::kThesis ? 2 : 1,
+        receiver(decode_thread, desk.local().stream, settings.method == Method::kThesis ? 2 : 1,
                  fromSeconds(1e-3 * settings.max_delay_ms), before),
-        connection(io, clock, connectionSettings(settings, wants_video), receiver, allEvents()),
+        connection(io, clock,
+                   connectionSettings(settings, desk.ui().wantsVideo() || recorder != nullptr),
+                   receiver, allEvents()),
         late_frames(settings.max_delay_ms),
         connection_log(server) {
-    if (recorder == nullptr) return;
-    receiver.onFrame([recorder](const AssembledFrame& frame) { recorder->onFrame(frame); });
-    receiver.onTiming([recorder](const StreamTiming& timing, bool resets_reliefs) {
-      recorder->onTiming(timing, resets_reliefs);
-    });
+    if (recorder != nullptr) recorder->attachTo(receiver);
   }
 
   ~Impl() {
@@ -77,20 +71,19 @@ class Session::Impl {
   [[nodiscard]] ConnectionEvents allEvents();
   void onPrepared(const PreparedFrame& frame);
   void publishStats(bool connected);
-  void start();
   void connect();
   void stop();
 
   const Method method;
+  Desk& desk;
   RunRecorder* const recorder;  // null: no recording
   const Clock& clock;
-  const Events events;
   const bool server_given;
   const std::string server;
   LatestValue<ConnectionStats> stats;  // the network thread writes it
   bool in_contact = false;             // last value of setInContact(), whose thread has it
   asio::io_context io;
-  asio::signal_set signals{io, SIGINT, SIGTERM};
+  asio::executor_work_guard<asio::io_context::executor_type> work{io.get_executor()};
   DecodeThread decode_thread;
   Receiver receiver;
   Connection connection;
@@ -119,7 +112,7 @@ ConnectionEvents Session::Impl::connectionEvents() {
           .video =
               [this](const VideoFrame& video) {
                 if (recorder != nullptr) recorder->onPicture(video);
-                events.picture(video, receiver.stream().workspace);
+                desk.ui().onPicture(video, receiver.stream().workspace);
               },
           .preparing =
               [this](double share) {
@@ -142,7 +135,7 @@ ConnectionEvents Session::Impl::connectionEvents() {
                 const bool names_server = why.find(server) != std::string::npos;
                 spdlog::error("{}", names_server ? why : server + ": " + why);
                 failed = true;
-                events.ended();
+                desk.stop();
               }};
 }
 
@@ -160,7 +153,7 @@ void Session::Impl::onPrepared(const PreparedFrame& frame) {
   if (recorder != nullptr) recorder->onPrepared(frame);
   receiver.addPrepared(frame);
   scan_share = 1.0;
-  events.frame(frame.playable);
+  desk.ui().onFrame(frame.playable);
   publishStats(true);
   logLine(spdlog::level::warn, stream_errors.onCounts(receiver.counts(), clock.now()));
   logLine(spdlog::level::warn, late_frames.onCounts(receiver.counts(), clock.now()));
@@ -179,35 +172,23 @@ void Session::Impl::publishStats(bool connected) {
                .timeline = timeline});
 }
 
-void Session::Impl::start() {
-  if (!sighupIgnored()) signals.add(SIGHUP);
-  signals.async_wait([this](const boost::system::error_code& error, int) {
-    if (!error) events.ended();  // no wait for a second one: the force has to come down first
-  });
-  network = std::jthread([this] { io.run(); });
-}
-
 void Session::Impl::connect() {
   decode_thread.start();
   asio::post(io, [this] { connection.start(); });
+  network = std::jthread([this] { io.run(); });
 }
 
 void Session::Impl::stop() {
   decode_thread.stop();
-  asio::post(io, [this] { signals.cancel(); });
   connection.stop();
+  work.reset();
   if (network.joinable()) network.join();
 }
 
-Session::Session(const Settings& settings, const Clock& clock, FramePool& pool,
-                 LatestValue<StreamTiming>& stream, bool wants_video, Events events,
-                 RunRecorder* recorder, const StreamTiming& before)
-    : impl_(std::make_unique<Impl>(settings, clock, pool, stream, wants_video, std::move(events),
-                                   recorder, before)) {}
+Session::Session(const Settings& settings, Desk& desk, const StreamTiming& before)
+    : impl_(std::make_unique<Impl>(settings, desk, before)) {}
 
 Session::~Session() = default;
-
-void Session::start() { impl_->start(); }
 
 void Session::connect() { impl_->connect(); }
 

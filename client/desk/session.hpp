@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: MIT
 // The session with one server. It finds and dials the server, receives and decodes its stream, and
 // logs the events of the connection. It owns the network thread and the decode thread.
-// Thread: that of start(), except where a function states another one.
+// Thread: that of connect(), except where a function states another one.
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 
-#include "client/desk/run_recorder.hpp"
-#include "client/haptics/playback/frame_pool.hpp"
+#include "client/desk/desk.hpp"
 #include "client/report/summary.hpp"
 #include "client/settings/settings.hpp"
 #include "client/view/view.hpp"
@@ -19,28 +17,16 @@ namespace hapticast::client {
 
 class Session {
  public:
-  struct Events {
-    std::function<void(const VideoFrame&, const Workspace&)> picture;  ///< thread: network
-    std::function<void(const PlayableReliefs&)> frame;                 ///< thread: network
-    /// The client has to end: a signal arrived, or the server cannot be used; thread: network.
-    std::function<void()> ended;
-  };
-
-  /// Prepares a session that writes frames to `pool` and the timing to `stream`. Both must outlive
-  /// the session. `wants_video` is true if a view needs pictures. `recorder` records the stream and
-  /// must outlive the session; null: no recording. `before`: findEnd() of
-  /// the session or stream that wrote to `pool` until now. Throws std::runtime_error (one
-  /// line) if a file of `settings` cannot be used.
-  Session(const Settings& settings, const Clock& clock, FramePool& pool,
-          LatestValue<StreamTiming>& stream, bool wants_video, Events events,
-          RunRecorder* recorder = nullptr, const StreamTiming& before = {});
+  /// Prepares a session whose stream goes to the device, the views and the recording of `desk`,
+  /// which must outlive the session. If the server cannot be used, the session ends the run
+  /// (Desk::stop()). `before`: findEnd() of the session or stream before this one. Throws
+  /// std::runtime_error (one line) if a file of `settings` cannot be used.
+  Session(const Settings& settings, Desk& desk, const StreamTiming& before = {});
   ~Session();
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  /// Starts the network thread. From now on signals cause Events::ended.
-  void start();
-  /// Starts the search for the server. Requires start().
+  /// Starts the threads, and the search for the server.
   void connect();
   /// Requests another pause, place or speed of this viewer's stream, where it has a time line.
   void control(const Control& control);

@@ -12,6 +12,7 @@
 #include "client/view/film.hpp"
 #include "client/view/screenshot.hpp"
 #include "client/view/sound.hpp"
+#include "common/cli/run_program.hpp"
 #include "common/unique_filename.hpp"
 #if HAPTICAST_IMGUI
 #include "client/view/window/window.hpp"
@@ -104,6 +105,13 @@ Views openViews(const Settings& settings) {
   return views;
 }
 
+bool finishViews(const Views& views) {
+  bool are_complete = true;
+  for (const auto& view : views)
+    are_complete = succeed([&view] { view->finish(); }) && are_complete;
+  return are_complete;
+}
+
 UserInterface::UserInterface(const Settings& settings, Views views)
     : views_(std::move(views)),
       has_pointer_(hasPointer(views_)),
@@ -181,9 +189,9 @@ Histogram UserInterface::eyeHand() const {
   return eye_hand;
 }
 
-void UserInterface::finish() {
-  if (recording_) recording_->close();
-  for (const auto& view : views_) view->finish();
+bool UserInterface::finish() {
+  const bool is_recorded = !recording_ || succeed([this] { recording_->close(); });
+  return finishViews(views_) && is_recorded;
 }
 
 /// Starts or ends the log that a view asks for while the client runs.

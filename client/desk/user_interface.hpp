@@ -19,6 +19,9 @@ namespace hapticast::client {
 /// Opens the views that the command line requests: window, screenshot, film, sound. Throws
 /// std::runtime_error with one line that names the flag.
 [[nodiscard]] Views openViews(const Settings& settings);
+/// Ends the views, which write their files. Returns false if a file is not complete; the log has a
+/// line for each.
+[[nodiscard]] bool finishViews(const Views& views);
 
 class UserInterface {
  public:
@@ -84,9 +87,8 @@ class UserInterface {
   /// Returns the histogram of View::eyeHand(): the difference in play time between the shown
   /// picture and the rendered frame, ns. It is empty if no view shows a live picture.
   [[nodiscard]] Histogram eyeHand() const;
-  /// Closes the log file and ends the views, which write their files. Throws std::runtime_error
-  /// with one line that names the file.
-  void finish();
+  /// Closes the log file of a view, and ends the views as finishViews() does.
+  [[nodiscard]] bool finish();
 
  private:
   /// Passes changed controls on.

@@ -180,6 +180,7 @@ ReplayCounts Replay::run(const ReplayChanges& changes, const ReplayOutputs& outp
       std::make_unique<HapticRenderer>(settings_, pool_, timing, controls, nullptr);
   ReplayCounts counts;
   while (!ticks_.empty() || readMessage()) {
+    if (outputs_.stop != nullptr && *outputs_.stop) break;
     if (ticks_.empty()) continue;
     const TickReport recorded = ticks_.front();
     ticks_.pop_front();

@@ -7,6 +7,7 @@
 // one.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -55,6 +56,8 @@ struct ReplayOutputs {
   /// controls with the changes.
   std::function<void(RunChannel channel, std::uint64_t time_ns, std::span<const std::uint8_t> data)>
       onMessage = {};
+  /// True: the replay ends after the present tick. Null: it does not end early.
+  const std::atomic<bool>* stop = nullptr;
 };
 
 /// A recorded run.

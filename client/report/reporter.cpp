@@ -3,10 +3,16 @@
 
 #include <spdlog/spdlog.h>
 
+#include "common/cli/run_program.hpp"
+
 namespace hapticast::client {
 
-Reporter::Reporter(const Files& files)
-    : log_(files.log), faults_(files.fault_folder), summary_file_(files.summary) {}
+Reporter::Reporter(const Settings& settings)
+    : log_(settings.log_file),
+      faults_(settings.fault_folder),
+      summary_file_(settings.summary_file) {
+  requireWritable("--summary", summary_file_);
+}
 
 void Reporter::onReport(TickReport& report, const RearmPolicy& rearm) {
   if (!begin_) begin_ = report.time;
@@ -19,9 +25,9 @@ void Reporter::writeFaults(FlightRecorder& recorder) {
   if (begin_) faults_.write(recorder, *begin_);
 }
 
-void Reporter::finish(const RunResult& run) {
-  log_.close();
-  if (!summary_file_.empty()) writeSummary(summary_file_, run);
+bool Reporter::finish(const RunResult& run) {
+  const bool is_logged = succeed([this] { log_.close(); });
+  return (summary_file_.empty() || succeed([&] { writeSummary(summary_file_, run); })) && is_logged;
 }
 
 }  // namespace hapticast::client

@@ -10,19 +10,15 @@
 #include "client/report/messages.hpp"
 #include "client/report/summary.hpp"
 #include "client/report/tick_log.hpp"
+#include "client/settings/settings.hpp"
 
 namespace hapticast::client {
 
 class Reporter {
  public:
-  struct Files {
-    std::string log;           ///< empty: none
-    std::string fault_folder;  ///< empty: the state folder
-    std::string summary;       ///< empty: none
-  };
-  /// Opens the log file and the fault folder. Throws std::runtime_error (one line) if a file cannot
-  /// be written.
-  explicit Reporter(const Files& files);
+  /// Opens the log file and the fault folder of `settings`. Throws std::runtime_error (one line) if
+  /// a file cannot be written.
+  explicit Reporter(const Settings& settings);
 
   /// Writes the report of a tick to the log file. Logs a line if the state of the force has
   /// changed. Sets `report.time` to the time since the first tick. Call it before `rearm` receives
@@ -31,9 +27,9 @@ class Reporter {
   /// Writes a fault file if a fault has frozen `recorder`. Does nothing before the first
   /// onReport(), because the times in the file count from the first tick.
   void writeFaults(FlightRecorder& recorder);
-  /// Closes the log file and writes the summary. Throws std::runtime_error with the name of the
-  /// file.
-  void finish(const RunResult& run);
+  /// Closes the log file and writes the summary. Returns false if a file is not complete; the log
+  /// has a line for each.
+  [[nodiscard]] bool finish(const RunResult& run);
 
  private:
   LogFile log_;

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 #include <system_error>
+#include <utility>
 
 namespace hapticast::client {
 
@@ -47,7 +48,7 @@ void MotionFile::append(const TickReport& report, double time_s) {
 }
 
 void MotionFile::flush() {
-  if (out_.flush()) return;
+  if (out_.flush() || std::exchange(is_reported_, true)) return;
   throw std::runtime_error(file_.string() +
                            ": cannot be written; is the disk full? Free some space, then continue "
                            "with --resume");

@@ -51,12 +51,13 @@ class MotionFile {
 
   /// Appends a tick at `time_s` since the start of the recording.
   void append(const TickReport& report, double time_s);
-  /// Writes the rows to the disk. Throws std::runtime_error with one line if that failed.
+  /// Writes the rows to the disk. Throws std::runtime_error with one line at the first failure.
   void flush();
 
  private:
   std::filesystem::path file_;
   std::ofstream out_;
+  bool is_reported_ = false;  // that a row cannot be written
 };
 
 }  // namespace hapticast::client

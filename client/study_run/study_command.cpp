@@ -6,11 +6,9 @@
 
 #include <chrono>
 #include <cmath>
-#include <exception>
 #include <stdexcept>
 #include <utility>
 
-#include "client/device/device_request.hpp"
 #include "client/study/events_file.hpp"
 #include "client/study/study_file.hpp"
 #include "client/study/study_folder.hpp"
@@ -19,7 +17,6 @@
 #include "client/study_run/study_trials.hpp"
 #include "common/cli/run_program.hpp"
 #include "common/json/json_error.hpp"
-#include "common/text.hpp"
 #include "common/transport/asio.hpp"
 
 namespace hapticast::client {
@@ -73,21 +70,21 @@ class SubjectRun {
  public:
   /// Throws std::runtime_error (one line) if the subject cannot begin, or cannot continue.
   SubjectRun(const Settings& settings, const Study& study, const std::string& text,
-             StudyDesk& desk);
+             TrialPlayer& player);
   /// Runs the study. Returns the exit code.
   int run();
 
  private:
   void restore(const std::vector<TrialRow>& rows);
   void begin();
-  int finish(bool complete);
+  bool finish(bool complete);
   void printThresholds() const;
   void onEvent(const std::string& event);
 
   const StudySettings& settings_;
   const Study& study_;
   const std::string& text_;
-  StudyDesk& desk_;
+  TrialPlayer& player_;
   StudyFolder folder_;
   TrialSchedule schedule_;
   std::optional<WallTime> start_;  // of the motion file
@@ -98,11 +95,11 @@ class SubjectRun {
 };
 
 SubjectRun::SubjectRun(const Settings& settings, const Study& study, const std::string& text,
-                       StudyDesk& desk)
+                       TrialPlayer& player)
     : settings_(settings.study),
       study_(study),
       text_(text),
-      desk_(desk),
+      player_(player),
       folder_(settings_.out, study, settings_.subject),
       schedule_(study, settings_.subject) {
   requireSpace(study, settings_.out);
@@ -141,13 +138,13 @@ void SubjectRun::restore(const std::vector<TrialRow>& rows) {
 void SubjectRun::begin() {
   if (!settings_.resume) folder_.create();
   motion_.emplace(folder_.motionFile());
-  start_ = desk_.start(folder_.nextRecording(), *motion_, start_);
+  start_ = player_.start(folder_.nextRecording(), *motion_, start_);
   if (settings_.resume) return;
   std::vector<std::string> codes;
   for (std::size_t i = 0; i < study_.conditions.size(); ++i) codes.push_back(schedule_.code(i));
   folder_.begin({.study_text = text_,
                  .codes = codes,
-                 .device = desk_.deviceName(),
+                 .device = player_.desk().local().device->description(),
                  .is_simulated = observer_.has_value(),
                  .start = *start_});
   events_.emplace(folder_.eventsFile(), false);  // last: from now on the subject has begun
@@ -159,31 +156,28 @@ int SubjectRun::run() {
     printThresholds();
     return kDone;
   }
-  if (!observer_ && !askConsent(study_, desk_)) return kFailed;
+  if (!observer_ && !askConsent(study_, player_)) return kFailed;
   begin();
-  StudyTrials trials({study_, schedule_, *events_, desk_, observer_,
+  StudyTrials trials({study_, schedule_, *events_, player_, observer_,
                       [this](const std::string& event) { onEvent(event); }});
-  try {
-    return finish(trials.run());
-  } catch (const std::exception& error) {  // such as a full disk
-    spdlog::error("{}", sanitizeUtf8(error.what()));
-    return kFailed;
-  }
+  bool complete = false;
+  const bool is_stored = succeed([&] { complete = trials.run(); });  // else: such as a full disk
+  if (!finish(complete) || !is_stored || !complete) return kFailed;
+  printThresholds();
+  return kDone;
 }
 
-int SubjectRun::finish(bool complete) {
-  const LoopStats& loop = desk_.finish();
-  folder_.finish(desk_.now_s());
+/// Ends the loop and completes all files. Returns false if a file is not complete.
+bool SubjectRun::finish(bool complete) {
+  const LoopStats& loop = player_.finish();
+  const bool is_described = succeed([this] { folder_.finish(player_.now_s()); });
+  const bool is_flushed = succeed([this] { motion_->flush(); });
   spdlog::info("largest step of the force beyond the limits: {:g} N; work on the hand: {:.2f} mJ",
                loop.step_excess_max_N, loop.work.user_mJ());
-  if (desk_.droppedTicks() > 0)
-    spdlog::warn("{} ticks are missing in the results", desk_.droppedTicks());
-  if (complete) {
-    printThresholds();
-    return kDone;
-  }
-  spdlog::warn("{} trials are left: continue with --resume", schedule_.countRemaining());
-  return kFailed;
+  if (!complete)
+    spdlog::warn("{} trials are left: continue with --resume", schedule_.countRemaining());
+  RunResult run;
+  return player_.desk().finish(run) && is_described && is_flushed;
 }
 
 void SubjectRun::printThresholds() const {
@@ -206,28 +200,22 @@ void SubjectRun::onEvent(const std::string& event) {
 
 int runStudy(const Settings& settings, const Clock& clock, Views views) {
   const StudySettings& own = settings.study;
-  const auto refuse = [](const std::string& what) {
-    spdlog::error("{}", sanitizeUtf8(what));
-    return kWrongInput;
-  };
   try {
     requireWindow(own, views);
     const std::string text = readStudyText(own.file);
     const Study study = readStudy(text, own.file);
-    StudyDesk desk(settings, clock, std::move(views));
-    if (own.simulate && desk.isAutoDetected())
+    Desk desk(settings, clock, std::move(views));
+    if (own.simulate && desk.local().is_auto_detected)
       throw std::runtime_error(
           "--simulate: name the device (--device virtual); no person holds the one that was found");
-    requireRenderable(study, desk.profile(), settings.stiffness_limit_N_mm);
-    SubjectRun run(settings, study, text, desk);
-    return desk.checkDevice() ? run.run() : kFailed;
-  } catch (const DeviceAbsent& error) {
-    spdlog::error("{}", sanitizeUtf8(error.what()));
-    return kFailed;
+    requireRenderable(study, desk.local().profile, settings.stiffness_limit_N_mm);
+    TrialPlayer player(settings, desk);
+    SubjectRun run(settings, study, text, player);
+    bool is_checked = false;
+    if (!succeed([&] { is_checked = desk.checkDevice(); }) || !is_checked) return kFailed;
+    return run.run();
   } catch (const JsonError& error) {
-    return refuse(describe(own.file, error));
-  } catch (const std::exception& error) {
-    return refuse(error.what());
+    throw std::runtime_error(describe(own.file, error));
   }
 }
 

@@ -7,8 +7,8 @@
 
 namespace hapticast::client {
 
-/// Runs the study `settings.study` in `views`. Returns the exit code. Errors before the first trial
-/// are logged in one line, with the file and the line of the study where it has one.
+/// Runs the study `settings.study` in `views`. Returns the exit code. Throws std::runtime_error
+/// with one line if the study cannot begin; it has the line of the study file where there is one.
 int runStudy(const Settings& settings, const Clock& clock, Views views);
 
 }  // namespace hapticast::client

@@ -69,27 +69,27 @@ double readAnswer(const Question& question, const StudyInput& input) {
 
 }  // namespace
 
-bool askConsent(const Study& study, StudyDesk& desk) {
+bool askConsent(const Study& study, TrialPlayer& player) {
   StudyPrompt prompt{.text = study.consent, .choices = {"I agree", "I do not take part"}};
-  const auto input = desk.ask(prompt);
+  const auto input = player.ask(prompt);
   if (input && input->choice.value_or(0) == 0) return true;
-  if (!desk.ended()) spdlog::info("the subject did not agree: no data was stored");
+  if (!player.ended()) spdlog::info("the subject did not agree: no data was stored");
   return false;
 }
 
 std::optional<StudyInput> StudyTrials::ask(const StudyPrompt& prompt) {
-  if (!parts_.observer) return parts_.desk.ask(prompt);
-  if (parts_.desk.ended()) return std::nullopt;
+  if (!parts_.observer) return parts_.player.ask(prompt);
+  if (parts_.player.ended()) return std::nullopt;
   return StudyInput{.confirmed = true};
 }
 
 bool StudyTrials::run() {
-  if (!parts_.observer) parts_.desk.rearm();  // the consent confirms an auto-detected device, too
+  if (!parts_.observer) parts_.player.rearm();  // the consent confirms an auto-detected device, too
   while (const auto trial = parts_.schedule.findTrial()) {
     is_void_ = false;
     TrialEnd end = TrialEnd::kComplete;
     if (prepare(*trial)) end = runTrial(*trial);
-    if (end == TrialEnd::kComplete) end = parts_.desk.findInterruption();
+    if (end == TrialEnd::kComplete) end = parts_.player.findInterruption();
     if (end == TrialEnd::kEnded || !recover(end) || !restDevice()) return false;
   }
   parts_.on_event("study end");
@@ -99,7 +99,7 @@ bool StudyTrials::run() {
 
 /// Asks the subject to begin. Returns false if the subject stops the force or the program ends.
 bool StudyTrials::prepare(const Trial& trial) {
-  if (parts_.desk.findInterruption() != TrialEnd::kComplete) return false;
+  if (parts_.player.findInterruption() != TrialEnd::kComplete) return false;
   const std::size_t rest_every = parts_.study.rest_every;
   if (rest_every > 0 && since_rest_ >= rest_every) {
     since_rest_ = 0;
@@ -124,14 +124,14 @@ TrialEnd StudyTrials::runTrial(const Trial& trial) {
                .trial = trial.number,
                .condition = parts_.schedule.code(trial.condition),
                .level = trial.level};
-  row.onset_s = parts_.desk.now_s();  // of a trial without an interval
+  row.onset_s = parts_.player.now_s();  // of a trial without an interval
   row.wall_clock = formatIso8601(std::chrono::system_clock::now());
   if (trial.level) row.comparison_interval = trial.comparison_first ? 1 : 2;
   TrialEnd end = playIntervals(trial, row);
   if (end == TrialEnd::kComplete) end = askQuestion(trial, row);
   if (end == TrialEnd::kEnded) return end;  // without a row: it comes first after --resume
   row.status = toStatus(end);
-  row.duration_s = parts_.desk.now_s() - row.onset_s;
+  row.duration_s = parts_.player.now_s() - row.onset_s;
   parts_.events.append(row);
   parts_.on_event(fmt::format("trial {} end {}", trial.number, row.status));
   ++since_rest_;
@@ -146,8 +146,8 @@ TrialEnd StudyTrials::runTrial(const Trial& trial) {
 /// Announces an interval to the subject by its number of beeps. Returns false if the subject stops
 /// the force or the program ends.
 bool StudyTrials::announce(int interval) {
-  if (interval == 2 && !parts_.desk.wait(kBetweenIntervals_s)) return false;
-  return parts_.desk.beep(interval);
+  if (interval == 2 && !parts_.player.wait(kBetweenIntervals_s)) return false;
+  return parts_.player.beep(interval);
 }
 
 TrialEnd StudyTrials::playIntervals(const Trial& trial, TrialRow& row) {
@@ -162,14 +162,14 @@ TrialEnd StudyTrials::playIntervals(const Trial& trial, TrialRow& row) {
                             comparison.reference + (is_larger ? *trial.level : 0.0));
     }
     if (!parts_.observer && !announce(interval))
-      return parts_.desk.ended() ? TrialEnd::kEnded : TrialEnd::kStopped;
+      return parts_.player.ended() ? TrialEnd::kEnded : TrialEnd::kStopped;
     parts_.on_event(
         fmt::format("trial {} interval {} condition {}", trial.number, interval, row.condition));
     const TrialEnd end =
-        parts_.desk.play(played, 2 * trial.number + static_cast<std::size_t>(interval));
+        parts_.player.play(played, 2 * trial.number + static_cast<std::size_t>(interval));
     if (interval == 1) {
-      row.onset_s = parts_.desk.onset_s();
-      row.wall_clock = formatIso8601(parts_.desk.onsetWall());
+      row.onset_s = parts_.player.onset_s();
+      row.wall_clock = formatIso8601(parts_.player.onsetWall());
     }
     if (end != TrialEnd::kComplete) return end;
   }
@@ -178,13 +178,13 @@ TrialEnd StudyTrials::playIntervals(const Trial& trial, TrialRow& row) {
 
 TrialEnd StudyTrials::askQuestion(const Trial& trial, TrialRow& row) {
   const Question& question = parts_.study.question;
-  const double asked_s = parts_.desk.now_s();
+  const double asked_s = parts_.player.now_s();
   parts_.on_event(fmt::format("trial {} question", trial.number));
   const auto input = ask(makeQuestionPrompt(question));
-  if (!input) return parts_.desk.ended() ? TrialEnd::kEnded : TrialEnd::kStopped;
+  if (!input) return parts_.player.ended() ? TrialEnd::kEnded : TrialEnd::kStopped;
   row.answer =
       parts_.observer ? parts_.observer->answer(question, trial) : readAnswer(question, *input);
-  row.response_time_s = parts_.desk.now_s() - asked_s;
+  row.response_time_s = parts_.player.now_s() - asked_s;
   if (trial.level) row.is_correct = *row.answer == static_cast<double>(*row.comparison_interval);
   return TrialEnd::kComplete;
 }
@@ -197,30 +197,30 @@ bool StudyTrials::recover(TrialEnd end) {
   std::string text = describeInterruption(end);
   if (is_void_) text += " The trial comes again at the end.";
   while (true) {
-    parts_.desk.clearStop();
+    parts_.player.clearStop();
     const auto input = ask({.text = text, .choices = {"go on", "end the study"}});
-    if (parts_.desk.ended() || (input && input->choice.value_or(0) != 0)) return false;
+    if (parts_.player.ended() || (input && input->choice.value_or(0) != 0)) return false;
     if (!input) continue;  // Esc again: the force is off
-    if (parts_.desk.waitForDevice()) break;
+    if (parts_.player.waitForDevice()) break;
     if (parts_.observer) return false;
-    if (!parts_.desk.stopped()) text = "The device still does not answer.";
+    if (!parts_.player.stopped()) text = "The device still does not answer.";
   }
-  parts_.desk.rearm();
+  parts_.player.rearm();
   return true;
 }
 
 /// Waits until the motors of the device are cool, if they were warm. Returns false if the program
 /// ends.
 bool StudyTrials::restDevice() {
-  if (!parts_.desk.takeWarm()) return true;
-  const double rest_s = kRestInTimeConstants * parts_.desk.profile().thermal_s;
+  if (!parts_.player.takeWarm()) return true;
+  const double rest_s = kRestInTimeConstants * parts_.player.desk().local().profile.thermal_s;
   spdlog::info("the motors are warm: the device rests for {:.0f} s", rest_s);
-  const double end_s = parts_.desk.now_s() + rest_s;
+  const double end_s = parts_.player.now_s() + rest_s;
   is_void_ = false;
-  while (parts_.desk.now_s() < end_s) {
-    const double left_s = end_s - parts_.desk.now_s();
+  while (parts_.player.now_s() < end_s) {
+    const double left_s = end_s - parts_.player.now_s();
     const std::string text = fmt::format("The device rests for {:.0f} s. Rest, too.", left_s);
-    if (!parts_.desk.wait(left_s, {.text = text}) && !recover(parts_.desk.findInterruption()))
+    if (!parts_.player.wait(left_s, {.text = text}) && !recover(parts_.player.findInterruption()))
       return false;
   }
   return true;

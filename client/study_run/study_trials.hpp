@@ -11,13 +11,13 @@
 #include "client/study/events_file.hpp"
 #include "client/study/simulated_observer.hpp"
 #include "client/study/trial_schedule.hpp"
-#include "client/study_run/study_desk.hpp"
+#include "client/study_run/trial_player.hpp"
 
 namespace hapticast::client {
 
 /// Shows the consent text of `study`. Returns true if the subject agrees. Call it before the loop
-/// of `desk` starts and before a file exists.
-[[nodiscard]] bool askConsent(const Study& study, StudyDesk& desk);
+/// of `player` starts and before a file exists.
+[[nodiscard]] bool askConsent(const Study& study, TrialPlayer& player);
 
 class StudyTrials {
  public:
@@ -25,7 +25,7 @@ class StudyTrials {
     const Study& study;
     TrialSchedule& schedule;
     EventsFile& events;
-    StudyDesk& desk;
+    TrialPlayer& player;
     const std::optional<SimulatedObserver>& observer;  ///< answers in place of the subject
     /// Receives a line for each event.
     std::function<void(const std::string& event)> on_event;

@@ -19,25 +19,19 @@ MediaTime toMedia(LocalTime time) { return MediaTime(time.time_since_epoch()); }
 
 }  // namespace
 
-TrialStream::TrialStream(StreamReader reader, const Playback& playback, const Clock& clock,
-                         FramePool& pool, LatestValue<StreamTiming>& timing,
-                         const StreamTiming& before, Events events, RunRecorder* recorder)
-    : clock_(clock),
+TrialStream::TrialStream(StreamReader reader, const Playback& playback, Desk& desk,
+                         const StreamTiming& before)
+    : clock_(desk.clock()),
       playback_(playback),
-      events_(std::move(events)),
-      recorder_(recorder),
+      ui_(desk.ui()),
+      recorder_(desk.recorder()),
       player_(std::move(reader), true),
-      preparation_(pool, clock, playback.method,
+      preparation_(desk.local().pool, clock_, playback.method,
                    [this](const PreparedFrame& frame) { onPrepared(frame); }),
-      receiver_(preparation_, timing, playback.method == Method::kThesis ? 2 : 1,
+      receiver_(preparation_, desk.local().stream, playback.method == Method::kThesis ? 2 : 1,
                 JitterEstimator::kMaxDelay, before),
       random_(playback.seed) {
-  if (recorder_ != nullptr) {
-    receiver_.onFrame([recorder](const AssembledFrame& frame) { recorder->onFrame(frame); });
-    receiver_.onTiming([recorder](const StreamTiming& now, bool resets_reliefs) {
-      recorder->onTiming(now, resets_reliefs);
-    });
-  }
+  if (recorder_ != nullptr) recorder_->attachTo(receiver_);
   thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
 }
 
@@ -80,7 +74,7 @@ void TrialStream::read(LocalTime now) {
       arrivals_.push_back({std::max(earliest, now + playback_.delay + extra), std::move(*frame)});
     } else if (const auto* const picture = std::get_if<VideoFrame>(&item)) {
       if (recorder_ != nullptr) recorder_->onPicture(*picture);
-      events_.picture(*picture, receiver_.stream().workspace);
+      ui_.onPicture(*picture, receiver_.stream().workspace);
     } else if (const auto* const description = std::get_if<StreamDescription>(&item)) {
       receiver_.describe(describePlayback(*description, 1.0, ""), now);
     }
@@ -102,7 +96,7 @@ void TrialStream::deliver(LocalTime now) {
 void TrialStream::onPrepared(const PreparedFrame& frame) {
   if (recorder_ != nullptr) recorder_->onPrepared(frame);
   receiver_.addPrepared(frame);
-  events_.frame(frame.playable);
+  ui_.onFrame(frame.playable);
 }
 
 }  // namespace hapticast::client

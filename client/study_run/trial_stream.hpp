@@ -7,12 +7,11 @@
 
 #include <atomic>
 #include <deque>
-#include <functional>
 #include <random>
 #include <string>
 #include <thread>
 
-#include "client/desk/run_recorder.hpp"
+#include "client/desk/desk.hpp"
 #include "client/net/inline_preparation.hpp"
 #include "client/net/receiver.hpp"
 #include "common/playback/recording_player.hpp"
@@ -21,10 +20,6 @@ namespace hapticast::client {
 
 class TrialStream {
  public:
-  struct Events {
-    std::function<void(const VideoFrame&, const Workspace&)> picture;  ///< thread: of the stream
-    std::function<void(const PlayableReliefs&)> frame;                 ///< thread: of the stream
-  };
   struct Playback {
     Method method = Method::kHapticast;
     Duration delay{0};       ///< by which each frame is later than its picture
@@ -32,12 +27,10 @@ class TrialStream {
     std::uint64_t seed = 0;  ///< of the jitter
   };
 
-  /// Starts to play `reader` from its begin, in a loop, to `pool` and `timing`. `before`: finish()
-  /// of the stream before. `recorder` (null: none) and the other references must outlive the
-  /// object.
-  TrialStream(StreamReader reader, const Playback& playback, const Clock& clock, FramePool& pool,
-              LatestValue<StreamTiming>& timing, const StreamTiming& before, Events events,
-              RunRecorder* recorder);
+  /// Starts to play `reader` from its begin, in a loop, to the device, the views and the recording
+  /// of `desk`, which must outlive the object. `before`: the end of the stream before.
+  TrialStream(StreamReader reader, const Playback& playback, Desk& desk,
+              const StreamTiming& before);
   TrialStream(const TrialStream&) = delete;
   TrialStream& operator=(const TrialStream&) = delete;
 
@@ -60,8 +53,8 @@ class TrialStream {
 
   const Clock& clock_;
   Playback playback_;
-  Events events_;
-  RunRecorder* recorder_;
+  UserInterface& ui_;
+  RunRecorder* recorder_;  // null: no recording
   RecordingPlayer player_;
   InlinePreparation preparation_;
   Receiver receiver_;

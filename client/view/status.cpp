@@ -18,8 +18,6 @@ std::string toTenths(double value) {
          std::to_string(tenths % 10);
 }
 
-bool isScanning(const ConnectionStats& stream) { return stream.scan_share < 1.0; }
-
 std::string haltLine(const TickReport& report) {
   switch (report.halt) {
     case Halt::kStopped:
@@ -132,7 +130,7 @@ std::string statusLine(const TickReport& report, const UiState& ui_state) {
   if (!report.enabled) return "no force: the device's button is not held; hold it";
   const std::string paused = ui_state.user.paused ? "paused; " : "";
   if (report.lookup == Lookup::kEmpty) {
-    if (!isScanning(stream)) return paused + "waiting for the first frames";
+    if (!stream.isScanning()) return paused + "waiting for the first frames";
     return paused +
            "the server scans its clip: " + std::to_string(std::lround(100.0 * stream.scan_share)) +
            " % done";
@@ -162,8 +160,8 @@ std::string hintLine(const TickStatus& ticks, const UiState& ui_state) {
   if (!ui_state.stream.connected) return "The client connects as soon as the server answers.";
   if (!report.enabled) return {};
   if (report.lookup == Lookup::kEmpty) {
-    return isScanning(ui_state.stream) ? "The picture appears at the end of the scan."
-                                       : "The picture appears with the first frames.";
+    return ui_state.stream.isScanning() ? "The picture appears at the end of the scan."
+                                        : "The picture appears with the first frames.";
   }
   return ui_state.pointer_is_device
              ? "Move over the object, turn the wheel down to press. F1: keys and colours."

@@ -31,6 +31,9 @@ struct ConnectionStats {
   double clock_error_us = 0.0;  ///< largest error of the media clock; 0: unknown
   double fps = 25.0;            ///< frames per second that the server announced
   std::optional<Timeline> timeline = std::nullopt;  ///< present: the user may seek
+
+  /// Returns true if the server scans its clip, so that no frames arrive yet.
+  [[nodiscard]] bool isScanning() const { return connected && scan_share < 1.0; }
 };
 
 /// Place and speed of a recording that the user wants.

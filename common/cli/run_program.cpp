@@ -20,19 +20,15 @@ namespace hapticast {
 
 namespace {
 
+std::atomic<bool> stop_requested{false};
+static_assert(decltype(stop_requested)::is_always_lock_free, "a signal's handler sets it");
+
 /// Returns whether systemd's journal reads stderr, and adds a time to each line itself.
 bool journalReadsLog() {
   const char* const stream = std::getenv("JOURNAL_STREAM");
   struct stat file {};
   if (stream == nullptr || ::fstat(STDERR_FILENO, &file) != 0) return false;
   return stream == std::to_string(file.st_dev) + ":" + std::to_string(file.st_ino);
-}
-
-std::atomic<std::atomic<bool>*> stop_at_signal{nullptr};
-
-void onStopSignal(int signal) {
-  if (std::atomic<bool>* const stop = stop_at_signal) *stop = true;
-  std::signal(signal, SIG_DFL);
 }
 
 }  // namespace
@@ -52,17 +48,31 @@ int runProgram(bool quiet, const std::function<int()>& run) {
   std::signal(SIGPIPE, SIG_IGN);  // the reader of the log may end first
   std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error of its writer
   std::cerr.rdbuf(nullptr);       // only libraries write there, for example about a damaged picture
+  int exit_code = kFailed;
+  (void)succeed([&] { exit_code = run(); });
+  return exit_code;
+}
+
+bool succeed(const std::function<void()>& step) {
   try {
-    return run();
+    step();
+    return true;
   } catch (const std::exception& error) {
     spdlog::error("{}", sanitizeUtf8(error.what()));
-    return kFailed;
+    return false;
   }
 }
 
-void stopAtSignals(std::atomic<bool>& stop) {
-  stop_at_signal = &stop;
-  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, onStopSignal);
+const std::atomic<bool>& stopAtSignals(SecondSignal second) {
+  const auto stop = second == SecondSignal::kIsIgnored
+                        ? +[](int /*signal*/) { stop_requested = true; }
+                        : +[](int signal) {
+                            stop_requested = true;
+                            std::signal(signal, SIG_DFL);
+                          };
+  for (const int signal : {SIGINT, SIGTERM, SIGQUIT}) std::signal(signal, stop);
+  if (!sighupIgnored()) std::signal(SIGHUP, stop);
+  return stop_requested;
 }
 
 bool sighupIgnored() {

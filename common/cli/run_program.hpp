@@ -4,6 +4,7 @@
 #pragma once
 
 #include <atomic>
+#include <cstdint>
 #include <functional>
 #include <string>
 
@@ -24,9 +25,17 @@ void startLog(const std::string& name);
 /// code is kFailed.
 int runProgram(bool quiet, const std::function<int()>& run);
 
-/// Sets `stop` at the first SIGINT or SIGTERM; a second one ends the program at once. For work
-/// without an event loop. `stop` must outlive the program's other work. Thread: main.
-void stopAtSignals(std::atomic<bool>& stop);
+/// Calls `step`. Returns true if it succeeds. Its exception becomes one line in the log.
+[[nodiscard]] bool succeed(const std::function<void()>& step);
+
+/// What a second signal does after stopAtSignals(). A device's force has to come down first, so
+/// the client ignores it.
+enum class SecondSignal : std::uint8_t { kIsIgnored, kEndsProgram };
+
+/// From now on SIGINT, SIGTERM, SIGQUIT and SIGHUP (unless sighupIgnored()) end no program. Returns
+/// a flag that such a signal sets: the program has to end soon. `second`: what the next one does.
+[[nodiscard]] const std::atomic<bool>& stopAtSignals(
+    SecondSignal second = SecondSignal::kIsIgnored);
 
 /// Returns true if the program was started with SIGHUP ignored, as nohup arranges. The program then
 /// has to ignore it as well. Thread: main, at start-up.

@@ -59,6 +59,16 @@ MessageOutputs::~MessageOutputs() {
   if (recorder_) spdlog::info("{} {}", file_, recorder_->finish());
 }
 
+void MessageOutputs::finish() {
+  log_.reset();
+  live_.reset();
+  const std::unique_ptr<Recorder> recorder = std::move(recorder_);
+  if (!recorder) return;
+  const std::string result = recorder->finish();
+  if (!recorder->isComplete()) throw RecordingError("--record " + file_ + ": " + result);
+  spdlog::info("{} {}", file_, result);
+}
+
 void MessageOutputs::push(std::size_t channel, std::uint64_t time_ns,
                           std::span<const std::uint8_t> data) {
   if (recorder_) recorder_->push(channel, time_ns, data);

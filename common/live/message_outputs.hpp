@@ -29,6 +29,9 @@ class MessageOutputs {
                  std::function<std::uint64_t()> now_ns);
   /// Completes the file, and logs that or how many messages are lost.
   ~MessageOutputs();
+  /// Completes the file, and logs that. Throws RecordingError if it is not complete. Afterwards
+  /// the object does nothing. Requires that no other thread uses it.
+  void finish();
   MessageOutputs(const MessageOutputs&) = delete;
   MessageOutputs& operator=(const MessageOutputs&) = delete;
 

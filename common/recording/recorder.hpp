@@ -46,6 +46,8 @@ class Recorder {
   /// Writes what waits, completes the file, and ends the thread. Returns a text for the log: "is
   /// complete", or what is missing. Thread: the owner's.
   std::string finish();
+  /// Returns whether the file has all messages and its index. Call it after finish().
+  [[nodiscard]] bool isComplete() const { return is_complete_ && lost() == 0; }
   /// Returns the number of messages that are lost so far, because the disk was full or too slow.
   /// Thread: any.
   [[nodiscard]] std::uint64_t lost() const;

@@ -145,7 +145,7 @@ void BakeProducer::prepare() {
     return !show_->stopped();
   });
   progress_.clear();
-  if (!whole || show_->stopped()) return show_->stop();
+  if (!whole || show_->stopped()) return;
   DepthRangeLog().log(clip_->vision.vision().mapped());
   if (can_touch) warnOfNoObject(clip_->vision.vision(), clip_->source->info().name);
 }

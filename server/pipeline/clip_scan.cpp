@@ -57,12 +57,12 @@ constexpr Duration kLogInterval = std::chrono::seconds(2);  // chosen: a comfort
 }  // namespace
 
 bool scanClip(Vision& vision, RgbdSource& source, const MediaClock& clock,
-              const std::atomic<bool>& stop, const ScanProgress& progress) {
+              const ScanProgress& progress) {
   MediaTime logged = clock.now();
   return vision.scan(source, [&](std::uint64_t done, std::uint64_t total) {
     const double share = static_cast<double>(done) / static_cast<double>(total);
-    if (progress) progress(share);
-    if (stop || clock.now() - logged < kLogInterval) return !stop;
+    if (progress && !progress(share)) return false;
+    if (clock.now() - logged < kLogInterval) return true;
     logged = clock.now();
     spdlog::info("scanning the clip: {:.0f} %", 100.0 * share);
     return true;

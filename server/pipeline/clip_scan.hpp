@@ -3,7 +3,6 @@
 // results. It reports its progress and can be stopped. Thread: the pipeline's.
 #pragma once
 
-#include <atomic>
 #include <functional>
 
 #include "common/time.hpp"
@@ -20,14 +19,13 @@ namespace hapticast::server {
 /// Returns the new settings. Thread: any.
 [[nodiscard]] VisionSettings preparePoints(VisionSettings settings, const SourceInfo& info);
 
-/// Function that scanClip() calls after each frame. `share`: completed share of the scan, 0..1. It
-/// is never called if no scan is needed.
-using ScanProgress = std::function<void(double share)>;
+/// Function that scanClip() calls after each frame. `share`: completed share of the scan, 0..1.
+/// Returns false to end the scan. It is never called if no scan is needed.
+using ScanProgress = std::function<bool(double share)>;
 
-/// Scans the clip if vision needs that. Returns false if `stop` became true and ended the scan,
-/// otherwise true. Throws SourceError. It logs the progress at most every two seconds. `progress`
-/// may be null.
+/// Scans the clip if vision needs that. Returns false if `progress` ended the scan, otherwise true.
+/// Throws SourceError. It logs the progress at most every two seconds. `progress` may be null.
 bool scanClip(Vision& vision, RgbdSource& source, const MediaClock& clock,
-              const std::atomic<bool>& stop, const ScanProgress& progress);
+              const ScanProgress& progress);
 
 }  // namespace hapticast::server

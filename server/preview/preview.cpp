@@ -5,7 +5,6 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <cstdio>
 #include <deque>
@@ -231,8 +230,7 @@ void writePreview(Settings settings, const Clock& clock) {
   Vision vision(source->info(), settings.vision);
   warnOfUnlikelyInput(*source, settings.vision);
   const LocalMediaClock media_clock(clock);
-  const std::atomic<bool> stop{false};
-  scanClip(vision, *source, media_clock, stop, nullptr);
+  scanClip(vision, *source, media_clock, nullptr);
   const PreviewRun preview_run = runVision(*source, vision, settings.frames);
   if (preview_run.kept.empty())
     throw SourceError(hideCredentials(settings.source) + ": has no frame");

@@ -69,12 +69,14 @@ void ClipProducer::prepare() {
     service.open(vision_.description().name);
     service.manager().reportAlive();
     const MediaTime now = media_clock_.now();
-    if (prepared_at != MediaTime{} && now - prepared_at < kPrepareEvery) return;
-    prepared_at = now;
-    service.broadcaster().prepare(share);
+    if (prepared_at == MediaTime{} || now - prepared_at >= kPrepareEvery) {
+      prepared_at = now;
+      service.broadcaster().prepare(share);
+    }
+    return !show_->stopped();
   };
-  while_waiting_ = [&] { prepareViewers(prepared_share); };
-  if (scanClip(vision_, *source_, media_clock_, show_->stopped(), prepareViewers))
+  while_waiting_ = [&] { (void)prepareViewers(prepared_share); };
+  if (scanClip(vision_, *source_, media_clock_, prepareViewers))
     service.broadcaster().describe(vision_.description());
   while_waiting_ = [&service] { service.manager().reportAlive(); };
   range_log_.log(vision_.mapped());

@@ -30,12 +30,15 @@ bool Show::run() {
   producer_.connect(*this);
   start();
   producer_.prepare();
-  if (!stop_) play();
+  if (!stopped()) play();
   return producer_.finish();
 }
 
 void Show::start() {
-  if (!sinks_) return stopAtSignals(stop_);
+  if (!sinks_) {
+    signalled_ = &stopAtSignals(SecondSignal::kEndsProgram);
+    return;
+  }
   if (producer_.operated() != nullptr)
     sinks_->service().broadcaster().onControl(
         [this](const Control& control, std::function<void()> confirm) {
@@ -56,7 +59,7 @@ void Show::play() {
   streaming_ = true;
   counter_.enter(PipelinePhase::kStream);
   producer_.start();
-  while (!stop_ && (operate() || producer_.step())) {
+  while (!stopped() && (operate() || producer_.step())) {
   }
 }
 
@@ -70,7 +73,8 @@ void Show::waitForViewer() {
   if (broadcaster.viewers() > 0) return;
   counter_.enter(PipelinePhase::kWaitForViewer);
   spdlog::info("waiting for the first viewer");
-  while (!stop_ && broadcaster.viewers() == 0) waitUntil(producer_.mediaClock()->now() + kSlice);
+  while (!stopped() && broadcaster.viewers() == 0)
+    waitUntil(producer_.mediaClock()->now() + kSlice);
 }
 
 bool Show::operate() {
@@ -84,7 +88,7 @@ bool Show::operate() {
 }
 
 bool Show::waitUntil(MediaTime due, Until until) {
-  while (!stop_) {
+  while (!stopped()) {
     sinks_->service().manager().reportAlive();
     const Duration left = due - producer_.mediaClock()->now();
     if (left <= Duration::zero()) return true;

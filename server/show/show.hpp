@@ -45,7 +45,7 @@ class Show {
   [[nodiscard]] bool streaming() const { return streaming_; }
 
   /// For the producer. Returns whether the show ends.
-  [[nodiscard]] const std::atomic<bool>& stopped() const { return stop_; }
+  [[nodiscard]] bool stopped() const { return stop_ || (signalled_ != nullptr && *signalled_); }
   /// For the producer. Waits until `due`. Returns false if the show ends, or a request of an
   /// operator ends the wait.
   bool waitUntil(MediaTime due, Until until = Until::kDue);
@@ -66,7 +66,8 @@ class Show {
   const Settings& settings_;
   Producer& producer_;
   std::atomic<bool> stop_{false};
-  Reloader reloader_;  // used by the network thread only
+  const std::atomic<bool>* signalled_ = nullptr;  // without viewers; else the service has signals
+  Reloader reloader_;                             // used by the network thread only
   OperatorRequests requests_;
   PipelineCounter counter_;
   std::optional<Sinks> sinks_;  // after what its port for operators reads

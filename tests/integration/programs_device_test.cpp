@@ -73,22 +73,15 @@ INSTANTIATE_TEST_SUITE_P(Faults, ProgramsFaultyDriverTest, ::testing::ValuesIn(k
                          [](const auto& fault) { return std::string(fault.param.name); });
 
 TEST_F(ProgramsDeviceTest, ADeviceLostInATrialOfAStudyMakesTheTrialVoidAndItComesAgain) {
-  const auto bake = start(HAPTICAST_SERVER_PROGRAM,
-                          {"bake", "synthetic:still", "--frames", "25", "-o", path("still.mcap")});
-  ASSERT_EQ(bake->wait(kStart), 0) << bake->output();
-  const std::string study = write("study.json", R"({"name": "lost", "consent": "Touch.",
-      "question": {"kind": "likert", "text": "How real?"},
-      "defaults": {"recording": "still.mcap", "seconds": 2},
-      "conditions": [{"name": "one"}, {"name": "two"}, {"name": "three"}]})");
+  auto arguments = makeStudy(R"([{"name": "one"}, {"name": "two"}, {"name": "three"}])");
   const Trace trace(path("trace"));
-  const auto client =
-      startWith({"--study", study, "--subject", "1", "--out", path("out"), "--simulate",
-                 "threshold=1", "--view", "off", "--device", "standin", "--device-option",
-                 "trace=" + trace.file(), "--device-option", "fault=lost"});
+  arguments.insert(arguments.end(), {"--device", "standin", "--device-option",
+                                     "trace=" + trace.file(), "--device-option", "fault=lost"});
+  const auto client = startWith(arguments);
   ASSERT_TRUE(client->says("trial 1 of 3", kSoon)) << client->output();
   trace->go = 1;
   const auto readEvents = [&] {
-    std::ifstream in(path("out/sub-1/motion/sub-1_task-lost_events.tsv"));
+    std::ifstream in(path("out/sub-1/motion/sub-1_task-still_events.tsv"));
     std::ostringstream events;
     events << in.rdbuf();
     return events.str();
@@ -98,11 +91,25 @@ TEST_F(ProgramsDeviceTest, ADeviceLostInATrialOfAStudyMakesTheTrialVoidAndItCome
   })) << client->output();
   trace->go = 0;
   EXPECT_EQ(client->wait(kSoon), 0) << client->output();
-  EXPECT_TRUE(client->says("the device does not answer: no force", kSoon)) << client->output();
+  EXPECT_TRUE(client->says("the device does not answer: no force from now on", kSoon))
+      << "the line of touch: " << client->output();
   EXPECT_EQ(trace->force_N, 0.0);
   const std::string events = readEvents();
   EXPECT_EQ(countOccurrences("\tdevice_lost\t", events), 1U) << events;
   EXPECT_EQ(countOccurrences("\tvalid\t", events), 3U) << events;
+}
+
+TEST_F(ProgramsDeviceTest, ASecondSignalDoesNotEndTheClientBeforeTheForceIsZero) {
+  const auto server = startStillServer();
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) {
+    const Trace trace(path("trace"));
+    const auto client = touchWith(addressOf(*server), trace, "none");
+    ASSERT_TRUE(waitUntil(kSoon, [&] { return trace->force_N > 0.1; })) << client->output();
+    client->signal(signal);
+    interrupt(*client, signal);
+    EXPECT_EQ(trace->force_N, 0.0);
+  }
+  interrupt(*server);
 }
 
 TEST_F(ProgramsDeviceTest, AHaltSwitchesTheSignOfADeviceThatHasOne) {

@@ -7,8 +7,9 @@
 #include <cstdlib>
 #include <set>
 
-#include "client/commands/app.hpp"
+#include "client/commands/touch_command.hpp"
 #include "client/view/window/window.hpp"
+#include "common/cli/run_program.hpp"
 #include "tests/integration/driver_fixture.hpp"
 
 namespace hapticast::testing {
@@ -86,12 +87,13 @@ class ProgramsFirstCheckTest : public ProgramsWithDriverTest {
     ::unsetenv("XDG_DATA_HOME");
     ::unsetenv("STANDIN_HAND");
   }
-  std::unique_ptr<Process> startWith(const std::string& input, const std::string& fault = "") {
-    return std::make_unique<Process>(
-        std::vector<std::string>{HAPTICAST_CLIENT_PROGRAM, "127.0.0.1:1", "--view", "off",
-                                 "--device", "standin", "--device-option", "trace=" + trace_.file(),
-                                 "--device-option", "fault=" + fault},
-        input);
+  std::unique_ptr<Process> startWith(const std::string& input, const std::string& fault = "",
+                                     std::vector<std::string> command = {"127.0.0.1:1", "--view",
+                                                                         "off"}) {
+    command.insert(command.begin(), HAPTICAST_CLIENT_PROGRAM);
+    command.insert(command.end(), {"--device", "standin", "--device-option",
+                                   "trace=" + trace_.file(), "--device-option", "fault=" + fault});
+    return std::make_unique<Process>(std::move(command), input);
   }
   /// Presses Enter until the check begins: what the user typed before the request counts as
   /// nothing, also what comes at the same moment.
@@ -171,6 +173,22 @@ TEST_F(ProgramsFirstCheckTest, ATurnedAxisIsRefusedAndIsNotStored) {
   EXPECT_EQ(startWith("/dev/null")->wait(kSoon), 1) << "still not checked";
 }
 
+TEST_F(ProgramsFirstCheckTest, ADeviceLostInTheCheckFailsTouchAndStudyAlike) {
+  const std::vector<std::vector<std::string>> commands = {{"127.0.0.1:1", "--view", "off"},
+                                                          makeStudy(R"([{"name": "one"}])")};
+  for (const auto& command : commands) {
+    trace_->go = 0;
+    trace_->most_N = 0.0;
+    const auto client = startWith(terminal_.name(), "lost", command);
+    ASSERT_TRUE(client->says("press Enter", kSoon)) << client->output();
+    trace_->go = 1;
+    confirm(*client);
+    EXPECT_EQ(client->wait(kSoon), 1) << client->output();
+    EXPECT_TRUE(client->says("check: the device stopped answering", kSoon)) << client->output();
+    EXPECT_EQ(countOccurrences(" error ", client->output()), 1U) << client->output();
+  }
+}
+
 TEST_F(ProgramsFirstCheckTest, EnterInTheWindowConfirms) {
   ::setenv("SDL_VIDEODRIVER", "dummy", 1);
   ::setenv("SDL_RENDER_DRIVER", "software", 1);
@@ -183,8 +201,7 @@ TEST_F(ProgramsFirstCheckTest, EnterInTheWindowConfirms) {
   client::Views views;
   views.push_back(std::make_unique<ConfirmingView>(seen));
   const SteadyClock clock;
-  client::App app(settings, clock, std::move(views));
-  EXPECT_TRUE(app.run());
+  EXPECT_EQ(client::runTouch(settings, clock, std::move(views)), kDone);
   EXPECT_GE(seen.ticks, 100) << "the loop runs after the check";
   EXPECT_EQ(seen.requests.size(), 2U) << "the request, and the state meanwhile";
   EXPECT_FALSE(seen.pixels.empty());

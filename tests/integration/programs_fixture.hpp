@@ -117,6 +117,20 @@ class ProgramsTest : public ::testing::Test {
     return path(name);
   }
 
+  /// Makes a study whose trials of 2 s have these conditions. Returns its command without a device;
+  /// an observer answers, and the results are in the folder out.
+  [[nodiscard]] std::vector<std::string> makeStudy(const std::string& conditions) const {
+    const auto bake = start(HAPTICAST_SERVER_PROGRAM, {"bake", "synthetic:still", "--frames", "25",
+                                                       "-o", path("still.mcap")});
+    EXPECT_EQ(bake->wait(kStart), 0) << bake->output();
+    const std::string study = write("study.json", R"({"name": "still", "consent": "Touch.",
+        "question": {"kind": "likert", "text": "How real?"},
+        "defaults": {"recording": "still.mcap", "seconds": 2}, "conditions": )" +
+                                                      conditions + "}");
+    return {"study",     study,        "--subject",   "1",      "--out",
+            path("out"), "--simulate", "threshold=1", "--view", "off"};
+  }
+
   /// Reserves the ports of a server that restarts: no other program can bind them. Where the system
   /// allows no network namespace, another program could bind them.
   static void keepPorts() { (void)enterOwnNetwork(); }

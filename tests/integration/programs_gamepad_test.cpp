@@ -9,7 +9,8 @@
 #include <optional>
 #include <utility>
 
-#include "client/commands/app.hpp"
+#include "client/commands/touch_command.hpp"
+#include "common/cli/run_program.hpp"
 #include "tests/integration/programs_fixture.hpp"
 #include "tests/support/virtual_pad.hpp"
 
@@ -71,8 +72,7 @@ class ProgramsGamepadTest : public ProgramsTest {
     client::Views views;
     views.push_back(std::make_unique<Player>(std::move(steps)));
     const SteadyClock clock;
-    client::App app(settings, clock, std::move(views));
-    EXPECT_TRUE(app.run());
+    EXPECT_EQ(client::runTouch(settings, clock, std::move(views)), kDone);
     EXPECT_EQ(pad.motors.low, 0) << "the motors turn on";
     EXPECT_EQ(pad.motors.high, 0);
     std::ifstream in(settings.summary_file);

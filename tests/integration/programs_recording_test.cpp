@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: MIT
 // The server records its stream and plays the recording; a client touches what it plays, an
 // operator changes it, and a script that shares no code reads it.
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <nlohmann/json.hpp>
 
 #include "tests/integration/frame_counter.hpp"
@@ -109,6 +113,40 @@ TEST_F(ProgramsRecordingTest, ARunIsRenderedAgainWithTheSameBits) {
   EXPECT_EQ(soft->wait(kSoon), 0) << soft->output();
   EXPECT_NE(soft->output().find("forces differ from the recorded ones"), std::string::npos)
       << soft->output();
+}
+
+TEST_F(ProgramsRecordingTest, ASignalEndsAReplayWithItsFilesComplete) {
+  const std::size_t ticks = recordRun("run.mcap");
+  // The replay waits for the reader of its log, so that the signal comes before its end.
+  const std::string log = path("pipe.csv");
+  ASSERT_EQ(::mkfifo(log.c_str(), 0600), 0);
+  const int reader = ::open(log.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  const auto replay =
+      startClient({"--replay", path("run.mcap"), "--log", log, "--record", path("part.mcap")});
+  std::string rows;
+  std::array<char, 4096> bytes{};
+  const auto read = [&] {
+    const ssize_t count = ::read(reader, bytes.data(), bytes.size());
+    if (count > 0) rows.append(bytes.data(), static_cast<std::size_t>(count));
+    return count > 0;
+  };
+  EXPECT_TRUE(waitUntil(kSoon, read)) << replay->output();
+  replay->signal(SIGTERM);
+  EXPECT_TRUE(waitUntil(kSoon, [&] {
+    while (read()) {
+    }
+    return !replay->running();
+  })) << replay->output();
+  while (read()) {
+  }
+  ::close(reader);
+  EXPECT_EQ(replay->wait(kSoon), 0) << replay->output();
+  EXPECT_EQ(rows.back(), '\n') << "a complete row";
+  EXPECT_LT(countOccurrences("\n", rows), ticks / 2);
+  const auto part = startClient({"--replay", path("part.mcap")});
+  EXPECT_EQ(part->wait(kSoon), 0) << part->output();
+  EXPECT_NE(part->output().find("all forces have the recorded bits"), std::string::npos)
+      << part->output();
 }
 
 TEST_F(ProgramsRecordingTest, AScriptReadsTheRecording) {

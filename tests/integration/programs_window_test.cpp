@@ -10,7 +10,8 @@
 #include <regex>
 #include <utility>
 
-#include "client/commands/app.hpp"
+#include "client/commands/touch_command.hpp"
+#include "common/cli/run_program.hpp"
 #include "tests/integration/programs_fixture.hpp"
 
 namespace hapticast::testing {
@@ -125,8 +126,7 @@ class ProgramsWindowTest : public ProgramsTest {
         [&story](ViewerWindow& window, const TickReport& report) { story.goOn(window, report); },
         last));
     const SteadyClock clock;
-    client::App app(settings, clock, std::move(views));
-    EXPECT_TRUE(app.run());
+    EXPECT_EQ(client::runTouch(settings, clock, std::move(views)), kDone);
     EXPECT_TRUE(story.over());
     std::ifstream in(settings.summary_file);
     return nlohmann::json::parse(in);

@@ -159,9 +159,12 @@ class Run(StudyTest):
     def test_a_signal_ends_with_the_force_at_zero_and_the_rest_waits(self):
         self.write(make_study(**RATING, defaults={"recording": "ball.mcap", "seconds": 1}))
         with Markers() as markers:
-            client = self.start_program(self.command("signal", *markers.flags()))
+            log = self.folder / "signal.csv"
+            client = self.start_program(self.command("signal", "--log", log, *markers.flags()))
             markers.wait_for("trial 2 interval")
-        self.assertEqual(client.end(), 1)
+        self.assertEqual(client.end(signal.SIGTERM), 1)
+        self.assertIn("_run-1.mcap is complete", client.output())
+        self.assertEqual([float(value) for value in log.read_text().splitlines()[-1].split(",")[5:8]], [0.0] * 3)
         self.assertIn("trials are left: continue with --resume", client.output())
         motion = self.folder / "signal/sub-07/motion/sub-07_task-test_tracksys-haptic_motion.tsv"
         last = motion.read_text().splitlines()[-1].split("\t")

@@ -61,10 +61,7 @@ class DrawnRun {
     recorder.onSettings(viewer.settings());
     viewer.on_prepared = [&recorder](const PreparedFrame& frame) { recorder.onPrepared(frame); };
     viewer.on_controls = [&recorder](const UserControls& to) { recorder.onControls(to); };
-    viewer.receiver().onFrame([&recorder](const AssembledFrame& to) { recorder.onFrame(to); });
-    viewer.receiver().onTiming([&recorder](const StreamTiming& timing, bool resets_reliefs) {
-      recorder.onTiming(timing, resets_reliefs);
-    });
+    recorder.attachTo(viewer.receiver());
   }
   double draw() { return std::uniform_real_distribution(0.0, 1.0)(random_); }
   DeviceStatus drawStatus() {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Every change from one condition of a study to another one, while a hand presses on: the stream
-// ends, the force fades, the controls change, another stream begins (StudyDesk::play()). The plant
-// is that of press_bench.hpp.
+// ends, the force fades, the controls change, another stream begins (TrialPlayer::play()). The
+// plant is that of press_bench.hpp.
 #include <gtest/gtest.h>
 
 #include <cmath>

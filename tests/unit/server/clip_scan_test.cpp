@@ -20,9 +20,9 @@ class ClipScanLook : public testing::Test {
  protected:
   bool look(const VisionSettings& settings = {}) {
     Vision vision(source.info(), settings);
-    return scanClip(vision, source, media, stop, [this](double share) {
+    return scanClip(vision, source, media, [this](double share) {
       shares.push_back(share);
-      stop = shares.size() == stop_after;
+      return shares.size() != stop_after;
     });
   }
 
@@ -35,7 +35,6 @@ class ClipScanLook : public testing::Test {
                           clock.advance(std::chrono::milliseconds(600));
                           return scene.frame(i, 80 + double(i), 60);
                         }};
-  std::atomic<bool> stop{false};
   std::size_t stop_after = 0;
   std::vector<double> shares;
 };

@@ -1,30 +1,23 @@
 // SPDX-License-Identifier: MIT
-// The desk of a subject during a study: device, haptic loop, window, recording and motion file. The
-// loop runs from the first prompt to the end, so that the force of one trial fades out before the
-// next condition begins. The thread of the owner has the event loop: every function that waits
-// processes reports, views and signals meanwhile.
+// Plays the trials of a study at a desk: prompts, the stream of each trial, and interruptions. The
+// loop of the desk runs from the first prompt to the end, so that the force of one trial fades out
+// before the next condition begins. The thread of the owner has the event loop: every function that
+// waits runs turns of the desk meanwhile.
 // Thread: main.
 #pragma once
 
-#include <atomic>
-#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
-#include <string>
 #include <utility>
 
-#include "client/desk/local_device.hpp"
-#include "client/desk/run_recorder.hpp"
+#include "client/desk/desk.hpp"
 #include "client/desk/session.hpp"
-#include "client/loop/loop.hpp"
-#include "client/report/reporter.hpp"
 #include "client/study/motion_file.hpp"
 #include "client/study/study.hpp"
 #include "client/study/study_folder.hpp"
 #include "client/study_run/trial_stream.hpp"
-#include "common/transport/asio.hpp"
 
 namespace hapticast::client {
 
@@ -38,18 +31,15 @@ enum class TrialEnd : std::uint8_t {
   kEnded,
 };
 
-class StudyDesk {
+class TrialPlayer {
  public:
-  /// Opens the device and the views. Throws std::runtime_error (one line).
-  StudyDesk(const Settings& settings, const Clock& clock, Views views);
-  ~StudyDesk();
-  StudyDesk(const StudyDesk&) = delete;
-  StudyDesk& operator=(const StudyDesk&) = delete;
+  /// `settings` and `desk` must outlive this object.
+  TrialPlayer(const Settings& settings, Desk& desk) : settings_(settings), desk_(desk) {}
+  ~TrialPlayer() { finishStream(); }
+  TrialPlayer(const TrialPlayer&) = delete;
+  TrialPlayer& operator=(const TrialPlayer&) = delete;
 
-  [[nodiscard]] const DeviceProfile& profile() const { return profile_; }
-  [[nodiscard]] std::string deviceName() const { return local_.device->description(); }
-  /// Checks a device that was never checked. Returns false if the user ends the program meanwhile.
-  [[nodiscard]] bool checkDevice();
+  [[nodiscard]] Desk& desk() { return desk_; }
   /// Starts the haptic loop. Records to `recording` and to `motion`, which began at `begin`
   /// (nullopt: now). Returns that time. Throws std::runtime_error (one line).
   WallTime start(const std::filesystem::path& recording, MotionFile& motion,
@@ -76,57 +66,42 @@ class StudyDesk {
   [[nodiscard]] WallTime onsetWall() const { return onset_wall_; }
   /// Returns why no force can act, such as a lost device or a loss of trust; kComplete: it can.
   [[nodiscard]] TrialEnd findInterruption() const;
-  /// Returns whether the device was detected automatically, and is no simulation.
-  [[nodiscard]] bool isAutoDetected() const { return local_.is_auto_detected; }
-  /// Returns the number of ticks that are missing in the results. Call it after finish().
-  [[nodiscard]] std::uint64_t droppedTicks() const { return local_.renderer->droppedReports(); }
   /// Returns whether the program has to end: a signal, or the window is closed.
-  [[nodiscard]] bool ended() const { return ended_; }
+  [[nodiscard]] bool ended() const { return desk_.ended(); }
   /// Returns whether the subject has stopped the force since the last rearm().
   [[nodiscard]] bool stopped() const { return stopped_; }
   /// Forgets the stop, so that ask() waits again. The force remains zero until rearm().
   void clearStop() { stopped_ = false; }
   /// Returns whether the thermal limit has reduced the force since the last call.
   [[nodiscard]] bool takeWarm() { return std::exchange(warm_, false); }
-  /// Ends the loop with the force at zero. Returns its statistics.
+  /// Ends the stream, and the loop with the force at zero. Returns its statistics.
   const LoopStats& finish();
 
  private:
   void turn();
-  void onReport(TickReport report);
+  void onReport(TickReport& report);
   void startStream(const Condition& condition, std::uint64_t seed);
   void finishStream();
   [[nodiscard]] TrialEnd waitForFirstFrame();
   [[nodiscard]] TrialEnd findTrialEnd() const;
   [[nodiscard]] bool hasStream() const { return stream_ != nullptr || session_ != nullptr; }
-  [[nodiscard]] bool isInterrupted() const { return ended_ || stopped_; }
+  [[nodiscard]] bool isInterrupted() const { return ended() || stopped_; }
   void changeControls(const Condition& condition);
 
   const Settings& settings_;
-  const Clock& clock_;
-  asio::io_context io_;  // signals
-  asio::signal_set signals_{io_, SIGINT, SIGTERM};
-  UserInterface ui_;
-  LocalDevice local_;
-  DeviceProfile profile_;
-  Reporter reporter_;
-  std::unique_ptr<RunRecorder> recorder_;
+  Desk& desk_;
   MotionFile* motion_ = nullptr;
   double offset_s_ = 0.0;
   LocalTime start_{};
   std::unique_ptr<TrialStream> stream_;  // of a recording
   std::unique_ptr<Session> session_;     // with a server
-  Settings session_settings_;            // of session_
   StreamTiming last_timing_;
-  std::unique_ptr<LoopThread> loop_;
-  TickReport last_report_;
   double onset_s_ = 0.0;
   WallTime onset_wall_;
   bool has_frame_ = false;  // of the present stream
   bool device_lost_ = false;
   bool warm_ = false;
   bool stopped_ = false;
-  std::atomic<bool> ended_{false};
 };
 
 }  // namespace hapticast::client

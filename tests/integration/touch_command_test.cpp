@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
-// The client's app between a real server and a view that a test brings: a further view is one file.
-#include "client/commands/app.hpp"
+// The subcommand touch between a real server and a view that a test brings: a further view is one
+// file.
+#include "client/commands/touch_command.hpp"
 
 #include <stdexcept>
 #include <thread>
 
+#include "common/cli/run_program.hpp"
 #include "tests/integration/stream_fixture.hpp"
 
 namespace hapticast::testing {
@@ -47,22 +49,22 @@ class RecordingView final : public client::View {
   std::function<bool()> each_turn_;
 };
 
-class AppTest : public ::testing::Test {
+class TouchCommandTest : public ::testing::Test {
  protected:
-  AppTest() : server(io, clock), network_([this] { io.run(); }) {}
-  ~AppTest() override {
+  TouchCommandTest() : server(io, clock), network_([this] { io.run(); }) {}
+  ~TouchCommandTest() override {
     asio::post(io, [this] { server.stop(); });
     work.reset();
   }
-  /// An app whose one view calls `each_turn`.
-  std::unique_ptr<client::App> appWith(std::function<bool()> each_turn) {
+  /// Runs the subcommand with one view, which calls `each_turn`. Returns the exit code.
+  int touchWith(std::function<bool()> each_turn) {
     client::Settings settings;
     settings.server = {"127.0.0.1", server.port()};
     settings.device = "virtual";
     settings.quiet = true;
     client::Views views;
     views.push_back(std::make_unique<RecordingView>(recorded, std::move(each_turn)));
-    return std::make_unique<client::App>(settings, clock, std::move(views));
+    return client::runTouch(settings, clock, std::move(views));
   }
   void publishNext() {
     asio::post(io, [this, id = ++last_id_] {
@@ -82,12 +84,12 @@ class AppTest : public ::testing::Test {
   std::jthread network_;  // last: it uses everything above
 };
 
-TEST_F(AppTest, AViewIsShownTicksAndPicturesAndEndsTheRun) {
-  const auto app = appWith([this] {
-    publishNext();
-    return recorded.reports < 50 || recorded.pictures < 2;
-  });
-  EXPECT_TRUE(app->run());
+TEST_F(TouchCommandTest, AViewIsShownTicksAndPicturesAndEndsTheRun) {
+  EXPECT_EQ(touchWith([this] {
+              publishNext();
+              return recorded.reports < 50 || recorded.pictures < 2;
+            }),
+            kDone);
   EXPECT_GE(recorded.reports, 50U);
   EXPECT_TRUE(recorded.in_order);
   EXPECT_EQ(recorded.begin, LocalTime{}) << "time begins with the first tick";
@@ -97,12 +99,12 @@ TEST_F(AppTest, AViewIsShownTicksAndPicturesAndEndsTheRun) {
   EXPECT_EQ(recorded.finished, 1);
 }
 
-TEST_F(AppTest, AnExceptionOfAViewEndsTheRunWithoutAHang) {
-  const auto app = appWith([this]() -> bool {
-    if (recorded.reports > 0) throw std::runtime_error("no display");
-    return true;
-  });
-  EXPECT_THROW(app->run(), std::runtime_error);
+TEST_F(TouchCommandTest, AnExceptionOfAViewEndsTheRunWithoutAHang) {
+  EXPECT_EQ(touchWith([this]() -> bool {
+              if (recorded.reports > 0) throw std::runtime_error("no display");
+              return true;
+            }),
+            kFailed);
   EXPECT_GT(recorded.reports, 0U);
 }
 
