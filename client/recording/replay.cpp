@@ -19,10 +19,13 @@ constexpr std::size_t kMostAheadBytes = 64U << 20U;
 std::optional<Error> findObstacle(TypedReader<RecordedContent>& file) {
   bool has_settings = false;
   while (const auto message = file.next(kRunMessages & ~kShownMessages)) {
-    if (!file.decode(*message)) break;
-    has_settings = has_settings || message->channel == kSettingsChannel;
-    if (message->channel == kTickChannel && has_settings) return std::nullopt;
-    if (message->channel == kTickChannel) break;
+    const auto content = file.decode(*message);
+    if (!content) break;
+    has_settings = has_settings || std::holds_alternative<RendererSettings>(*content);
+    const auto* const ticks = std::get_if<std::vector<TickReport>>(&*content);
+    if (ticks == nullptr || ticks->empty()) continue;
+    if (has_settings) return std::nullopt;
+    break;
   }
   return has_settings ? file.lack("ticks") : Error{"has no settings before its ticks"};
 }

@@ -235,6 +235,20 @@ TEST_F(ReplayTest, OtherFilesAreRefused) {
   }
   EXPECT_EQ(refuse(path("other.mcap")),
             "has no channel /tick: it is no recording of hapticast-client");
+  RendererSettings settings;
+  settings.profile = loadDeviceProfile("omni");
+  const auto write = [&](const std::string& name, bool has_settings, const RecordedBytes& ticks) {
+    McapWriter writer(path(name), listRunChannels());
+    if (has_settings) writer.write(kSettingsChannel, 1, encodeSettings(settings));
+    writer.write(kTickChannel, 2, ticks);
+    return path(name);
+  };
+  const RecordedBytes one = encodeTicks(std::vector<TickReport>(1)), none = encodeTicks({});
+  EXPECT_EQ(refuse(write("begin.mcap", false, one)), "has no settings before its ticks");
+  EXPECT_EQ(refuse(write("none.mcap", true, none)), "has no ticks");
+  EXPECT_TRUE(refuse(write("wrong.mcap", true, {0xFF}))
+                  .starts_with("has no ticks: it has an invalid tick ("));
+  EXPECT_EQ(refuse(write("one.mcap", true, one)), "");
 }
 
 }  // namespace
