@@ -11,11 +11,8 @@
 #include "client/net/connection.hpp"
 #include "client/net/decode_thread.hpp"
 #include "client/net/receiver.hpp"
-#include "client/report/fault_log.hpp"
 #include "client/report/messages.hpp"
-#include "client/trust/known_origins.hpp"
 #include "client/trust/server_trust.hpp"
-#include "common/private_file.hpp"
 #include "common/transport/asio.hpp"
 
 namespace hapticast::client {
