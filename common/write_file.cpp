@@ -4,6 +4,8 @@
 #include <cerrno>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
+#include <stdexcept>
 #include <system_error>
 
 namespace hapticast {
@@ -22,6 +24,12 @@ std::optional<Error> writeFile(const std::string& file, std::span<const unsigned
   std::error_code ignored;
   if (std::filesystem::is_regular_file(file, ignored)) std::filesystem::remove(file, ignored);
   return fail(reason);
+}
+
+void requireWritable(const char* flag, const std::string& file) {
+  if (file.empty() || std::ofstream(file, std::ios::app)) return;
+  throw std::runtime_error(std::string(flag) + " " + file +
+                           ": cannot be written; is its folder there and writable?");
 }
 
 }  // namespace hapticast

@@ -15,4 +15,8 @@ namespace hapticast {
 [[nodiscard]] std::optional<Error> writeFile(const std::string& file,
                                              std::span<const unsigned char> bytes);
 
+/// Checks before a run that `file` can be written after the run. An empty name is always valid.
+/// Throws std::runtime_error with one line, which names `flag` and `file`.
+void requireWritable(const char* flag, const std::string& file);
+
 }  // namespace hapticast

@@ -5,7 +5,7 @@ include(CMakePackageConfigHelpers)
 
 add_library(hapticast_archive STATIC)
 set_target_properties(hapticast_archive PROPERTIES OUTPUT_NAME hapticast EXPORT_NAME archive)
-foreach(part frames common haptics profile api_haptics proto wire net found_servers trust api_receive stream api_publish
+foreach(part frames common haptics profile api_haptics proto wire net servers api_receive stream api_publish
     recording loop run_recording api_recording
     json source vision api_vision)
   target_sources(hapticast_archive PRIVATE $<TARGET_OBJECTS:hapticast_${part}>)

@@ -8,7 +8,7 @@
 #include <memory>
 #include <utility>
 
-#include "client/trust/server_trust.hpp"
+#include "client/servers/server_trust.hpp"
 
 namespace hapticast::client {
 

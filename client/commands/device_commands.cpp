@@ -9,8 +9,8 @@
 #include "client/desk/first_check.hpp"
 #include "client/device/calibrate.hpp"
 #include "client/device/falcon/falcon_settings.hpp"
+#include "client/device/loop/realtime_thread.hpp"
 #include "client/device/open_device.hpp"
-#include "client/loop/realtime_thread.hpp"
 #include "common/cli/run_program.hpp"
 
 namespace hapticast::client {

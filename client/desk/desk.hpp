@@ -13,7 +13,7 @@
 #include "client/desk/local_device.hpp"
 #include "client/desk/run_recorder.hpp"
 #include "client/desk/user_interface.hpp"
-#include "client/loop/loop.hpp"
+#include "client/device/loop/loop.hpp"
 #include "client/report/reporter.hpp"
 
 namespace hapticast::client {

@@ -11,7 +11,7 @@
 #include <future>
 
 #include "client/device/device_request.hpp"
-#include "client/loop/realtime_thread.hpp"
+#include "client/device/loop/realtime_thread.hpp"
 #include "common/private_file.hpp"
 
 namespace hapticast::client {

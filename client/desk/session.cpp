@@ -7,12 +7,12 @@
 #include <thread>
 #include <utility>
 
-#include "client/discovery/find_server.hpp"
 #include "client/net/connection.hpp"
 #include "client/net/decode_thread.hpp"
 #include "client/net/receiver.hpp"
 #include "client/report/messages.hpp"
-#include "client/trust/server_trust.hpp"
+#include "client/servers/find_server.hpp"
+#include "client/servers/server_trust.hpp"
 #include "common/transport/asio.hpp"
 
 namespace hapticast::client {

@@ -14,6 +14,7 @@
 #include "client/view/sound.hpp"
 #include "common/cli/run_program.hpp"
 #include "common/unique_filename.hpp"
+#include "common/write_file.hpp"
 #if HAPTICAST_IMGUI
 #include "client/view/window/window.hpp"
 #endif

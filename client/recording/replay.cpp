@@ -6,7 +6,7 @@
 #include <cfenv>
 #include <utility>
 
-#include "client/loop/realtime_thread.hpp"
+#include "client/device/loop/realtime_thread.hpp"
 
 namespace hapticast::client {
 

@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include "common/cli/run_program.hpp"
+#include "common/write_file.hpp"
 
 namespace hapticast::client {
 

@@ -8,8 +8,8 @@
 #include <optional>
 #include <string>
 
-#include "client/loop/loop.hpp"
-#include "client/loop/realtime_thread.hpp"
+#include "client/device/loop/loop.hpp"
+#include "client/device/loop/realtime_thread.hpp"
 #include "client/net/receiver.hpp"
 #include "client/net/udp/transport_selector.hpp"
 #include "client/net/udp/udp_socket.hpp"

@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "client/settings/settings.hpp"
+#include "common/write_file.hpp"
 
 namespace hapticast::client {
 

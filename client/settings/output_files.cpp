@@ -2,7 +2,6 @@
 // Checks of the files that a run will write (settings.hpp).
 #include <array>
 #include <filesystem>
-#include <fstream>
 #include <stdexcept>
 #include <string>
 #include <system_error>
@@ -11,12 +10,6 @@
 #include "client/settings/settings.hpp"
 
 namespace hapticast::client {
-
-void requireWritable(const char* flag, const std::string& file) {
-  if (file.empty() || std::ofstream(file, std::ios::app)) return;
-  throw std::runtime_error(std::string(flag) + " " + file +
-                           ": cannot be written; is its folder there and writable?");
-}
 
 namespace {
 

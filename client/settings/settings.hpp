@@ -11,8 +11,8 @@
 
 #include "client/haptics/contact/surface_model.hpp"
 #include "client/net/udp/transport_selector.hpp"
+#include "client/servers/server_trust.hpp"
 #include "client/study/psychometric_function.hpp"
-#include "client/trust/server_trust.hpp"
 #include "common/endpoint.hpp"
 #include "common/live/output_settings.hpp"
 #include "common/protocol/messages.hpp"
@@ -77,9 +77,6 @@ struct Settings : ServerSettings {
   bool quiet = false;
 };
 
-/// Checks before a run that `file` can be written after the run. An empty name is always valid.
-/// Throws std::runtime_error with one line, which names `flag` and `file`.
-void requireWritable(const char* flag, const std::string& file);
 /// Checks before a run that --hand applies to the device. Throws std::runtime_error with one line
 /// if the command line requests another device than the virtual one.
 void requireVirtualHand(const Settings& settings);

@@ -198,8 +198,9 @@ void SubjectRun::onEvent(const std::string& event) {
 
 }  // namespace
 
-int runStudy(const Settings& settings, const Clock& clock, Views views) {
+int runStudy(const Settings& settings, const Clock& clock) {
   const StudySettings& own = settings.study;
+  Views views = openViews(settings);
   try {
     requireWindow(own, views);
     const std::string text = readStudyText(own.file);

@@ -3,12 +3,12 @@
 #pragma once
 
 #include "client/settings/settings.hpp"
-#include "client/view/view.hpp"
+#include "common/time.hpp"
 
 namespace hapticast::client {
 
-/// Runs the study `settings.study` in `views`. Returns the exit code. Throws std::runtime_error
+/// Runs the study `settings.study`. Returns the exit code. Throws std::runtime_error
 /// with one line if the study cannot begin; it has the line of the study file where there is one.
-int runStudy(const Settings& settings, const Clock& clock, Views views);
+int runStudy(const Settings& settings, const Clock& clock);
 
 }  // namespace hapticast::client

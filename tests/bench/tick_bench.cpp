@@ -8,7 +8,7 @@
 #include <chrono>
 #include <vector>
 
-#include "client/loop/realtime_thread.hpp"
+#include "client/device/loop/realtime_thread.hpp"
 #include "tests/support/renderer_fixture.hpp"
 
 namespace hapticast::client {

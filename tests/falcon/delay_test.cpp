@@ -5,7 +5,7 @@
 #include <cstdio>
 
 #include "client/device/falcon/falcon_driver.hpp"
-#include "client/loop/realtime_thread.hpp"
+#include "client/device/loop/realtime_thread.hpp"
 #include "tests/falcon/falcon_fixture.hpp"
 
 namespace hapticast::testing {

@@ -18,7 +18,7 @@
 #include "client/net/connection.hpp"
 #include "client/net/decode_thread.hpp"
 #include "client/net/receiver.hpp"
-#include "client/trust/server_trust.hpp"
+#include "client/servers/server_trust.hpp"
 #include "common/library/require.hpp"
 #include "common/mdns.hpp"
 #include "common/wire_limits.hpp"

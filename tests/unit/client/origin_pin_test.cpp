@@ -9,7 +9,7 @@
 #include <iterator>
 #include <stdexcept>
 
-#include "client/trust/known_origins.hpp"
+#include "client/servers/known_origins.hpp"
 #include "tests/support/temp_folder.hpp"
 
 namespace hapticast::client {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "client/loop/loop.hpp"
+#include "client/device/loop/loop.hpp"
 
 #include <gtest/gtest.h>
 

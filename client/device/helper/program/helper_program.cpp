@@ -21,7 +21,7 @@
 #include "client/device/helper/program/helper_loop.hpp"
 #include "client/device/helper/program/network_filter.hpp"
 #include "client/device/helper/shared_page.hpp"
-#include "client/loop/realtime_thread.hpp"
+#include "client/device/loop/realtime_thread.hpp"
 
 namespace hapticast::client {
 

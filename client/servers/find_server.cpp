@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "client/discovery/find_server.hpp"
+#include "client/servers/find_server.hpp"
 
 #include <spdlog/spdlog.h>
 
@@ -7,7 +7,7 @@
 #include <thread>
 #include <utility>
 
-#include "client/discovery/server_list.hpp"
+#include "client/servers/server_list.hpp"
 
 namespace hapticast::client {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "client/discovery/server_list.hpp"
+#include "client/servers/server_list.hpp"
 
 #include <algorithm>
 #include <tuple>

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "client/discovery/server_list.hpp"
+#include "client/servers/server_list.hpp"
 
 namespace hapticast::client {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "client/loop/realtime_thread.hpp"
+#include "client/device/loop/realtime_thread.hpp"
 
 #include <link.h>
 #include <pthread.h>

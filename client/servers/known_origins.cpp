@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "client/trust/known_origins.hpp"
+#include "client/servers/known_origins.hpp"
 
 #include <spdlog/spdlog.h>
 

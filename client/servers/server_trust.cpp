@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
-#include "client/trust/server_trust.hpp"
+#include "client/servers/server_trust.hpp"
 
 #include <memory>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
 
-#include "client/discovery/find_server.hpp"
-#include "client/trust/known_origins.hpp"
+#include "client/servers/find_server.hpp"
+#include "client/servers/known_origins.hpp"
 #include "common/mdns.hpp"
 #include "common/private_file.hpp"
 #include "common/wire_limits.hpp"

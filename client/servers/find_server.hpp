@@ -9,8 +9,8 @@
 #include <optional>
 #include <string>
 
-#include "client/discovery/mdns_browser.hpp"
 #include "client/net/dial.hpp"
+#include "client/servers/mdns_browser.hpp"
 
 namespace hapticast::client {
 

@@ -8,8 +8,8 @@
 #include <cstdint>
 #include <thread>
 
+#include "client/device/loop/realtime_thread.hpp"
 #include "client/haptics/renderer.hpp"
-#include "client/loop/realtime_thread.hpp"
 #include "common/histogram.hpp"
 
 namespace hapticast::client {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #if HAPTICAST_AVAHI
-#include "client/discovery/mdns_browser.hpp"
+#include "client/servers/mdns_browser.hpp"
 
 #include <avahi-client/lookup.h>
 #include <avahi-common/error.h>
@@ -164,7 +164,7 @@ std::string Discovery::describeAbsence() const {
 }  // namespace hapticast::client
 
 #else
-#include "client/discovery/mdns_browser.hpp"
+#include "client/servers/mdns_browser.hpp"
 
 namespace hapticast::client {
 
