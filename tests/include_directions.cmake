@@ -46,7 +46,6 @@ set(rules
   "server/http/.*"     "^(common/|server/(stream/|relay/relay_counts\\.hpp$|pipeline/pipeline_counts\\.hpp$|vision/vision_settings\\.hpp$|http/))"
   "server/page/.*"     "^(common/|server/(http/(host_names|http_request)\\.hpp$|page/))"
   "server/author/.*"   "^(common/|server/(source/[a-z_]+\\.hpp$|vision/vision_settings\\.hpp$|author/))"
-  "server/bake/.*"     "^(common|server)/"
   "server/(pipeline|preview)/.*" "^(common/|server/(settings/settings\\.hpp$|author/scene_file\\.hpp$|source/|vision/|stream/|pipeline/|preview/))"
   "server/settings/.*" "^(common/|server/(settings/|author/|source/|vision/vision_settings\\.hpp$|stream/|relay/nats_address\\.hpp$))"
   "server/show/.*"     "^(common/|server/(settings|show|source|vision|stream|recording|relay|pipeline|http|page)/)"
@@ -96,7 +95,7 @@ set(doors
   "^OpenNI\\.h$"                     "^server/source/live/openni_camera\\.cpp$"
   "^systemd/"                        "^server/show/service_manager\\.cpp$"
   "^libusb"                          "^client/device/falcon/usb\\.cpp$"
-  "^common/(codec|protocol|transport)/" "^(common/(codec|protocol|transport|live|playback)/|server/(library/publish/|bake/|stream/|recording/|relay/|pipeline/|http/|page/|settings/|show/|[^/]*$)|client/(net/|servers/|report/|library/|recording/|web/|settings/|desk/|commands/|study_run/|[^/]*$)|tests/)"
+  "^common/(codec|protocol|transport)/" "^(common/(codec|protocol|transport|live|playback)/|server/(library/publish/|stream/|recording/|relay/|pipeline/|http/|page/|settings/|show/|[^/]*$)|client/(net/|servers/|report/|library/|recording/|web/|settings/|desk/|commands/|study_run/|[^/]*$)|tests/)"
 )
 
 file(GLOB_RECURSE files RELATIVE ${ROOT} ${ROOT}/common/*.?pp ${ROOT}/server/*.?pp ${ROOT}/client/*.?pp

@@ -40,13 +40,13 @@ class ClipProducer final : public Producer {
   const Settings& settings_;
   const Clock& clock_;
   LocalMediaClock media_clock_;
+  Show* show_ = nullptr;                 // while connected
   std::function<void()> while_waiting_;  // what goes on while the source waits for a child
   std::unique_ptr<RgbdSource> source_;
   VisionSettings vision_settings_;
   Vision vision_;
   PlanLog plan_log_;
   DepthRangeLog range_log_;
-  Show* show_ = nullptr;  // while connected
   std::optional<EncoderThread> encoder_;
   std::optional<FramePump> pump_;
   std::uint64_t frames_ = 0;

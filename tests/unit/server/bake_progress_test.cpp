@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/bake/bake_progress.hpp"
+#include "server/show/bake/bake_progress.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/bake/baked_file.hpp"
+#include "server/show/bake/baked_file.hpp"
 
 #include <algorithm>
 #include <filesystem>

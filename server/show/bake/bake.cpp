@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/bake/bake.hpp"
+#include "server/show/bake/bake.hpp"
 
 #include <fmt/core.h>
 #include <spdlog/spdlog.h>
@@ -12,14 +12,14 @@
 #include <string>
 
 #include "common/cli/run_program.hpp"
-#include "server/bake/bake_progress.hpp"
-#include "server/bake/baked_file.hpp"
 #include "server/page/page_folder.hpp"
 #include "server/pipeline/clip_scan.hpp"
 #include "server/pipeline/encoder_thread.hpp"
 #include "server/pipeline/input_check.hpp"
 #include "server/pipeline/open_clip.hpp"
 #include "server/pipeline/plan_log.hpp"
+#include "server/show/bake/bake_progress.hpp"
+#include "server/show/bake/baked_file.hpp"
 #include "server/show/show.hpp"
 #include "server/vision/describe.hpp"
 #include "server/vision/offline/offline_vision.hpp"
