@@ -130,4 +130,10 @@ std::unique_ptr<RgbdSource> openClip(const Settings& settings, const KeepWaiting
   return addKeyMasks(std::move(source), settings.key_masks);
 }
 
+SourceInfo describeSource(const RgbdSource& source, const Settings& settings) {
+  SourceInfo info = source.info();
+  if (!settings.name.empty()) info.name = settings.name;
+  return info;
+}
+
 }  // namespace hapticast::server

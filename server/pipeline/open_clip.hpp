@@ -16,4 +16,7 @@ namespace hapticast::server {
 [[nodiscard]] std::unique_ptr<RgbdSource> openClip(const Settings& settings,
                                                    const KeepWaiting& keep_waiting = nullptr);
 
+/// Returns the properties of `source` with the stream's name of `settings`, if they have one.
+[[nodiscard]] SourceInfo describeSource(const RgbdSource& source, const Settings& settings);
+
 }  // namespace hapticast::server

@@ -18,12 +18,6 @@ namespace {
 // The protocol (proto/README.md) promises viewers a message about once a second.
 constexpr Duration kPrepareEvery = std::chrono::seconds(1);
 
-SourceInfo describeSource(const RgbdSource& source, const std::string& name) {
-  SourceInfo info = source.info();
-  if (!name.empty()) info.name = name;
-  return info;
-}
-
 std::unique_ptr<RgbdSource> openFor(const Settings& settings, KeepWaiting keep_waiting) {
   if (settings.loop && isStreamUrl(settings.source))
     throw SourceError("--loop: a live stream has no end; leave the flag out");
@@ -42,7 +36,7 @@ ClipProducer::ClipProducer(const Settings& settings, const Clock& clock)
                         return show_ == nullptr || !show_->stopped();
                       })),
       vision_settings_(preparePoints(settings_.vision, source_->info())),
-      vision_(describeSource(*source_, settings_.name), vision_settings_, &clock) {}
+      vision_(describeSource(*source_, settings_), vision_settings_, &clock) {}
 
 void ClipProducer::connect(Show& show) {
   show_ = &show;

@@ -77,12 +77,6 @@ std::unique_ptr<RgbdSource> openRecorded(const Settings& settings) {
   return source;
 }
 
-SourceInfo describeSource(const RgbdSource& source, const std::string& name) {
-  SourceInfo info = source.info();
-  if (!name.empty()) info.name = name;
-  return info;
-}
-
 /// Adds the page to the recording in `folder`.
 void completePage(const std::string& folder) {
   writePageFolder(folder);
@@ -95,7 +89,7 @@ struct BakedClip {
   explicit BakedClip(const Settings& settings)
       : source(openRecorded(settings)),
         vision_settings(preparePoints(settings.vision, source->info())),
-        vision(*source, describeSource(*source, settings.name), vision_settings),
+        vision(*source, describeSource(*source, settings), vision_settings),
         slices{.error_mm = computeHeightError_mm(vision_settings)},
         file(findRecording(settings.bake), makeFingerprint(settings, source->info()),
              static_cast<std::uint64_t>(std::max(1L, std::lround(source->info().fps))),
