@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <spdlog/spdlog.h>
 
-#include <exception>
 #include <memory>
 #include <optional>
 #include <string>
@@ -12,11 +11,7 @@
 #include "common/text.hpp"
 #include "server/preview/preview.hpp"
 #include "server/settings/command_line.hpp"
-#include "server/show/bake/bake.hpp"
-#include "server/show/clip_producer.hpp"
-#include "server/show/edge_producer.hpp"
-#include "server/show/on_demand_producer.hpp"
-#include "server/show/recording_producer.hpp"
+#include "server/show/producers.hpp"
 #include "server/show/show.hpp"
 #include "server/source/rgbd_source.hpp"
 #include "server/stream/key_file.hpp"
@@ -59,12 +54,10 @@ std::unique_ptr<Producer> openProducer(const hapticast::server::Settings& settin
   if (settings.command == Command::kBake)
     return hapticast::server::makeBakeProducer(settings, clock);
   if (settings.command == Command::kRelay)
-    return std::make_unique<hapticast::server::EdgeProducer>(settings, clock);
-  if (settings.on_demand)
-    return std::make_unique<hapticast::server::OnDemandProducer>(settings, clock);
-  if (settings.is_recording)
-    return std::make_unique<hapticast::server::RecordingProducer>(settings, clock);
-  return std::make_unique<hapticast::server::ClipProducer>(settings, clock);
+    return hapticast::server::makeEdgeProducer(settings, clock);
+  if (settings.on_demand) return hapticast::server::makeOnDemandProducer(settings, clock);
+  if (settings.is_recording) return hapticast::server::makeRecordingProducer(settings, clock);
+  return hapticast::server::makeClipProducer(settings, clock);
 }
 
 int runCommand(const hapticast::server::Settings& settings,

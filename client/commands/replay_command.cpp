@@ -72,7 +72,7 @@ int runReplay(const Settings& settings) {
   }
   Replay& replay = *opened.value();
   const ReplayChanges changes = readChanges(settings);
-  const std::atomic<bool>& stop = stopAtSignals();
+  const std::atomic<bool>& stop = stopAtSignals(SecondSignal::kEndsProgram);
   const auto rendered = writeOutputs(settings, replay, changes, stop);
   if (!rendered) return kFailed;
   const ReplayCounts& counts = *rendered;

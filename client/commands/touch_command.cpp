@@ -44,10 +44,11 @@ bool touch(const Settings& settings, Desk& desk, Session& session) {
                  settings.forces == Forces::kStatic ? "static" : "dynamic");
   desk.startLoop();
   session.connect();
-  const bool is_time_over = runEvents(settings, desk, session);
-  (void)desk.stopLoop();
+  bool is_time_over = false;
+  bool ok = succeed([&] { is_time_over = runEvents(settings, desk, session); });
+  (void)desk.stopLoop();  // first: the force comes down while the stream goes on
   session.stop();
-  bool ok = !session.failed();
+  ok = ok && !session.failed();
   if (const auto reason = session.neverConnected(); ok && is_time_over && reason) {
     spdlog::error("no server answered at {} within {:g} s ({})", session.serverName(),
                   settings.seconds, *reason);

@@ -77,8 +77,7 @@ void Desk::processReports() {
 }
 
 void Desk::updateViews(const ConnectionStats& stats) {
-  const bool goes_on = ui_.update(stats);
-  if (signalled_ || !goes_on) stop();
+  if (!ui_.update(stats) || signalled_) stop();  // the first check reads the flag alone
 }
 
 const LoopStats& Desk::stopLoop() {
@@ -90,7 +89,7 @@ const LoopStats& Desk::stopLoop() {
 bool Desk::finish(RunResult& run) {
   logRealtime(loop_->realtime());
   if (local_.renderer->droppedReports() > 0)
-    spdlog::warn("{} ticks are missing in the log", local_.renderer->droppedReports());
+    spdlog::warn("{} ticks are missing in the files of the run", local_.renderer->droppedReports());
   run.loop = loop_->stats();
   run.playout_delay_ms = toSeconds(local_.renderer->report().playout_delay) * 1e3;
   run.eye_hand_ns = ui_.eyeHand();

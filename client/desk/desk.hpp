@@ -41,7 +41,7 @@ class Desk {
   /// Makes ended() true. Thread: any.
   void stop() noexcept { stop_ = true; }
   /// Returns whether the run has to end: after a signal, the end of a view or stop(). Thread: any.
-  [[nodiscard]] bool ended() const { return stop_; }
+  [[nodiscard]] bool ended() const { return stop_ || signalled_; }
   /// Ends the loop with the force at zero, and processes its last reports. Requires startLoop().
   /// Returns its statistics.
   const LoopStats& stopLoop();

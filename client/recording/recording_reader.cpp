@@ -51,7 +51,7 @@ Result<RecordingReader> RecordingReader::open(const std::string& file) {
         "has no channel /frame or /tick of hapticast: it is no recording of hapticast-server or "
         "hapticast-client"};
   const auto first = reader.file_.next(kStreamMessages);
-  if (!first) return reader.file_.lack("messages");
+  if (!first) return reader.file_.makeLackError("messages");
   reader.begin_ns_ = first->time_ns;
   reader.seek(0);
   return reader;

@@ -27,7 +27,7 @@ std::optional<Error> findObstacle(TypedReader<RecordedContent>& file) {
     if (has_settings) return std::nullopt;
     break;
   }
-  return has_settings ? file.lack("ticks") : Error{"has no settings before its ticks"};
+  return has_settings ? file.makeLackError("ticks") : Error{"has no settings before its ticks"};
 }
 
 }  // namespace
@@ -112,13 +112,13 @@ bool Replay::hasInputsOf(const TickReport& tick) const {
 
 bool Replay::readInputsOf(const TickReport& tick) {
   if (tick.tick != last_tick_ + 1) {
-    file_.stop("lacks ticks");
+    file_.setProblem("lacks ticks");
     return false;
   }
   last_tick_ = tick.tick;
   while (!hasInputsOf(tick)) {
     if (ahead_bytes_ <= kMostAheadBytes && readMessage()) continue;
-    file_.stop("lacks what a tick has read");
+    file_.setProblem("lacks what a tick has read");
     return false;
   }
   ahead_bytes_ = 0;
@@ -138,7 +138,7 @@ bool Replay::prepareNext() {
   preparations_.pop_front();
   const auto place = findFrame(next.id);
   if (!place) {
-    file_.stop("lacks a frame");
+    file_.setProblem("lacks a frame");
     return false;
   }
   for (std::size_t i = 0; i <= *place; ++i) {

@@ -15,7 +15,7 @@ constexpr double kBetweenBeeps_s = 0.25;  // a beep lasts 0.15 s
 constexpr double kLongestStart_s = 10.0;  // chosen: from a server's scan to its first frame
 constexpr double kLongestFade_s = 2.0;    // chosen: four times the fade of a stale stream
 
-Settings makeSessionSettings(const Settings& settings, const Condition& condition) {
+Settings makeConditionSettings(const Settings& settings, const Condition& condition) {
   Settings own = settings;
   if (!condition.server.empty()) setServer(own, condition.server);
   own.method = condition.method;
@@ -129,7 +129,7 @@ void TrialPlayer::startStream(const Condition& condition, std::uint64_t seed) {
   has_frame_ = device_lost_ = false;
   if (!condition.server.empty()) {
     session_ =
-        std::make_unique<Session>(makeSessionSettings(settings_, condition), desk_, last_timing_);
+        std::make_unique<Session>(makeConditionSettings(settings_, condition), desk_, last_timing_);
     session_->connect();
     return;
   }
@@ -204,8 +204,9 @@ TrialEnd TrialPlayer::play(const Condition& condition, std::uint64_t seed) {
 }
 
 const LoopStats& TrialPlayer::finish() {
+  const LoopStats& loop = desk_.stopLoop();  // first: the force comes down while the stream goes on
   finishStream();
-  return desk_.stopLoop();
+  return loop;
 }
 
 }  // namespace hapticast::client

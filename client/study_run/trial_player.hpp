@@ -74,7 +74,7 @@ class TrialPlayer {
   void clearStop() { stopped_ = false; }
   /// Returns whether the thermal limit has reduced the force since the last call.
   [[nodiscard]] bool takeWarm() { return std::exchange(warm_, false); }
-  /// Ends the stream, and the loop with the force at zero. Returns its statistics.
+  /// Ends the loop with the force at zero, and the stream. Returns the statistics of the loop.
   const LoopStats& finish();
 
  private:

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Interface of a view. A view shows or stores a run for the user: screenshot, film, window, sound.
 // To add a kind of view, add a file in this folder and a line in openViews()
-// (client/user_interface.cpp).
+// (client/desk/user_interface.cpp).
 // Thread: each function states its own.
 #pragma once
 

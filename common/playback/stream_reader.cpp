@@ -52,7 +52,7 @@ Result<StreamReader> StreamReader::open(const std::string& file) {
     reader.seek(reader.begin_);
     return reader;
   }
-  return reader.file_.lack("frames");
+  return reader.file_.makeLackError("frames");
 }
 
 Result<StreamReader> StreamReader::reopen() const {

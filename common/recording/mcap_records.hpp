@@ -35,8 +35,6 @@ enum class McapCode : std::uint8_t {
 
 /// Bytes of a record before its content.
 inline constexpr std::size_t kMcapRecordHeadBytes = 9;
-/// Bytes of a message's content before its data.
-inline constexpr std::size_t kMcapMessageHeadBytes = 22;
 /// Bytes of the footer's record.
 inline constexpr std::size_t kMcapFooterBytes = kMcapRecordHeadBytes + 20;
 

@@ -89,14 +89,14 @@ class TypedReader {
   }
 
   /// Ends the messages because of `problem`, a phrase, unless they have ended because of another.
-  void stop(const std::string& problem) {
+  void setProblem(const std::string& problem) {
     if (problem_.empty()) problem_ = problem;
   }
   /// Returns why the messages end before the end of the file, as a phrase such as "is cut off";
   /// empty: they do not, or the end was not reached.
   [[nodiscard]] const std::string& problem() const { return problem_; }
   /// Returns the error of a recording without `what`, with the problem.
-  [[nodiscard]] Error lack(const std::string& what) const {
+  [[nodiscard]] Error makeLackError(const std::string& what) const {
     return {"has no " + what + (problem_.empty() ? "" : ": it " + problem_)};
   }
 

@@ -52,12 +52,9 @@ VisionSettings preparePoints(VisionSettings settings, const SourceInfo& info) {
   return settings;
 }
 
-namespace {
-constexpr Duration kLogInterval = std::chrono::seconds(2);  // chosen: a comfortable interval
-}  // namespace
-
 bool scanClip(Vision& vision, RgbdSource& source, const MediaClock& clock,
               const ScanProgress& progress) {
+  constexpr Duration kLogInterval = std::chrono::seconds(2);  // chosen: a comfortable interval
   MediaTime logged = clock.now();
   return vision.scan(source, [&](std::uint64_t done, std::uint64_t total) {
     const double share = static_cast<double>(done) / static_cast<double>(total);

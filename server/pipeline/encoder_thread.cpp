@@ -85,9 +85,7 @@ void EncoderThread::encode(Job job, const SliceSettings& slices) {
     described_ = std::move(job.description);
     for (StreamSink* sink : sinks_) sink->describe(*described_);
   }
-  if (const auto key = signer_ != nullptr ? signer_->rotateKey() : std::nullopt) {
-    for (StreamSink* sink : sinks_) sink->changeKey(*key);
-  }
+  if (signer_ != nullptr) rotateKey(*signer_, sinks_);
   const LocalTime begin = now();
   const EncodedFrame frame =
       encoder_.encode(job.result.frame, slices, signer_, areDatagramsWanted(sinks_));

@@ -1,15 +1,22 @@
 // SPDX-License-Identifier: MIT
-#include "server/show/clip_producer.hpp"
+#include "server/show/producers.hpp"
 
 #include <spdlog/spdlog.h>
 
+#include <cstdint>
+#include <functional>
+#include <optional>
 #include <utility>
 
 #include "server/pipeline/clip_scan.hpp"
+#include "server/pipeline/encoder_thread.hpp"
+#include "server/pipeline/frame_pump.hpp"
 #include "server/pipeline/input_check.hpp"
 #include "server/pipeline/open_clip.hpp"
+#include "server/pipeline/plan_log.hpp"
 #include "server/show/show.hpp"
 #include "server/source/stream_url.hpp"
+#include "server/vision/vision.hpp"
 
 namespace hapticast::server {
 
@@ -18,13 +25,43 @@ namespace {
 // The protocol (proto/README.md) promises viewers a message about once a second.
 constexpr Duration kPrepareEvery = std::chrono::seconds(1);
 
+/// Source and vision run on the thread of the show, the encoding on a second one (EncoderThread).
+class ClipProducer final : public Producer {
+ public:
+  ClipProducer(const Settings& settings, const Clock& clock);
+
+  [[nodiscard]] const MediaClock* mediaClock() const override { return &media_clock_; }
+  [[nodiscard]] StreamDescription description() const override { return vision_.description(); }
+  void connect(Show& show) override;
+  [[nodiscard]] OperatedStream* operated() override { return pump_ ? &*pump_ : nullptr; }
+  void prepare() override;
+  void start() override;
+  bool step() override;
+  bool finish() override;
+  void release() noexcept override;
+
+ private:
+  void onFrame();
+
+  const Settings& settings_;
+  const Clock& clock_;
+  LocalMediaClock media_clock_;
+  std::function<void()> while_waiting_;  // what goes on while the source waits for a child
+  std::unique_ptr<RgbdSource> source_;
+  VisionSettings vision_settings_;
+  Vision vision_;
+  PlanLog plan_log_;
+  DepthRangeLog range_log_;
+  std::optional<EncoderThread> encoder_;
+  std::optional<FramePump> pump_;
+  std::uint64_t frames_ = 0;
+};
+
 std::unique_ptr<RgbdSource> openFor(const Settings& settings, KeepWaiting keep_waiting) {
   if (settings.loop && isStreamUrl(settings.source))
     throw SourceError("--loop: a live stream has no end; leave the flag out");
   return openClip(settings, std::move(keep_waiting));
 }
-
-}  // namespace
 
 ClipProducer::ClipProducer(const Settings& settings, const Clock& clock)
     : settings_(settings),
@@ -39,7 +76,7 @@ ClipProducer::ClipProducer(const Settings& settings, const Clock& clock)
       vision_(describeSource(*source_, settings_), vision_settings_, &clock) {}
 
 void ClipProducer::connect(Show& show) {
-  show_ = &show;
+  Producer::connect(show);
   const SliceSettings slices{.error_mm = computeHeightError_mm(vision_settings_)};
   encoder_.emplace(show.sinks().all(), &show.sinks().signer(), slices,
                    settings_.http ? &clock_ : nullptr);
@@ -117,10 +154,15 @@ bool ClipProducer::finish() {
 }
 
 void ClipProducer::release() noexcept {
+  while_waiting_ = nullptr;
   pump_.reset();
   encoder_.reset();
-  while_waiting_ = nullptr;
-  show_ = nullptr;
+}
+
+}  // namespace
+
+std::unique_ptr<Producer> makeClipProducer(const Settings& settings, const Clock& clock) {
+  return std::make_unique<ClipProducer>(settings, clock);
 }
 
 }  // namespace hapticast::server

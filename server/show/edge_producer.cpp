@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: MIT
-#include "server/show/edge_producer.hpp"
+#include "server/show/producers.hpp"
 
 #include <spdlog/spdlog.h>
 
+#include <optional>
+
+#include "server/relay/relay_clock.hpp"
+#include "server/relay/relay_subscriber.hpp"
 #include "server/show/show.hpp"
 #include "server/source/rgbd_source.hpp"
 #include "server/source/stream_url.hpp"
@@ -11,12 +15,31 @@ namespace hapticast::server {
 
 namespace {
 
+class EdgeProducer final : public Producer {
+ public:
+  EdgeProducer(const Settings& settings, const Clock& clock);
+
+  [[nodiscard]] const MediaClock* mediaClock() const override { return &media_clock_; }
+  [[nodiscard]] StreamDescription description() const override;
+  void connect(Show& show) override;
+  void prepare() override;
+  void start() override;
+  bool step() override;
+  void release() noexcept override { subscriber_.reset(); }
+  void addTo(Metrics& metrics) const override;
+
+ private:
+  const Settings& settings_;
+  const Clock& clock_;
+  NatsAddress address_;
+  RelayClock media_clock_;
+  std::optional<RelaySubscriber> subscriber_;
+};
+
 NatsAddress requireNatsAddress(const std::string& text) {
   if (const auto address = parseNatsAddress(text)) return *address;
   throw SourceError(hideCredentials(text) + ": is not " + kNatsForm);
 }
-
-}  // namespace
 
 EdgeProducer::EdgeProducer(const Settings& settings, const Clock& clock)
     : settings_(settings),
@@ -31,7 +54,7 @@ StreamDescription EdgeProducer::description() const {
 }
 
 void EdgeProducer::connect(Show& show) {
-  show_ = &show;
+  Producer::connect(show);
   subscriber_.emplace(address_, settings_.nats, settings_.origin_keys, clock_, media_clock_,
                       show.sinks().service().broadcaster());
 }
@@ -54,15 +77,18 @@ void EdgeProducer::start() {
 
 bool EdgeProducer::step() {
   subscriber_->poll();
-  const RelayCounts counts = subscriber_->counts();
-  const std::lock_guard lock(mutex_);
-  counts_ = counts;
   return true;
 }
 
 void EdgeProducer::addTo(Metrics& metrics) const {
-  const std::lock_guard lock(mutex_);
-  metrics.relay = counts_;
+  metrics.pipeline.reset();
+  metrics.relay = subscriber_->counts();
+}
+
+}  // namespace
+
+std::unique_ptr<Producer> makeEdgeProducer(const Settings& settings, const Clock& clock) {
+  return std::make_unique<EdgeProducer>(settings, clock);
 }
 
 }  // namespace hapticast::server

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Interface of what makes the stream of a show: a clip, a recording, an origin, a bake. A producer
-// opens its source in its constructor. Show calls the functions in the order of their declaration,
-// step() again and again. Thread: the one of Show::run(), if a function states no other.
+// Interface of what makes the stream of a show: a clip, a recording, an origin, a bake. Show calls
+// connect(), prepare(), start(), step() again and again, finish() and release().
+// Thread: the one of Show::run(), if a function states no other.
 #pragma once
 
 #include "common/protocol/messages.hpp"
@@ -24,8 +24,8 @@ class Producer {
   /// Returns the present description of the stream.
   [[nodiscard]] virtual StreamDescription description() const { return {}; }
   /// Connects the stream with the sinks of `show`, which is valid until release(). Throws
-  /// std::runtime_error with one line.
-  virtual void connect(Show& show) = 0;
+  /// std::runtime_error with one line. An override calls this function, too.
+  virtual void connect(Show& show) { show_ = &show; }
   /// Returns what operators change; null: they may change nothing. Valid from connect() to
   /// release().
   [[nodiscard]] virtual OperatedStream* operated() { return nullptr; }
@@ -41,10 +41,13 @@ class Producer {
   /// until viewers have played it. Returns whether it is complete; a stream for viewers always is.
   /// Throws std::runtime_error with one line.
   virtual bool finish() { return true; }
-  /// Frees everything that uses the show, also after an exception.
+  /// Frees everything that uses the show, also after an exception. The network thread has ended.
   virtual void release() noexcept {}
   /// Adds figures for operators. Thread: the network's, from connect() to release().
   virtual void addTo(Metrics& /*metrics*/) const {}
+
+ protected:
+  Show* show_ = nullptr;  // from connect() on
 };
 
 }  // namespace hapticast::server

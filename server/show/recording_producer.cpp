@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: MIT
-#include "server/show/recording_producer.hpp"
+#include "server/show/producers.hpp"
 
 #include <spdlog/spdlog.h>
 
+#include <cstdint>
 #include <string>
 #include <utility>
 #include <variant>
 #include <vector>
 
+#include "common/playback/recording_player.hpp"
 #include "common/recording/recorder.hpp"
 #include "server/pipeline/control_queue.hpp"
 #include "server/show/show.hpp"
+#include "server/stream/encoded.hpp"
 
 namespace hapticast::server {
 
@@ -19,6 +22,41 @@ StreamReader openRecording(const std::string& file) {
   if (!opened.ok()) throw RecordingError("--source " + file + ": " + opened.error().message);
   return std::move(opened).value();
 }
+
+namespace {
+
+class RecordingProducer final : public Producer, public OperatedStream {
+ public:
+  RecordingProducer(const Settings& settings, const Clock& clock);
+
+  [[nodiscard]] const MediaClock* mediaClock() const override { return &media_clock_; }
+  [[nodiscard]] StreamDescription description() const override { return description_; }
+  [[nodiscard]] OperatedStream* operated() override { return this; }
+  void start() override;
+  bool step() override;
+  bool finish() override;
+
+  void setPaused(bool paused) override;
+  void idle() override;
+  void seek(double time_s, const std::function<bool()>& ends_early) override;
+  bool setSpeed(double speed) override;
+  void changeMaterials(const Material& change) override;
+
+ private:
+  void publish(RecordedItem item);
+  void publish(CodedFrame frame);
+  /// Describes the stream to all receivers, if it changed.
+  void describeStream();
+
+  const Settings& settings_;
+  RecordingPlayer player_;
+  LocalMediaClock media_clock_;
+  StreamDescription recorded_;     // the newest description in the recording
+  StreamDescription description_;  // that of the viewers
+  FrameEncoder encoder_;
+  Material material_;  // operators' values
+  std::uint64_t frames_ = 0;
+};
 
 RecordingProducer::RecordingProducer(const Settings& settings, const Clock& clock)
     : settings_(settings),
@@ -92,8 +130,7 @@ void RecordingProducer::publish(CodedFrame frame) {
   const std::vector<StreamSink*> sinks = show_->sinks().all();
   if (settings_.http) show_->counter().set(0, {}, signer.signingTime());
   for (CodedObject& object : frame.objects) changeMaterial(material_, object.material);
-  if (const auto key = signer.rotateKey())
-    for (StreamSink* sink : sinks) sink->changeKey(*key);
+  rotateKey(signer, sinks);
   const EncodedFrame encoded =
       encoder_.encode(std::move(frame), &signer, areDatagramsWanted(sinks));
   for (StreamSink* sink : sinks) sink->publish(encoded);
@@ -105,6 +142,12 @@ void RecordingProducer::describeStream() {
   if (description == description_) return;
   description_ = description;
   for (StreamSink* sink : show_->sinks().all()) sink->describe(description_);
+}
+
+}  // namespace
+
+std::unique_ptr<Producer> makeRecordingProducer(const Settings& settings, const Clock& clock) {
+  return std::make_unique<RecordingProducer>(settings, clock);
 }
 
 }  // namespace hapticast::server

@@ -25,16 +25,19 @@ Show::Show(const Settings& settings, const Clock& clock, ReadSettings reread, Pr
 bool Show::run() {
   struct End {  // also after an exception
     Show& show;
-    ~End() { show.end(); }
+    ~End() {
+      if (show.sinks_) show.sinks_->service().end();
+      show.producer_.release();
+    }
   } const at_end{*this};
   producer_.connect(*this);
-  start();
+  listen();
   producer_.prepare();
   if (!stopped()) play();
   return producer_.finish();
 }
 
-void Show::start() {
+void Show::listen() {
   if (!sinks_) {
     signalled_ = &stopAtSignals(SecondSignal::kEndsProgram);
     return;
@@ -44,28 +47,28 @@ void Show::start() {
         [this](const Control& control, std::function<void()> confirm) {
           requests_.push(control, std::move(confirm));
         });
-  sinks_->start([this] { stop(); },
+  StreamService& service = sinks_->service();
+  service.watch([this](Metrics& metrics) {
+    metrics.pipeline = counter_.counts();
+    metrics.relay = sinks_->relayCounts();
+    producer_.addTo(metrics);
+  });
+  service.start([this] { stop(); },
                 [this] {
                   if (auto vision = reloader_.reload()) requests_.pushReload(std::move(*vision));
-                },
-                [this](Metrics& metrics) {
-                  if (settings_.command != Command::kRelay) metrics.pipeline = counter_.counts();
-                  producer_.addTo(metrics);
                 });
 }
 
 void Show::play() {
-  if (sinks_) openToViewers();
+  if (sinks_) {
+    sinks_->service().open(producer_.description().name);
+    if (settings_.wait_for_viewer) waitForViewer();
+  }
   streaming_ = true;
   counter_.enter(PipelinePhase::kStream);
   producer_.start();
   while (!stopped() && (operate() || producer_.step())) {
   }
-}
-
-void Show::openToViewers() {
-  sinks_->service().open(producer_.description().name);
-  if (settings_.wait_for_viewer) waitForViewer();
 }
 
 void Show::waitForViewer() {
@@ -96,11 +99,6 @@ bool Show::waitUntil(MediaTime due, Until until) {
     std::this_thread::sleep_for(std::min(left, kSlice));
   }
   return false;
-}
-
-void Show::end() noexcept {
-  if (sinks_) sinks_->service().end();
-  producer_.release();
 }
 
 }  // namespace hapticast::server

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// A show: one stream from its first viewer to its end. It owns the sinks, waits for viewers and
-// for the time of each frame, carries out the requests of operators, and ends at signals. A
-// Producer makes the stream. README.md has the table of producers and sinks.
+// A show: one stream from its start to its end. It owns the sinks, waits for viewers and for the
+// time of each frame, carries out the requests of operators, and ends at signals. A Producer makes
+// the stream.
 // Thread: the one of run(), if a function states no other.
 #pragma once
 
@@ -40,14 +40,14 @@ class Show {
   bool run();
   /// Ends run() soon. Thread: any.
   void stop() noexcept { stop_ = true; }
-  /// Returns whether streaming has begun. A later failure of run() is not due to wrong input of the
-  /// user.
+  /// Returns whether streaming has begun. A later SourceError of run() is not due to wrong input of
+  /// the user.
   [[nodiscard]] bool streaming() const { return streaming_; }
 
   /// For the producer. Returns whether the show ends.
   [[nodiscard]] bool stopped() const { return stop_ || (signalled_ != nullptr && *signalled_); }
-  /// For the producer. Waits until `due`. Returns false if the show ends, or a request of an
-  /// operator ends the wait.
+  /// For a producer with a media clock. Waits until `due`. Returns false if the show ends, or a
+  /// request of an operator ends the wait.
   bool waitUntil(MediaTime due, Until until = Until::kDue);
   /// For a producer with a media clock. Returns the sinks.
   [[nodiscard]] Sinks& sinks() { return *sinks_; }
@@ -55,13 +55,12 @@ class Show {
   [[nodiscard]] PipelineCounter& counter() { return counter_; }
 
  private:
-  void start();
-  void openToViewers();
+  /// Starts the network thread, or reacts to signals without one.
+  void listen();
   void waitForViewer();
   void play();
   /// Carries out the requests of operators. Returns whether the stream is paused.
   bool operate();
-  void end() noexcept;
 
   const Settings& settings_;
   Producer& producer_;

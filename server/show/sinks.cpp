@@ -30,6 +30,7 @@ Sinks::Sinks(const Settings& settings, const Clock& clock, const MediaClock& med
               settings.tls.wanted() ? std::make_unique<DatagramSealer>(clock) : nullptr),
       service_(settings, clock, media_clock, description,
                settings.command == Command::kRelay ? StreamIdentity{} : signer_.identity()) {
+  service_.broadcaster().onRemoved([this] { signer_.revokeKey(); });
   // Viewers of relays need the key: a relay could show another one.
   if (settings.publish || !settings.signing_key_file.empty())
     spdlog::info("origin key: {}", toHex(signer_.identity().verifying_key));
@@ -40,14 +41,8 @@ Sinks::Sinks(const Settings& settings, const Clock& clock, const MediaClock& med
   if (settings.http) signer_.measure(clock);
 }
 
-void Sinks::start(std::function<void()> on_signal, std::function<void()> on_reload,
-                  std::function<void(Metrics&)> add_metrics) {
-  service_.watch([this, add_metrics = std::move(add_metrics)](Metrics& metrics) {
-    if (relay_) metrics.relay = relay_->counts();
-    add_metrics(metrics);
-  });
-  service_.broadcaster().onRemoved([this] { signer_.revokeKey(); });
-  service_.start(std::move(on_signal), std::move(on_reload));
+std::optional<RelayCounts> Sinks::relayCounts() const {
+  return relay_ ? std::optional(relay_->counts()) : std::nullopt;
 }
 
 std::vector<StreamSink*> Sinks::all() {

@@ -4,7 +4,6 @@
 // and signs nothing. Thread: see each function.
 #pragma once
 
-#include <functional>
 #include <optional>
 #include <vector>
 
@@ -23,15 +22,12 @@ class Sinks {
   Sinks(const Settings& settings, const Clock& clock, const MediaClock& media_clock,
         const StreamDescription& description);
 
-  /// Starts the threads as StreamService::start() does. The figures for --http are those of this
-  /// object and of `add_metrics`; thread: the network's. Call it once. Thread: the owner's.
-  void start(std::function<void()> on_signal, std::function<void()> on_reload,
-             std::function<void(Metrics&)> add_metrics);
-
   [[nodiscard]] FrameSigner& signer() { return signer_; }
   [[nodiscard]] StreamService& service() { return service_; }
   /// Returns all receivers of the stream.
   [[nodiscard]] std::vector<StreamSink*> all();
+  /// Returns the state of the origin; nullopt without --publish. Thread: any.
+  [[nodiscard]] std::optional<RelayCounts> relayCounts() const;
   /// Returns the recorder; null: there is none.
   [[nodiscard]] StreamRecorder* recorder() { return recorder_ ? &*recorder_ : nullptr; }
 

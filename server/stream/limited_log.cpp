@@ -7,19 +7,16 @@
 
 namespace hapticast::server {
 
-void LimitedLog::info(std::string line) {
-  if (const auto admitted = others_.admit(std::move(line), clock_.now()))
-    spdlog::info("{}", *admitted);
-}
+void LimitedLog::info(std::string line) { log(spdlog::level::info, std::move(line)); }
 
-void LimitedLog::warn(std::string line) {
-  if (const auto admitted = problems_.admit(std::move(line), clock_.now()))
-    spdlog::warn("{}", *admitted);
-}
+void LimitedLog::warn(std::string line) { log(spdlog::level::warn, std::move(line)); }
 
-void LimitedLog::error(std::string line) {
-  if (const auto admitted = problems_.admit(std::move(line), clock_.now()))
-    spdlog::error("{}", *admitted);
+void LimitedLog::error(std::string line) { log(spdlog::level::err, std::move(line)); }
+
+void LimitedLog::log(spdlog::level::level_enum level, std::string line) {
+  RateLimiter& limit = level >= spdlog::level::warn ? problems_ : others_;
+  if (const auto admitted = limit.admit(std::move(line), clock_.now()))
+    spdlog::log(level, "{}", *admitted);
 }
 
 }  // namespace hapticast::server

@@ -3,6 +3,8 @@
 // a time.
 #pragma once
 
+#include <spdlog/common.h>
+
 #include <string>
 
 #include "common/rate_limiter.hpp"
@@ -22,6 +24,8 @@ class LimitedLog {
   void error(std::string line);
 
  private:
+  void log(spdlog::level::level_enum level, std::string line);
+
   const Clock& clock_;
   RateLimiter problems_;  // separate, so that usual lines hide no problem
   RateLimiter others_;

@@ -9,6 +9,7 @@
 #include "common/haptic_frame.hpp"
 #include "common/protocol/messages.hpp"
 #include "server/stream/encoded.hpp"
+#include "server/stream/frame_signer.hpp"
 
 namespace hapticast::server {
 
@@ -33,6 +34,13 @@ class StreamSink {
   /// Returns whether the sink needs datagrams. If no sink does, they are not signed.
   [[nodiscard]] virtual bool datagramsWanted() const = 0;
 };
+
+/// Passes a new key of the sealed datagrams to `sinks`, if one is due. Call it before each frame.
+inline void rotateKey(FrameSigner& signer, const std::vector<StreamSink*>& sinks) {
+  const auto key = signer.rotateKey();
+  if (!key) return;
+  for (StreamSink* const sink : sinks) sink->changeKey(*key);
+}
 
 /// Return whether at least one of `sinks` needs pictures, or datagrams.
 [[nodiscard]] inline bool isVideoWanted(const std::vector<StreamSink*>& sinks) {

@@ -4,7 +4,7 @@
 
 #include "server/recording/stream_recorder.hpp"
 #include "server/recording/viewer_timeline.hpp"
-#include "server/show/recording_producer.hpp"
+#include "server/show/producers.hpp"
 #include "tests/integration/stream_fixture.hpp"
 #include "tests/support/temp_folder.hpp"
 

@@ -44,7 +44,6 @@ class Pulse final : public Producer {
     description.fps = 100.0;
     return description;
   }
-  void connect(Show& show) override { show_ = &show; }
   void start() override { due_ = media_clock_.now(); }
   bool step() override {
     if (next_id_ > 5) return false;
@@ -55,6 +54,7 @@ class Pulse final : public Producer {
     frame.objects.push_back({1, 0, 1, flatRelief({0, 0, 8, 8}), {}, nullptr, {}, {}});
     std::vector<StreamSink*> sinks = show_->sinks().all();
     sinks.push_back(&ids_);
+    rotateKey(show_->sinks().signer(), sinks);
     const EncodedFrame encoded =
         encoder_.encode(frame, {}, &show_->sinks().signer(), areDatagramsWanted(sinks));
     for (StreamSink* sink : sinks) sink->publish(encoded);
@@ -70,7 +70,6 @@ class Pulse final : public Producer {
  private:
   LocalMediaClock media_clock_;
   FrameIds& ids_;
-  Show* show_ = nullptr;
   FrameEncoder encoder_;
   MediaTime due_{};
   std::uint64_t next_id_ = 1;

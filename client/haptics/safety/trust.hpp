@@ -60,8 +60,6 @@ class Trust {
     return score() >= kMost_ticks || lasting_ticks_ >= kMostLasting_ticks ||
            vibration_.rms_m_s2() >= kHandVibration_m_s2;
   }
-  /// Returns the count of the last minute.
-  [[nodiscard]] double lastingScore() const noexcept { return lasting_ticks_; }
   /// Returns the number of counted ticks. Each tick's share decays with a time constant of 2 s.
   [[nodiscard]] double score() const noexcept { return ticks_; }
   /// Returns the safety action that contributed most to the count.

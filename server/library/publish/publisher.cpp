@@ -178,7 +178,7 @@ double Publisher::Impl::publish(const Frame& frame, double time_s) {
 }
 
 void Publisher::Impl::send(const HapticFrame& frame, const std::vector<std::uint8_t>& jpeg) {
-  if (const auto key = signer_.rotateKey()) broadcaster_.changeKey(*key);
+  server::rotateKey(signer_, {&broadcaster_});
   broadcaster_.publish(encoder_.encode(frame, {}, &signer_, broadcaster_.datagramsWanted()));
   if (jpeg.empty() || !broadcaster_.videoWanted()) return;
   broadcaster_.publish(server::encodeVideo({frame.epoch, frame.id, frame.media_time, jpeg}));

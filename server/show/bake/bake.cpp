@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "server/show/bake/bake.hpp"
+#include "server/show/producers.hpp"
 
 #include <fmt/core.h>
 #include <spdlog/spdlog.h>
@@ -102,18 +102,22 @@ struct BakedClip {
   BakedFile file;  // after all that refuses wrong input
 };
 
-/// Produces the frames of a clip into a file. It opens the clip in prepare(), because a signal has
-/// to end that, too.
+/// Computes a clip with OfflineVision and writes a recording (BakedFile). It has no port and no
+/// pace, and drops no frame. It opens the clip in prepare(), so that a signal meanwhile interrupts
+/// the bake and not the program.
 class BakeProducer final : public Producer {
  public:
   BakeProducer(const Settings& settings, const Clock& clock)
       : settings_(settings), progress_(clock, settings.quiet) {}
 
-  void connect(Show& show) override { show_ = &show; }
   void prepare() override;
   void start() override;
   bool step() override;
   bool finish() override;
+  void release() noexcept override {
+    progress_.clear();  // before the line of an error
+    clip_.reset();
+  }
 
  private:
   [[nodiscard]] std::uint64_t frames() const { return clip_ ? clip_->file.frames() : 0; }
@@ -121,7 +125,6 @@ class BakeProducer final : public Producer {
 
   const Settings& settings_;
   BakeProgress progress_;
-  Show* show_ = nullptr;
   std::optional<BakedClip> clip_;
   std::uint64_t kept_ = 0;  // frames of the bake before
   std::uint64_t done_ = 0;

@@ -75,7 +75,7 @@ TEST_F(TypedReaderTest, GivesTheMessagesOfTheAskedTypes) {
     for (const unsigned types : {kFrameSet, kPictureSet, kFrameSet | kPictureSet}) {
       EXPECT_EQ(read(reader, types), choose(messages, types));
       EXPECT_EQ(reader.problem(), "");
-      EXPECT_EQ(reader.lack("frames").message, "has no frames");
+      EXPECT_EQ(reader.makeLackError("frames").message, "has no frames");
       reader.seek(0);
     }
     auto again = reader.reopen();
@@ -94,12 +94,13 @@ TEST_F(TypedReaderTest, AnInvalidMessageEndsTheMessages) {
   expectPrefix(begin, whole);
   EXPECT_LT(begin.size(), whole.size());
   EXPECT_EQ(reader.problem(), "has an invalid picture (bad bytes)");
-  EXPECT_EQ(reader.lack("ticks").message, "has no ticks: it has an invalid picture (bad bytes)");
-  reader.stop("lacks a frame");
+  EXPECT_EQ(reader.makeLackError("ticks").message,
+            "has no ticks: it has an invalid picture (bad bytes)");
+  reader.setProblem("lacks a frame");
   EXPECT_EQ(reader.problem(), "has an invalid picture (bad bytes)") << "the first one stays";
   reader.seek(0);
   EXPECT_EQ(read(reader, kFrameSet), choose(messages, kFrameSet)) << "it was not decoded";
-  reader.stop("lacks a frame");
+  reader.setProblem("lacks a frame");
   EXPECT_EQ(reader.problem(), "lacks a frame");
 }
 
