@@ -56,7 +56,7 @@ set(rules
   "client/device/loop/.*" "^(common|client/haptics|client/device/loop)/"
   "client/device/.*"   "^(common|client/haptics|client/device)/"
   "client/net/.*"      "^(common|client/haptics|client/net)/"
-  "client/report/.*"   "^(common/|client/(settings/settings\\.hpp$|haptics/|device/loop/|net/|report/))"
+  "client/report/.*"   "^(common|client/haptics|client/device/loop|client/net|client/report)/"
   "client/study/.*"    "^(common/|client/(haptics|study)/)"
   "client/view/.*"     "^(common|client/haptics|client/view)/"
   "client/web/messages/.*" "^(common/protocol/wire_reader\\.hpp$|client/web/messages/)"

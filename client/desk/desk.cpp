@@ -33,7 +33,7 @@ Desk::Desk(const Settings& settings, const Clock& clock, Views views)
       ui_(settings, std::move(views)),
       local_(settings, clock, ui_),
       signalled_(stopAtSignals()),
-      reporter_(settings) {}
+      reporter_(settings.log_file, settings.fault_folder, settings.summary_file) {}
 
 bool Desk::checkDevice() {
   return local_.is_checked || runFirstCheck(*local_.device, clock_, stop_, ui_, [this] {

@@ -3,15 +3,16 @@
 
 #include <spdlog/spdlog.h>
 
+#include <utility>
+
 #include "common/cli/run_program.hpp"
 #include "common/write_file.hpp"
 
 namespace hapticast::client {
 
-Reporter::Reporter(const Settings& settings)
-    : log_(settings.log_file),
-      faults_(settings.fault_folder),
-      summary_file_(settings.summary_file) {
+Reporter::Reporter(const std::string& log_file, const std::string& fault_folder,
+                   std::string summary_file)
+    : log_(log_file), faults_(fault_folder), summary_file_(std::move(summary_file)) {
   requireWritable("--summary", summary_file_);
 }
 

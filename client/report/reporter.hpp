@@ -10,15 +10,15 @@
 #include "client/report/messages.hpp"
 #include "client/report/summary.hpp"
 #include "client/report/tick_log.hpp"
-#include "client/settings/settings.hpp"
 
 namespace hapticast::client {
 
 class Reporter {
  public:
-  /// Opens the log file and the fault folder of `settings`. Throws std::runtime_error (one line) if
-  /// a file cannot be written.
-  explicit Reporter(const Settings& settings);
+  /// Opens the log file and the fault folder. `log_file`, `summary_file`: empty: none.
+  /// `fault_folder`: empty: the state folder. Throws std::runtime_error (one line) if a file cannot
+  /// be written.
+  Reporter(const std::string& log_file, const std::string& fault_folder, std::string summary_file);
 
   /// Writes the report of a tick to the log file. Logs a line if the state of the force has
   /// changed. Sets `report.time` to the time since the first tick. Call it before `rearm` receives

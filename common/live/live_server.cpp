@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "common/live/live_server.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <new>
 #include <utility>
@@ -20,6 +21,7 @@ LiveServer::LiveServer(const Endpoint& address, const std::string& name,
       acceptor_(openPort(io_, address, "--live")),
       address_(describeAddress(acceptor_, address)),
       server_{makeServerInfo(name), makeAdvertisement(channels_), channels_.size(),
+              [this] { return countWatchers() < kMostWatchers; },
               [this](Watcher& watcher, std::size_t channel, bool begins) {
                 onSubscription(watcher, channel, begins);
               }},
@@ -74,13 +76,24 @@ asio::awaitable<void> LiveServer::acceptAll() {
     boost::system::error_code ec;
     auto socket = co_await acceptor_.async_accept(asio::redirect_error(asio::use_awaitable, ec));
     if (!acceptor_.is_open()) co_return;  // a connection that came before the end
-    if (!ec && watchers_.size() < kMostWatchers) add(std::move(socket));
+    if (!ec) add(std::move(socket));
     pause_.expires_after(kPauseAfterAccept);
     co_await pause_.async_wait(asio::redirect_error(asio::use_awaitable, ec));
   }
 }
 
+std::size_t LiveServer::countWatchers() const {
+  return static_cast<std::size_t>(std::count_if(watchers_.begin(), watchers_.end(),
+                                                [](const auto& each) { return each->hasPlace(); }));
+}
+
 void LiveServer::add(asio::ip::tcp::socket socket) {
+  if (watchers_.size() - countWatchers() >= kMostSilent) {
+    const auto oldest = std::find_if(watchers_.begin(), watchers_.end(),
+                                     [](const auto& each) { return !each->hasPlace(); });
+    (*oldest)->close();
+    watchers_.erase(oldest);  // its coroutine ends by itself
+  }
   try {
     watchers_.push_back(std::make_shared<Watcher>(std::move(socket), server_));
     asio::co_spawn(

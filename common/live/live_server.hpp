@@ -22,8 +22,10 @@ namespace hapticast {
 /// A port for watchers.
 class LiveServer {
  public:
-  /// Largest number of connections. The server closes any further one at once. Chosen.
+  /// Largest number of WebSockets. A further one is refused. Chosen.
   static constexpr std::size_t kMostWatchers = 8;
+  /// Largest number of connections without a WebSocket. One more replaces the oldest. Chosen.
+  static constexpr std::size_t kMostSilent = 32;
 
   /// Opens the port of `address` as openPort() does, and starts the thread. `name`: of the program,
   /// for watchers. Throws AddressError or std::runtime_error with one line.
@@ -46,6 +48,7 @@ class LiveServer {
   void run();
   asio::awaitable<void> acceptAll();
   void add(asio::ip::tcp::socket socket);
+  [[nodiscard]] std::size_t countWatchers() const;
   asio::awaitable<void> serve(std::shared_ptr<Watcher> watcher);
   void onSubscription(Watcher& watcher, std::size_t channel, bool begins);
   void deliver(std::shared_ptr<const LiveMessage> message);

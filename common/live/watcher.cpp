@@ -52,7 +52,8 @@ std::string_view find(const http::request<http::empty_body>& request, http::fiel
 }
 
 /// Returns why a request for a WebSocket is refused, with its status; an empty text: it is not.
-std::pair<http::status, std::string> refuse(const http::request<http::empty_body>& request) {
+std::pair<http::status, std::string> refuse(const http::request<http::empty_body>& request,
+                                            bool has_place) {
   if (!websocket::is_upgrade(request) ||
       !offersProtocol(find(request, http::field::sec_websocket_protocol)))
     return {http::status::upgrade_required,
@@ -62,6 +63,8 @@ std::pair<http::status, std::string> refuse(const http::request<http::empty_body
     return {http::status::forbidden,
             "Pages of other sites may not watch: open Lichtblick as a program, or from "
             "localhost.\n"};
+  if (!has_place)
+    return {http::status::service_unavailable, "Too many programs watch already: close one.\n"};
   return {http::status::ok, ""};
 }
 
@@ -126,7 +129,8 @@ asio::awaitable<bool> Watcher::accept() {
   boost::system::error_code ec;
   co_await http::async_read_header(tcp, received, parser, into(ec));
   if (ec) co_return false;
-  if (const auto [status, text] = refuse(parser.get()); status != http::status::ok) {
+  if (const auto [status, text] = refuse(parser.get(), server_.hasPlace());
+      status != http::status::ok) {
     http::response<http::string_body> response(status, parser.get().version(), text);
     response.set(http::field::content_type, "text/plain");
     response.keep_alive(false);
@@ -134,6 +138,7 @@ asio::awaitable<bool> Watcher::accept() {
     co_await http::async_write(tcp, response, into(ec));
     co_return false;
   }
+  has_place_ = true;
   tcp.expires_never();  // the WebSocket has limits of its own
   web.set_option(websocket::stream_base::timeout{kHandshake, kSilence, true});
   web.set_option(websocket::stream_base::decorator([](websocket::response_type& response) {

@@ -42,6 +42,8 @@ class Watcher : public std::enable_shared_from_this<Watcher> {
     std::string info;           ///< makeServerInfo()
     std::string advertisement;  ///< makeAdvertisement()
     std::size_t channels;       ///< number of channels
+    /// Returns whether one more watcher may open its WebSocket.
+    std::function<bool()> hasPlace;
     /// A subscription to a channel begins or ends. The watcher ends all its subscriptions before
     /// its destruction.
     std::function<void(Watcher& watcher, std::size_t channel, bool begins)> onSubscription;
@@ -59,6 +61,8 @@ class Watcher : public std::enable_shared_from_this<Watcher> {
   void send(const std::shared_ptr<const LiveMessage>& message);
   /// Closes the connection.
   void close();
+  /// Returns whether the connection has a place: it has asked for a WebSocket.
+  [[nodiscard]] bool hasPlace() const { return has_place_; }
 
  private:
   struct Socket;
@@ -86,7 +90,7 @@ class Watcher : public std::enable_shared_from_this<Watcher> {
   std::size_t waiting_bytes_ = 0;
   std::uint64_t lost_ = 0;  // since the last warning
   std::chrono::steady_clock::time_point warned_at_{};
-  bool is_open_ = false, writes_ = false;
+  bool has_place_ = false, is_open_ = false, writes_ = false;
 };
 
 /// Returns whether a page of `origin` may watch a server whose address the request names `host`. A

@@ -12,7 +12,7 @@
 namespace hapticast {
 
 Result<McapFile> McapFile::open(const std::string& file) {
-  const int opened = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
+  const int opened = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);  // no wait at a FIFO
   struct stat facts {};
   if (opened < 0 || ::fstat(opened, &facts) != 0) {
     const std::string why = std::system_category().message(errno);

@@ -42,11 +42,11 @@ Result<McapReader> McapReader::open(const std::string& file, std::size_t most_bl
   if (head.size() < kHeadBytes || !std::equal(kMcapMagic.begin(), kMcapMagic.end(), head.begin()))
     return Error{"is no MCAP file"};
   if (!reader.readSummary()) reader.scan(most_blocks);
-  if (reader.blocks_.empty())
+  if (reader.shared_->blocks.empty())
     return Error{reader.damage_.empty() ? "has no messages"
                                         : "has no messages: it " + reader.damage_};
-  for (const Block& block : reader.blocks_) reader.end_ns_ = std::max(reader.end_ns_, block.end_ns);
-  reader.block_.clear();
+  for (const Block& block : reader.shared_->blocks)
+    reader.end_ns_ = std::max(reader.end_ns_, block.end_ns);
   return reader;
 }
 
@@ -56,7 +56,7 @@ Result<McapReader> McapReader::reopen() const {
   McapReader reader(std::move(file).value());
   reader.schemas_ = schemas_;
   reader.channels_ = channels_;
-  reader.blocks_ = blocks_;
+  reader.shared_ = shared_;
   reader.end_ns_ = end_ns_;
   reader.damage_ = damage_;
   return reader;
@@ -77,12 +77,12 @@ bool McapReader::readSummary() {
     if (!record) break;
     readDefinition(*record);
     if (record->code == McapCode::kChunkIndex && !readChunkIndex(record->content)) {
-      blocks_.clear();
+      shared_->blocks.clear();
       break;
     }
   }
-  if (in.rest().empty() && !blocks_.empty() && !channels_.empty()) return true;
-  blocks_.clear();
+  if (in.rest().empty() && !shared_->blocks.empty() && !channels_.empty()) return true;
+  shared_->blocks.clear();
   schemas_.clear();
   channels_.clear();
   return false;
@@ -127,15 +127,17 @@ bool McapReader::readChunkIndex(std::span<const std::uint8_t> content) {
       block.bytes > kMostChunkBytes + kMcapRecordHeadBytes || block.begin_ns > block.end_ns)
     return false;
   // Each chunk counts once.
-  if (!blocks_.empty() && block.offset < blocks_.back().offset + blocks_.back().bytes) return false;
-  blocks_.push_back(block);
+  if (!shared_->blocks.empty() &&
+      block.offset < shared_->blocks.back().offset + shared_->blocks.back().bytes)
+    return false;
+  shared_->blocks.push_back(block);
   return true;
 }
 
 void McapReader::scan(std::size_t most_blocks) {
   std::uint64_t offset = kMcapMagic.size();
   std::uint64_t run = offset;  // begin of the records outside of chunks
-  while (damage_.empty() && blocks_.size() < most_blocks) {
+  while (damage_.empty() && shared_->blocks.size() < most_blocks) {
     const auto head = readBytes(offset, kMcapRecordHeadBytes);
     McapIn in(head);
     const auto code = static_cast<McapCode>(in.number<std::uint8_t>());
@@ -169,8 +171,7 @@ void McapReader::scanRun(std::uint64_t begin, std::uint64_t end) {
     damage_ = "has a record of more than 256 MiB";
     return;
   }
-  block_ = readBytes(begin, end - begin);
-  addBlock(begin, end - begin, false);
+  addBlock(begin, end - begin, false, readBytes(begin, end - begin));
 }
 
 void McapReader::scanChunk(std::uint64_t begin, std::uint64_t end) {
@@ -179,17 +180,16 @@ void McapReader::scanChunk(std::uint64_t begin, std::uint64_t end) {
     damage_ = "has a chunk of more than 256 MiB";
     return;
   }
-  McapChunk chunk = readChunk(readBytes(content, end - content));
+  const McapChunk chunk = readChunk(readBytes(content, end - content));
   damage_ = chunk.problem;
-  if (!damage_.empty()) return;
-  block_ = std::move(chunk.records);
-  addBlock(begin, end - begin, true);
+  if (damage_.empty()) addBlock(begin, end - begin, true, chunk.records);
 }
 
-void McapReader::addBlock(std::uint64_t offset, std::uint64_t bytes, bool is_chunk) {
+void McapReader::addBlock(std::uint64_t offset, std::uint64_t bytes, bool is_chunk,
+                          std::span<const std::uint8_t> records) {
   Block block{offset, bytes, std::numeric_limits<std::uint64_t>::max(), 0, is_chunk};
   bool any = false;
-  McapIn in(block_);
+  McapIn in(records);
   while (const auto record = readRecord(in)) {
     readDefinition(*record);
     const auto message = readMessage(*record);
@@ -198,7 +198,7 @@ void McapReader::addBlock(std::uint64_t offset, std::uint64_t bytes, bool is_chu
     block.end_ns = std::max(block.end_ns, message->time_ns);
     any = true;
   }
-  if (any) blocks_.push_back(block);
+  if (any) shared_->blocks.push_back(block);
 }
 
 void McapReader::readDefinition(const McapRecord& record) {
@@ -221,31 +221,39 @@ void McapReader::readDefinition(const McapRecord& record) {
 }
 
 bool McapReader::load(std::size_t index) {
-  const Block& block = blocks_[index];
   at_ = 0;
-  block_ = readBytes(block.offset, block.bytes);
-  if (block_.size() != block.bytes) {
+  std::weak_ptr<const Records>& loaded = shared_->loaded[index];
+  block_ = loaded.lock();
+  if (!block_) loaded = block_ = readBlock(index);
+  std::erase_if(shared_->loaded, [](const auto& each) { return each.second.expired(); });
+  if (block_) return true;
+  block_ = std::make_shared<Records>();
+  return false;
+}
+
+std::shared_ptr<const McapReader::Records> McapReader::readBlock(std::size_t index) {
+  const Block& block = shared_->blocks[index];
+  auto bytes = std::make_shared<Records>(readBytes(block.offset, block.bytes));
+  if (bytes->size() != block.bytes) {
     problem_ = "cannot be read to its end";
-    block_.clear();
-    return false;
+    return nullptr;
   }
-  if (!block.is_chunk) return true;
-  McapIn in(block_);
+  if (!block.is_chunk) return bytes;
+  McapIn in(*bytes);
   const auto record = readRecord(in);
   if (!record || record->code != McapCode::kChunk || !in.rest().empty()) {
     problem_ = "has an index that names no chunk";
-    block_.clear();
-    return false;
+    return nullptr;
   }
   McapChunk chunk = readChunk(record->content);
   problem_ = chunk.problem;
-  block_ = std::move(chunk.records);
-  return problem_.empty();
+  if (!problem_.empty()) return nullptr;
+  return std::make_shared<Records>(std::move(chunk.records));
 }
 
 std::optional<McapMessage> McapReader::next() {
   while (problem_.empty()) {
-    McapIn in(std::span(std::as_const(block_)).subspan(at_));
+    McapIn in(std::span<const std::uint8_t>(*block_).subspan(at_));
     const std::size_t before = in.rest().size();
     if (const auto record = readRecord(in)) {
       message_at_ = std::exchange(at_, at_ + before - in.rest().size());
@@ -254,9 +262,9 @@ std::optional<McapMessage> McapReader::next() {
       if (message && channels_.contains(message->channel)) return message;
       continue;
     }
-    if (at_ < block_.size()) {
+    if (at_ < block_->size()) {
       problem_ = "has a damaged chunk";
-    } else if (next_block_ == blocks_.size()) {
+    } else if (next_block_ == shared_->blocks.size()) {
       problem_ = damage_;
       return std::nullopt;
     } else if (!load(next_block_++)) {
@@ -267,25 +275,25 @@ std::optional<McapMessage> McapReader::next() {
 }
 
 void McapReader::seek(std::uint64_t time_ns) {
-  const auto found = std::find_if(blocks_.begin(), blocks_.end(),
+  const auto found = std::find_if(shared_->blocks.begin(), shared_->blocks.end(),
                                   [&](const Block& block) { return block.end_ns >= time_ns; });
-  next_block_ = static_cast<std::size_t>(found - blocks_.begin());
-  block_.clear();
+  next_block_ = static_cast<std::size_t>(found - shared_->blocks.begin());
+  block_ = std::make_shared<Records>();
   at_ = 0;
   problem_.clear();
 }
 
 void McapReader::seek(McapPlace place) {
   problem_.clear();
-  if (place.block >= blocks_.size()) {
+  if (place.block >= shared_->blocks.size()) {
     problem_ = "cannot be read any more";
     return;
   }
-  if (next_block_ != place.block + 1 || block_.empty()) {
+  if (next_block_ != place.block + 1 || block_->empty()) {
     next_block_ = place.block + 1;
     if (!load(place.block)) return;
   }
-  at_ = std::min(place.at, block_.size());
+  at_ = std::min(place.at, block_->size());
 }
 
 }  // namespace hapticast

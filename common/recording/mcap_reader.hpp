@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <limits>
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -44,8 +45,9 @@ class McapReader {
   /// many chunks. One is enough for the first channels.
   [[nodiscard]] static Result<McapReader> open(
       const std::string& file, std::size_t most_blocks = std::numeric_limits<std::size_t>::max());
-  /// Returns another reader of the same file, at its begin, without reading it again. Returns an
-  /// error if the system has no handle for it.
+  /// Returns another reader of the same file, at its begin, without reading it again. Both share
+  /// the index and the chunks that they read at the same time, so they belong to one thread.
+  /// Returns an error if the system has no handle for the file.
   [[nodiscard]] Result<McapReader> reopen() const;
 
   /// Returns the channels, by their number in messages. The data of their schemas are left out.
@@ -74,6 +76,12 @@ class McapReader {
     std::uint64_t begin_ns, end_ns;
     bool is_chunk;
   };
+  using Records = std::vector<std::uint8_t>;
+  /// What the readers of one file share: the index of a day has 86,400 chunks.
+  struct Shared {
+    std::vector<Block> blocks;                                   // constant once the file is open
+    std::map<std::size_t, std::weak_ptr<const Records>> loaded;  // of readers at the same place
+  };
   explicit McapReader(McapFile file) : file_(std::move(file)) {}
   [[nodiscard]] std::vector<std::uint8_t> readBytes(std::uint64_t offset,
                                                     std::uint64_t bytes) const;
@@ -86,23 +94,26 @@ class McapReader {
   void scan(std::size_t most_blocks);
   void scanRun(std::uint64_t begin, std::uint64_t end);
   void scanChunk(std::uint64_t begin, std::uint64_t end);
-  /// Adds the block, whose records are in block_. Its times are those of its messages.
-  void addBlock(std::uint64_t offset, std::uint64_t bytes, bool is_chunk);
+  /// Adds the block with these records. Its times are those of its messages.
+  void addBlock(std::uint64_t offset, std::uint64_t bytes, bool is_chunk,
+                std::span<const std::uint8_t> records);
   void readDefinition(const McapRecord& record);
-  /// Reads the block `index` into block_. Returns success.
+  /// Makes block_ the block `index`. Returns success.
   bool load(std::size_t index);
+  /// Returns the records of the block `index`; null: problem_ says why.
+  [[nodiscard]] std::shared_ptr<const Records> readBlock(std::size_t index);
 
   McapFile file_;
   std::map<std::uint16_t, McapSchema> schemas_;
   std::map<std::uint16_t, McapChannel> channels_;
-  std::vector<Block> blocks_;
+  std::shared_ptr<Shared> shared_ = std::make_shared<Shared>();
   std::uint64_t end_ns_ = 0;
   std::string damage_;  // found by scan(), behind the last block
   std::string problem_;
   std::size_t next_block_ = 0;
-  std::vector<std::uint8_t> block_;  // records of the present block
-  std::size_t at_ = 0;               // place of the next record in block_
-  std::size_t message_at_ = 0;       // place of the last message in block_
+  std::shared_ptr<const Records> block_ = std::make_shared<Records>();  // the present one
+  std::size_t at_ = 0;          // place of the next record in block_
+  std::size_t message_at_ = 0;  // place of the last message in block_
 };
 
 }  // namespace hapticast

@@ -43,7 +43,8 @@ std::optional<McapRecord> readRecord(McapIn& in) {
   McapRecord record;
   record.code = static_cast<McapCode>(in.number<std::uint8_t>());
   record.content = in.take(in.number<std::uint64_t>());
-  return in.ok() ? std::optional(record) : std::nullopt;
+  const bool is_whole = in.ok() && record.code != McapCode{};  // zeros are no records
+  return is_whole ? std::optional(record) : std::nullopt;
 }
 
 }  // namespace hapticast

@@ -123,7 +123,8 @@ struct McapRecord {
   std::span<const std::uint8_t> content;
 };
 
-/// Reads the next record from `in`. Returns nullopt if `in` has no whole record.
+/// Reads the next record from `in`. Returns nullopt if `in` has no whole record. A code of 0 is
+/// none: a chunk of zeros would be 28 million records.
 [[nodiscard]] std::optional<McapRecord> readRecord(McapIn& in);
 
 }  // namespace hapticast

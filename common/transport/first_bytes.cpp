@@ -2,7 +2,7 @@
 #include "common/transport/first_bytes.hpp"
 
 #include <algorithm>
-#include <string_view>
+#include <cstddef>
 #include <utility>
 
 namespace hapticast {
@@ -14,9 +14,15 @@ bool beginsWithTls(std::span<const std::uint8_t> first) {
   return first[0] == kHandshake && first[1] == 3 && first[2] >= 1;
 }
 
+/// A method, which is a word: GET, HEAD, POST, PUT, OPTIONS. As a length prefix letters would be a
+/// message of more than 500 MB.
 bool beginsWithHttp(std::span<const std::uint8_t> first) {
-  constexpr std::string_view kGet = "GET ";
-  return std::equal(kGet.begin(), kGet.end(), first.begin());
+  constexpr std::size_t kShortest = 3;
+  const auto isLetter = [](std::uint8_t byte) {
+    return (byte >= 'A' && byte <= 'Z') || (byte >= 'a' && byte <= 'z');
+  };
+  return std::all_of(first.begin(), first.begin() + kShortest, isLetter) &&
+         (first[kShortest] == ' ' || isLetter(first[kShortest]));
 }
 
 }  // namespace

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Decides on the first bytes of a connection what it carries, so that one port serves clients of
-// every kind. No two kinds can begin with the same bytes: "GET " as a length prefix would be a
-// message of 542 MB, and a TLS record as a length prefix one of more than 64 KiB. Thread: any; at
-// most one at a time for each object.
+// every kind. No two kinds can begin with the same bytes: the method of a request as a length
+// prefix would be a message of more than 500 MB, and a TLS record as a length prefix one of more
+// than 64 KiB. Thread: any; at most one at a time for each object.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@ namespace hapticast {
 enum class ConnectionKind : std::uint8_t {
   kMessages,  ///< messages with a length prefix; also anything that is no other kind
   kTls,
-  kHttp,  ///< a GET request
+  kHttp,  ///< a request of HTTP, or text
 };
 
 /// Stores the first bytes of a connection until they decide.

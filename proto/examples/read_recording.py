@@ -65,7 +65,7 @@ def read_messages(data):
                 if compression:
                     raise SystemExit(f"the chunks have the compression {compression.decode()}: `mcap convert` removes it")
                 chunk = content[at + 8:]
-                if len(chunk) != size or zlib.crc32(chunk) != crc:
+                if len(chunk) != size or crc not in (0, zlib.crc32(chunk)):  # 0: not stated
                     raise SystemExit("a chunk is damaged")
                 yield from read(read_records(chunk, 0, size))
             elif code == SCHEMA:

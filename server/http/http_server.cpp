@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/http/write.hpp>
+#include <cstddef>
+#include <tuple>
 #include <utility>
 
 #include "server/http/http_response.hpp"
@@ -24,6 +26,7 @@ struct HttpServer::Connection {
   asio::steady_timer turn{socket.get_executor()};    // wakes the connection for its turn
   bool silent = true;                                // it has sent nothing yet
   bool waits = false;                                // for its turn, with bytes in the buffer
+  std::size_t answered = 0;                          // requests
   boost::beast::flat_buffer buffer{kMaxHead_bytes};  // a longer head is an error
 
   void close() {
@@ -100,18 +103,22 @@ void HttpServer::add(asio::ip::tcp::socket socket) {
 }
 
 bool HttpServer::makeRoom(bool silent) {
+  // Those that wait for their turn leave last, the one with the most answers first.
+  const auto rank = [](const Connection& each) {
+    return std::tuple(each.waits, each.waits ? -static_cast<std::ptrdiff_t>(each.answered) : 0,
+                      each.deadline);
+  };
   std::size_t count = 0;
-  auto oldest = connections_.end();
+  auto first = connections_.end();
   for (auto each = connections_.begin(); each != connections_.end(); ++each) {
     if ((*each)->silent != silent) continue;
     ++count;
-    const bool is_older = oldest == connections_.end() || (*each)->deadline < (*oldest)->deadline;
-    if (!(*each)->waits && is_older) oldest = each;
+    if (first == connections_.end() || rank(**each) < rank(**first)) first = each;
   }
   if (count < (silent ? kMostSilent : kMostConnections)) return true;
-  if (oldest == connections_.end()) return false;
-  (*oldest)->close();
-  connections_.erase(oldest);
+  if ((*first)->waits && (*first)->answered == 0) return false;
+  (*first)->close();
+  connections_.erase(first);
   return true;
 }
 
@@ -142,6 +149,7 @@ asio::awaitable<void> HttpServer::answerAll(const std::shared_ptr<Connection>& c
     HttpResponse response = respond(*request, ec, number < kMostRequests, host_names_,
                                     [this] { return collectFreshMetrics(); });
     connection->deadline = clock_.now() + kTimeout;
+    ++connection->answered;
     co_await boost::beast::http::async_write(connection->socket, response,
                                              asio::redirect_error(asio::use_awaitable, ec));
     if (ec) co_return;
@@ -168,7 +176,11 @@ asio::awaitable<std::optional<HttpRequest>> HttpServer::awaitRequest(
 }
 
 asio::awaitable<bool> HttpServer::awaitTurn(std::shared_ptr<Connection> connection) {
-  waiting_.push_back(connection);
+  // Turns by connection: one with fewer answers comes first.
+  const auto place = std::find_if(waiting_.begin(), waiting_.end(), [&](const auto& each) {
+    return each->answered > connection->answered;
+  });
+  waiting_.insert(place, connection);
   connection->waits = true;
   for (;;) {
     const auto now = asio::steady_timer::clock_type::now();

@@ -23,8 +23,8 @@ namespace hapticast::server {
 class HttpServer {
  public:
   /// Largest number of connections that have sent something. One more connection replaces the one
-  /// that has waited longest for its client. Connections that wait for their turn stay: if all do,
-  /// the new one is closed.
+  /// that has waited longest for its client. If all wait for their turn, it replaces the one with
+  /// the most answers; if none has an answer, the new one is closed.
   static constexpr std::size_t kMostConnections = 16;
   /// Largest number of connections that have sent nothing yet. One more replaces the oldest. A
   /// flood of them closes no other connection.
@@ -78,8 +78,8 @@ class HttpServer {
   /// Closes a connection if there are too many for one more that has sent nothing (`silent`), or
   /// for one more that has sent something. Returns false if none may be closed.
   [[nodiscard]] bool makeRoom(bool silent);
-  /// Waits for the next turn, in order of the calls. Returns false if the connection was closed
-  /// meanwhile; this costs no turn.
+  /// Waits for the next turn. The connection with the fewest answers is the next one. Returns false
+  /// if the connection was closed meanwhile; this costs no turn.
   asio::awaitable<bool> awaitTurn(std::shared_ptr<Connection> connection);
   [[nodiscard]] Metrics collectFreshMetrics();
 

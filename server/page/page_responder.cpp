@@ -167,8 +167,18 @@ HttpAnswer PageResponder::respond(std::string_view head, bool encrypted) {
     return refuse(status::request_header_fields_too_large, "The request is too large.");
   if (error || !request.host)
     return refuse(status::bad_request, "This is no request of HTTP/1.1 with one Host.");
-  if (request.method != http::verb::get || request.has_body)
-    return refuse(status::bad_request, "Only GET without a body is known here.");
+  const bool is_head = request.method == http::verb::head;
+  if (!is_head && request.method != http::verb::get)
+    return refuse(status::method_not_allowed, "Only GET and HEAD are known here.",
+                  "Allow: GET, HEAD\r\n");
+  if (request.has_body)
+    return refuse(status::bad_request, "Only requests without a body are known here.");
+  HttpAnswer answer = answerGet(request, encrypted);
+  if (is_head && !answer.is_websocket) answer.body = {};
+  return answer;
+}
+
+HttpAnswer PageResponder::answerGet(const HttpRequest& request, bool encrypted) {
   if (!isOwnHost(*request.host, host_names_))
     return refuse(status::forbidden,
                   fmt::format("This server does not have the name {}; it accepts it with "

@@ -22,6 +22,8 @@ namespace hapticast::server {
 /// Name of the subprotocol, with the version of the protocol.
 inline constexpr std::string_view kSubprotocol = "hapticast.3";
 
+struct HttpRequest;  // server/http/http_request.hpp
+
 class PageResponder final : public HttpResponder {
  public:
   /// `host_names`: the names of this server in requests (isOwnHost()). `files`: those of the page.
@@ -32,6 +34,7 @@ class PageResponder final : public HttpResponder {
   [[nodiscard]] HttpAnswer respond(std::string_view head, bool encrypted) override;
 
  private:
+  [[nodiscard]] HttpAnswer answerGet(const HttpRequest& request, bool encrypted);
   using Content = std::shared_ptr<const std::vector<std::uint8_t>>;
 
   [[nodiscard]] HttpAnswer showFile(const PageFile& file, bool gzip);

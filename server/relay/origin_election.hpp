@@ -29,14 +29,22 @@ class OriginElection {
   OriginElection(std::uint64_t origin, std::uint64_t least_term, LocalTime now)
       : origin_(origin), least_term_(least_term), last_received_(now) {}
 
+  /// Returns whether a heartbeat of another origin with these numbers would change this one.
+  [[nodiscard]] bool isRanked(std::uint64_t term, std::uint64_t origin) const {
+    return std::pair(term, origin) >= std::pair(highest_, leader_);
+  }
   /// Processes the heartbeat of another origin. Requires a term that readRelayHead() accepts.
   void onHeartbeat(std::uint64_t term, std::uint64_t origin, LocalTime now) {
-    if (std::pair(term, origin) < std::pair(highest_, leader_)) return;
+    if (!isRanked(term, origin)) return;
     highest_ = term;
     leader_ = origin;
     last_received_ = now;
     heard_at_ = now;
     active_ = false;
+  }
+  /// Returns whether a proof of this term would change this origin.
+  [[nodiscard]] bool isTermNew(std::uint64_t term) const {
+    return term > std::max(highest_, proved_);
   }
   /// Processes the term of another origin that an edge has proved. If this origin is active with a
   /// lower term, such edges ignore it. It continues to send, for edges that do not receive the
@@ -44,7 +52,7 @@ class OriginElection {
   /// heartbeat, check() raises its term above the proved one. Requires a term that readRelayHead()
   /// accepts.
   void onProvedTerm(std::uint64_t term, LocalTime now) {
-    if (term <= std::max(highest_, proved_)) return;
+    if (!isTermNew(term)) return;
     proved_ = term;
     proved_since_ = now;
   }

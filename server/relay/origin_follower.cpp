@@ -31,20 +31,12 @@ Result<TrustedState> readTrustedState(const RelayHead& head, std::span<const std
   return TrustedState{std::move(*state), std::move(key).value()};
 }
 
-Result<RelayHead> readTrustedHead(std::span<const std::uint8_t> whole, std::string_view channel,
-                                  const std::vector<KeyBytes>& keys,
-                                  std::chrono::system_clock::time_point utc) {
-  const auto head = readRelayHead(whole, channel, utc);
-  if (!head.ok()) return Error{head.error().message};
-  const auto trusted = readTrustedState(head.value(), whole, keys);
-  if (!trusted.ok()) return trusted.error();
-  return head.value();
-}
-
 FollowedMessage OriginFollower::onMessage(std::span<const std::uint8_t> whole, LocalTime now,
                                           std::chrono::system_clock::time_point utc) {
   const auto head = readRelayHead(whole, channel_, utc);
   if (!head.ok()) return dropMessage(head.error().message);
+  if (!seen_.isNew(head.value().origin, head.value().number))
+    return dropMessage("a message arrives twice or too late");
   // An origin may raise its own term. Its stream goes on.
   if (leader_ && head.value().origin == leader_->origin)
     return head.value().term < leader_->term ? dropMessage() : onLeader(head.value(), whole, now);
@@ -58,15 +50,16 @@ FollowedMessage OriginFollower::onMessage(std::span<const std::uint8_t> whole, L
 
 FollowedMessage OriginFollower::onOther(const RelayHead& head, std::span<const std::uint8_t> whole,
                                         LocalTime now) {
+  if (!checks_.allow(now)) return dropMessage(kTooManyMessages);
   auto trusted = readTrustedState(head, whole, keys_);
   // Other messages of a new origin can arrive before its first state.
   if (!trusted.ok()) return dropMessage(trusted.error().message);
   const bool leader_sends = leader_ && now - leader_->received < OriginElection::kSilence;
   if (leader_sends && !changes_.allow(now))
     return dropMessage("the edge has left an origin that still sends in the last minute");
+  seen_.add(head.origin, head.number);
   leader_.emplace(Leader{head.term,
                          head.origin,
-                         head.number,
                          std::move(trusted.value().key),
                          now,
                          {whole.begin(), whole.end()},
@@ -77,17 +70,16 @@ FollowedMessage OriginFollower::onOther(const RelayHead& head, std::span<const s
 
 FollowedMessage OriginFollower::onLeader(const RelayHead& head, std::span<const std::uint8_t> whole,
                                          LocalTime now) {
+  if (!checks_.allow(now)) return dropMessage(kTooManyMessages);
   if (!verifyRelay(whole, leader_->key))
     return dropMessage("a message has no valid signature of its origin");
   auto content = decodeRelay(whole);
   if (!content.ok()) return dropMessage(content.error().message);
-  leader_->received = now;
-  // Pongs have a way of their own, on which they may arrive earlier or later.
   if (std::holds_alternative<RelayPong>(content.value()))
-    return {std::move(content).value(), false, {}};
-  if (head.number <= leader_->number) return dropMessage("a message arrives twice or too late");
+    return dropMessage("a pong among the messages for all edges");
+  leader_->received = now;
   leader_->term = head.term;
-  leader_->number = head.number;
+  seen_.add(head.origin, head.number);
   if (std::holds_alternative<RelayState>(content.value()))
     leader_->state.assign(whole.begin(), whole.end());
   if (const auto* const frame = std::get_if<RelayFrame>(&content.value())) {
@@ -97,6 +89,19 @@ FollowedMessage OriginFollower::onLeader(const RelayHead& head, std::span<const 
     leader_->frame = frame->id;
   }
   return {std::move(content).value(), false, {}};
+}
+
+std::optional<RelayPong> OriginFollower::readPong(
+    std::span<const std::uint8_t> whole, std::chrono::system_clock::time_point utc,
+    const std::function<bool(LocalTime t0)>& is_expected) const {
+  const auto head = readRelayHead(whole, channel_, utc);
+  if (!leader_ || !head.ok() || head.value().origin != leader_->origin) return std::nullopt;
+  const auto content = decodeRelay(whole);
+  if (!content.ok()) return std::nullopt;
+  const auto* const pong = std::get_if<RelayPong>(&content.value());
+  if (pong == nullptr || !is_expected(pong->t0) || !verifyRelay(whole, leader_->key))
+    return std::nullopt;
+  return *pong;
 }
 
 std::vector<std::uint8_t> OriginFollower::popProof() {

@@ -7,7 +7,6 @@
 #include <ctime>
 #include <utility>
 
-#include "server/relay/origin_follower.hpp"
 #include "server/stream/send_queue.hpp"
 
 namespace hapticast::server {
@@ -48,12 +47,12 @@ RelayPublisher::RelayPublisher(const NatsAddress& address, const NatsCredentials
       media_clock_(media_clock),
       signer_(signer),
       shares_datagrams_(!signer.identity().sealed || !credentials.ca_file.empty()),
-      keys_(std::move(keys)),
       channel_(address.channel),
       subjects_(address.channel),
       pictures_wanted_ns_((clock.now() - kWantedFor).time_since_epoch().count()),
       datagrams_wanted_ns_(pictures_wanted_ns_.load()),
       election_(numberOrigin(signer.identity().stream), leastTerm(), clock.now()),
+      messages_(channel_, std::move(keys), election_),
       nats_("--publish", address, credentials) {
   if (shares_datagrams_) datagram_key_ = signer.identity().datagram_key;
   if (!shares_datagrams_)
@@ -132,13 +131,14 @@ std::optional<RelayHead> RelayPublisher::checkElection(LocalTime now) {
   if (!connected) election_.onDisconnected(now);
   // An origin whose clip is still scanned has nothing to send, so it does not take over.
   const bool active = description_ && election_.check(now);
-  if (active && !logged_active_) {
+  if (active && logged_active_ != true) {
     spdlog::info("origin of the channel {}: active (term {})", channel_, election_.term());
     signer_.revokeKey();  // datagrams that it made before must not be valid again
-  } else if (!active && logged_active_) {
+    logged_active_ = true;
+  } else if (!active && logged_active_ != false && election_.heardAt()) {
     spdlog::warn("origin of the channel {}: standby, because another origin is active", channel_);
+    logged_active_ = false;
   }
-  logged_active_ = active;
   if (!active || !connected) return std::nullopt;
   return RelayHead{election_.term(), election_.origin(), number_};
 }
@@ -183,25 +183,13 @@ void RelayPublisher::sendContent(const std::string& subject, RelayHead& head,
 
 void RelayPublisher::onHeartbeat(std::span<const std::uint8_t> bytes) {
   const LocalTime now = clock_.now();
-  auto whole = RelayJoiner().add(bytes);  // a heartbeat has one piece
+  const auto whole = RelayJoiner().add(bytes);  // a heartbeat has one piece
   if (!whole.ok() || !whole.value()) return;
-  const auto head =
-      readTrustedHead(*whole.value(), channel_, keys_, std::chrono::system_clock::now());
   const std::lock_guard lock(mutex_);
-  if (!head.ok()) {
-    if (distrusted_.allow(now))
-      spdlog::warn("origin of the channel {}: it ignores heartbeats: {}", channel_,
-                   head.error().message.empty() ? "they are no states" : head.error().message);
-    return;
-  }
-  if (head.value().origin != election_.origin())
-    return election_.onHeartbeat(head.value().term, head.value().origin, now);
-  // NATS does not return this connection's own messages.
-  if (same_number_.allow(now))
-    spdlog::warn(
-        "origin of the channel {}: somebody sends heartbeats with the number of this origin; "
-        "this one ignores them",
-        channel_);
+  const std::string problem =
+      messages_.onHeartbeat(*whole.value(), now, std::chrono::system_clock::now());
+  if (!problem.empty() && distrusted_.allow(now))
+    spdlog::warn("origin of the channel {}: it ignores heartbeats: {}", channel_, problem);
 }
 
 void RelayPublisher::onPing(std::span<const std::uint8_t> bytes, const std::string& reply) {
@@ -213,10 +201,11 @@ void RelayPublisher::onPing(std::span<const std::uint8_t> bytes, const std::stri
   if (ping.value().wants_pictures) pictures_wanted_ns_ = now_ns;
   if (ping.value().wants_datagrams) datagrams_wanted_ns_ = now_ns;
   if (!ping_limiter_.admit(reply, now)) return logUnansweredPing(now);
-  if (!ping.value().proof.empty()) onProof(ping.value().proof, now);
   RelayHead head;
   {
     const std::lock_guard lock(mutex_);
+    if (!ping.value().proof.empty())
+      messages_.onProof(ping.value().proof, now, std::chrono::system_clock::now());
     if (!election_.active()) return;
     head = {election_.term(), election_.origin(), number_};
   }
@@ -225,13 +214,6 @@ void RelayPublisher::onPing(std::span<const std::uint8_t> bytes, const std::stri
                   [this](auto each) { return signer_.sign(each); });
   const auto pieces = splitRelay(whole, 0, kMaxSmallMessageBytes);
   if (!pieces.empty()) nats_.publish(reply, pieces.front());
-}
-
-void RelayPublisher::onProof(std::span<const std::uint8_t> whole, LocalTime now) {
-  const auto head = readTrustedHead(whole, channel_, keys_, std::chrono::system_clock::now());
-  if (!head.ok() || head.value().origin == election_.origin()) return;
-  const std::lock_guard lock(mutex_);
-  election_.onProvedTerm(head.value().term, now);
 }
 
 void RelayPublisher::logUnansweredPing(LocalTime now) {

@@ -18,6 +18,7 @@
 
 #include "common/protocol/relay.hpp"
 #include "common/rate_limiter.hpp"
+#include "server/relay/election_messages.hpp"
 #include "server/relay/nats_connection.hpp"
 #include "server/relay/origin_election.hpp"
 #include "server/relay/ping_limiter.hpp"
@@ -67,8 +68,6 @@ class RelayPublisher final : public StreamSink {
   void sendContent(const std::string& subject, RelayHead& head, const RelayContent& content);
   void onHeartbeat(std::span<const std::uint8_t> bytes);
   void onPing(std::span<const std::uint8_t> bytes, const std::string& reply);
-  /// Processes the state of another origin that an edge has sent (RelayPing::proof).
-  void onProof(std::span<const std::uint8_t> whole, LocalTime now);
   void logUnansweredPing(LocalTime now);
   [[nodiscard]] bool isRecent(const std::atomic<std::int64_t>& time_ns) const;
 
@@ -76,7 +75,6 @@ class RelayPublisher final : public StreamSink {
   const MediaClock& media_clock_;
   FrameSigner& signer_;
   bool shares_datagrams_;  // false: they are sealed, and their key may not travel to edges
-  std::vector<KeyBytes> keys_;
   std::string channel_;
   Subjects subjects_;
   std::atomic<std::int64_t> pictures_wanted_ns_;  // local time of the last request
@@ -84,17 +82,17 @@ class RelayPublisher final : public StreamSink {
   mutable std::mutex mutex_;
   std::condition_variable_any changed_;
   OriginElection election_;                       // guarded by mutex_
+  ElectionMessages messages_;                     // guarded by mutex_
   std::optional<StreamDescription> description_;  // guarded by mutex_
   std::optional<DatagramKey> datagram_key_;       // newest one for edges; guarded by mutex_
   Waiting waiting_;                               // guarded by mutex_
   std::uint64_t number_ = 0;                      // of the last message; guarded by mutex_
-  RateLimiter same_number_ = RateLimiter::makeOnceAMinute();  // guarded by mutex_
-  RateLimiter distrusted_ = RateLimiter::makeOnceAMinute();   // guarded by mutex_
-  bool logged_active_ = false;                                // used by the thread only
-  std::optional<LocalTime> heartbeat_;                        // last own one; guarded by mutex_
-  RateLimiter too_large_ = RateLimiter::makeOnceAMinute();    // used by the thread only
-  PingLimiter ping_limiter_;                                  // used by the thread of pings only
-  RateLimiter unanswered_ = RateLimiter::makeOnceAMinute();   // used by the thread of pings only
+  RateLimiter distrusted_ = RateLimiter::makeOnceAMinute();  // guarded by mutex_
+  std::optional<bool> logged_active_;                        // used by the thread only
+  std::optional<LocalTime> heartbeat_;                       // last own one; guarded by mutex_
+  RateLimiter too_large_ = RateLimiter::makeOnceAMinute();   // used by the thread only
+  PingLimiter ping_limiter_;                                 // used by the thread of pings only
+  RateLimiter unanswered_ = RateLimiter::makeOnceAMinute();  // used by the thread of pings only
   NatsConnection nats_;
   std::jthread thread_;  // last member: it uses all others
 };

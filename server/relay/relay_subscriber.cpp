@@ -39,28 +39,23 @@ RelaySubscriber::RelaySubscriber(const NatsAddress& address, const NatsCredentia
       has_tls_(!credentials.ca_file.empty()),
       follower_(address.channel, std::move(keys)),
       nats_("--source", address, credentials) {
-  nats_.subscribe(inbox_, [this](auto bytes, const auto&) {
-    RelayJoiner one_piece;  // a pong has no more
-    onPiece(bytes, one_piece);
-  });
-  nats_.subscribe(subjects_.everything,
-                  [this](auto bytes, const auto&) { onPiece(bytes, joiner_); });
+  nats_.subscribe(inbox_, [this](auto bytes, const auto&) { onPong(bytes); });
+  nats_.subscribe(subjects_.everything, [this](auto bytes, const auto&) { onPiece(bytes); });
 }
 
-void RelaySubscriber::onPiece(std::span<const std::uint8_t> piece, RelayJoiner& joiner) {
+void RelaySubscriber::onPiece(std::span<const std::uint8_t> piece) {
   const std::lock_guard lock(mutex_);
-  auto whole = joiner.add(piece);
+  const auto whole = joiner_.add(piece);
   if (!whole.ok()) return logProblem(whole.error().message);
-  if (whole.value()) process(*whole.value());
-}
-
-void RelaySubscriber::process(std::span<const std::uint8_t> whole) {
+  if (!whole.value()) return;
   FollowedMessage message =
-      follower_.onMessage(whole, clock_.now(), std::chrono::system_clock::now());
+      follower_.onMessage(*whole.value(), clock_.now(), std::chrono::system_clock::now());
   if (!message.problem.empty()) logProblem(message.problem);
   if (!message.content) return;
   if (message.new_origin) onNewOrigin();
-  std::visit([this](const auto& each) { onContent(each); }, *message.content);
+  if (const auto* const state = std::get_if<RelayState>(&*message.content)) onContent(*state);
+  if (const auto* const frame = std::get_if<RelayFrame>(&*message.content)) onContent(*frame);
+  if (const auto* const picture = std::get_if<RelayPicture>(&*message.content)) onContent(*picture);
 }
 
 void RelaySubscriber::logProblem(const std::string& problem) {
@@ -109,13 +104,18 @@ void RelaySubscriber::onContent(const RelayPicture& picture) {
     broadcaster_.publish(EncodedVideo{picture.id, picture.media_time, picture.message});
 }
 
-void RelaySubscriber::onContent(const RelayPong& pong) {
+void RelaySubscriber::onPong(std::span<const std::uint8_t> piece) {
+  const std::lock_guard lock(mutex_);
+  const auto whole = RelayJoiner().add(piece);  // a pong has one piece
+  if (!whole.ok() || !whole.value()) return;
   // A pong counts only for a ping that was sent to this origin, and once.
-  const auto ping = std::find(pings_.begin(), pings_.end(), pong.t0);
-  if (ping == pings_.end()) return;
-  pings_.erase(ping);
+  const auto find = [this](LocalTime t0) { return std::find(pings_.begin(), pings_.end(), t0); };
+  const auto pong = follower_.readPong(*whole.value(), std::chrono::system_clock::now(),
+                                       [&](LocalTime t0) { return find(t0) != pings_.end(); });
+  if (!pong) return;
+  pings_.erase(find(pong->t0));
   ++pongs_;
-  clock_sync_.add(pong.t0, pong.t1, pong.t2, clock_.now());
+  clock_sync_.add(pong->t0, pong->t1, pong->t2, clock_.now());
 }
 
 void RelaySubscriber::poll() {

@@ -54,13 +54,12 @@ class RelaySubscriber {
   [[nodiscard]] RelayCounts counts() const;
 
  private:
-  void onPiece(std::span<const std::uint8_t> piece, RelayJoiner& joiner);
+  void onPiece(std::span<const std::uint8_t> piece);
+  void onPong(std::span<const std::uint8_t> piece);
   void onContent(const RelayState& received);
   void onContent(const RelayFrame& frame);
   void onContent(const RelayPicture& picture);
-  void onContent(const RelayPong& pong);
   void onNewOrigin();
-  void process(std::span<const std::uint8_t> whole);
   void logProblem(const std::string& problem);
   void logSilence(LocalTime now);
   void synchronise(LocalTime now);

@@ -93,7 +93,8 @@ void StreamService::start(std::function<void()> on_signal, std::function<void()>
   signals_.emplace(io_, SIGINT, SIGTERM);
   reload_signal_.emplace(io_);
   if (!sighupIgnored()) (sighupReloads() ? *reload_signal_ : *signals_).add(SIGHUP);
-  awaitReload(std::move(on_reload));
+  on_reload_ = std::move(on_reload);
+  awaitReload();
   signals_->async_wait(
       [this, on_signal = std::move(on_signal)](const boost::system::error_code& error, int) {
         if (error) return;
@@ -109,16 +110,24 @@ void StreamService::start(std::function<void()> on_signal, std::function<void()>
   network_ = std::jthread([this] { io_.run(); });
 }
 
-void StreamService::awaitReload(std::function<void()> on_reload) {
-  reload_signal_->async_wait([this, on_reload = std::move(on_reload)](
-                                 const boost::system::error_code& error, int) mutable {
+void StreamService::awaitReload() {
+  reload_signal_->async_wait([this](const boost::system::error_code& error, int) {
     if (error) return;
-    manager_.reportReload();
-    reloadSecrets();
-    on_reload();
-    manager_.reportReloaded();
-    awaitReload(std::move(on_reload));
+    if (!std::exchange(reload_waits_, true))
+      reload_pause_.async_wait([this](const boost::system::error_code& stopped) {
+        if (!stopped) reload();
+      });
+    awaitReload();
   });
+}
+
+void StreamService::reload() {
+  reload_waits_ = false;
+  reload_pause_.expires_after(kReloadPause);
+  manager_.reportReload();
+  reloadSecrets();
+  on_reload_();
+  manager_.reportReloaded();
 }
 
 void StreamService::reloadSecrets() {
@@ -188,6 +197,7 @@ void StreamService::end() {
   asio::post(io_, [this] {
     signals_->cancel();
     reload_signal_->cancel();
+    reload_pause_.cancel();
     status_signal_->cancel();
   });
   network_.join();

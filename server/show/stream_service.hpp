@@ -29,6 +29,10 @@ namespace hapticast::server {
 /// The part of a server that serves viewers.
 class StreamService {
  public:
+  /// Least time between two reloads. Signals meanwhile are one reload. Chosen: reading the files
+  /// takes milliseconds of the network thread.
+  static constexpr Duration kReloadPause = std::chrono::milliseconds(500);
+
   /// Opens the ports of `settings`, but does not accept viewers yet. Throws AddressError or
   /// std::runtime_error, each with one line. The clocks must outlive this object.
   StreamService(const Settings& settings, const Clock& clock, const MediaClock& media_clock,
@@ -67,7 +71,8 @@ class StreamService {
     DatagramSender sender;
   };
 
-  void awaitReload(std::function<void()> on_reload);
+  void awaitReload();
+  void reload();
   void awaitStatusRequest();
   /// Reads certificate, key and tokens again. After an error the present ones stay in use.
   void reloadSecrets();
@@ -91,6 +96,9 @@ class StreamService {
   std::optional<Announcer> announcer_;  // once open() was called
   std::optional<asio::signal_set> signals_;
   std::optional<asio::signal_set> reload_signal_;
+  asio::steady_timer reload_pause_{io_};  // until the next reload may begin
+  bool reload_waits_ = false;
+  std::function<void()> on_reload_;
   std::optional<asio::signal_set> status_signal_;
   bool open_ = false;
   std::jthread network_;  // last member: it runs io_

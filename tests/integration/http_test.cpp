@@ -120,6 +120,20 @@ TEST_F(HttpTest, AnswersRequestsThatComeTogetherInOrder) {
   EXPECT_TRUE(peer.text.ends_with("}\n")) << peer.text;
 }
 
+TEST_F(HttpTest, ANewcomerComesBeforeTheNinetiethRequestOfOthers) {
+  std::string many;
+  for (int i = 0; i < 90; ++i) many += get("/health");
+  const Peers flood =
+      connect(HttpServer::kMostConnections + 4, [&](HttpPeer& peer) { peer.send(many); });
+  for (int i = 0; i < 10; ++i) {
+    HttpPeer newcomer(io, http);
+    newcomer.send(get("/health"));
+    EXPECT_TRUE(getsResponses(newcomer, 1)) << i;
+  }
+  flood.back()->poll();
+  EXPECT_LT(flood.back()->responses(), 90U) << "the flood is not over";
+}
+
 TEST_F(HttpTest, AnswersARequestThatComesInPortions) {
   HttpPeer peer(io, http);
   for (const char each : get("/health")) {

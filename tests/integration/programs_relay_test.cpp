@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: MIT
 // Origins, edges and clients as programs, with a real nats-server between them: what passes, what
 // fails how, and what wrong messages cause.
+#include <atomic>
+#include <condition_variable>
 #include <cstdlib>
 #include <ctime>
+#include <mutex>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "common/build_options.hpp"
 #include "common/protocol/relay.hpp"
@@ -176,6 +180,76 @@ TEST_F(ProgramsRelayTest, AfterEveryHostileMessageAStandbyTakesOver) {
   (void)endViewer(*open_viewer, "open");
   interrupt(*strict);
   interrupt(*open);
+  interrupt(*active);
+}
+
+/// Records every message of a channel, and publishes each of them again, all the time.
+class Replayer {
+ public:
+  explicit Replayer(const server::NatsAddress& address) : nats_("--publish", address, {}) {
+    const server::Subjects subjects(address.channel);
+    for (const std::string& subject : {subjects.state, subjects.frames, subjects.pings})
+      nats_.subscribe(subject, [this, subject](auto bytes, const std::string& reply) {
+        const std::lock_guard lock(mutex_);
+        if (recorded_.size() < kMost)
+          recorded_.push_back({subject, {bytes.begin(), bytes.end()}, reply});
+      });
+    thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
+  }
+  [[nodiscard]] std::uint64_t sent() const { return sent_; }
+
+ private:
+  static constexpr std::size_t kMost = 2000;
+  struct Recorded {
+    std::string subject;
+    std::vector<std::uint8_t> bytes;
+    std::string reply;
+  };
+  void run(const std::stop_token& stop) {
+    std::condition_variable_any pause;
+    for (std::size_t next = 0; !stop.stop_requested(); ++next) {
+      std::unique_lock lock(mutex_);
+      // About 3,000 a second: the pause has no part in the result.
+      pause.wait_for(lock, stop, std::chrono::microseconds(300), [] { return false; });
+      if (recorded_.empty()) continue;
+      const Recorded again = recorded_[next % recorded_.size()];
+      lock.unlock();
+      nats_.publish(again.subject, again.bytes, again.reply);
+      ++sent_;
+    }
+  }
+
+  std::mutex mutex_;
+  std::vector<Recorded> recorded_;  // guarded by mutex_
+  std::atomic<std::uint64_t> sent_{0};
+  server::NatsConnection nats_;
+  std::jthread thread_;  // last: it uses the others
+};
+
+// A recording of the channel cannot keep a dead origin alive, nor stop the living one.
+TEST_F(ProgramsRelayTest, BesideEachMessageAgainAStandbyTakesOver) {
+  const std::vector<std::string> with_key{"--signing-key", path("key")};
+  auto active = startOrigin(with_key);
+  ASSERT_TRUE(active->says("active (term", kStart)) << active->output();
+  const auto edge = startEdge();
+  const auto viewer = startViewer(addressOf(*edge), "edge", {"--transport", "tcp"});
+  EXPECT_TRUE(framesArrive("edge"));
+  const Replayer replayer(*server::parseNatsAddress(nats_->channel("lab")));
+  for (int i = 0; i < 2; ++i) {
+    auto standby = startOrigin(with_key);
+    ASSERT_TRUE(standby->says("standby, because another origin is active", kStart))
+        << standby->output();
+    EXPECT_TRUE(framesArrive("edge")) << "the origin before";
+    active->signal(SIGKILL);
+    EXPECT_TRUE(standby->says("active (term", kSoon)) << i << standby->output();
+    EXPECT_TRUE(framesArrive("edge")) << i;
+    active = std::move(standby);
+  }
+  EXPECT_GT(replayer.sent(), 1000U);
+  EXPECT_EQ(countOccurrences("another origin sends from now on", edge->output()), 2U)
+      << edge->output();
+  (void)endViewer(*viewer, "edge");
+  interrupt(*edge);
   interrupt(*active);
 }
 

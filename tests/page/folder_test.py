@@ -51,6 +51,12 @@ class WrongRanges(Quiet):
         return None
 
 
+class WithoutTypes(Quiet):
+    """Does not know the type of scripts."""
+
+    extensions_map = {**http.server.SimpleHTTPRequestHandler.extensions_map, ".js": "text/plain"}
+
+
 class Folder(support.PageTest):
 
     @classmethod
@@ -127,6 +133,12 @@ class Folder(support.PageTest):
         self.browser.open(self.serve_by(WrongRanges))
         self.browser.wait_for_state("failed")
         self.assertIn("ranges", self.browser.text("card-text"))
+
+    def test_scripts_of_a_wrong_type(self):
+        self.browser.driver.get(self.serve_by(WithoutTypes))
+        support.wait_until(lambda: "text/javascript" in self.browser.text("no-scripts"), "no sentence")
+        self.browser.touchable(self.serve_by(Quiet))
+        self.assertFalse(self.browser.driver.find_elements("id", "no-scripts"), "the scripts run")
 
     def test_a_cut_recording(self):
         cut = pathlib.Path(self.work.name, "cut")

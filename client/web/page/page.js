@@ -22,6 +22,8 @@ const kTexts_ms = 100;  // texts change ten times a second
 const kPlot_ms = 50;
 const kLongestStep_s = 0.25;  // of held keys and sticks, while the page draws rarely
 
+find('no-scripts').remove();
+
 class Page {
   status = {state: 'loading', text: 'loading', share: 0};
   stream = null;

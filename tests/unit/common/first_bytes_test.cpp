@@ -23,7 +23,9 @@ TEST(FirstBytes, DecideWhatAConnectionCarries) {
   EXPECT_EQ(decide(client.output()), ConnectionKind::kTls);
   EXPECT_EQ(decide(toBytes("GET / HTTP/1.1")), ConnectionKind::kHttp);
   EXPECT_EQ(decide(toBytes("GET /")), ConnectionKind::kHttp);
-  for (const char* other : {"GETS", "get ", "POST / HTTP/1.1", "SSH-2.0", "\x16\x02\x01\x01"})
+  for (const char* request : {"HEAD / HTTP/1.1", "POST / HTTP/1.1", "PUT /", "OPTIONS *", "get /"})
+    EXPECT_EQ(decide(toBytes(request)), ConnectionKind::kHttp) << request;
+  for (const char* other : {"SSH-2.0", "GE T", "\x16\x02\x01\x01"})
     EXPECT_EQ(decide(toBytes(other)), ConnectionKind::kMessages) << other;
 }
 

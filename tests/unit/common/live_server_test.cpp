@@ -251,6 +251,18 @@ TEST_F(LiveServerTest, ClosesOneConnectionTooMany) {
   while (!Client(server_).isOpen()) std::this_thread::yield();
 }
 
+TEST_F(LiveServerTest, ConnectionsThatSayNothingTakeNoPlaceOfAWatcher) {
+  asio::io_context io;
+  std::vector<asio::ip::tcp::socket> silent;
+  for (std::size_t i = 0; i < 3 * LiveServer::kMostSilent; ++i) {
+    silent.emplace_back(io).connect(
+        {asio::ip::make_address(server_.address().host), server_.address().port});
+    if (i % LiveServer::kMostSilent != 0) continue;
+    EXPECT_TRUE(Client(server_).isOpen()) << i;
+  }
+  EXPECT_TRUE(Client(server_).isOpen());
+}
+
 TEST(MessageOutputs, RecordingAndWatchersHaveTheLinesOfTheLog) {
   const TempFolder folder;
   const std::string file = (folder / "run.mcap").string();

@@ -78,6 +78,23 @@ TEST_F(McapForeign, FilesOfOtherProgramsAreRead) {
   }
 }
 
+TEST_F(McapForeign, ZerosInAChunkAreDamage) {
+  const auto messages = drawMessages(12, 20, 200);
+  Bytes records = makeRecords(messages);
+  records.resize(records.size() + (64U << 20U));
+  const auto read = [&](const Bytes& content) {
+    auto opened = McapReader::open(changed(makeForeign([&](McapOut& out) {
+      writeChunk(out, "zstd", content.size(), 0, compress("zstd", content));
+    })));
+    if (!opened.ok()) return opened.error().message;
+    McapReader reader = std::move(opened).value();
+    EXPECT_EQ(readAll(reader), messages);
+    return reader.problem();
+  };
+  EXPECT_EQ(read(records), "has a damaged chunk");
+  EXPECT_EQ(read(Bytes(64U << 20U)), "has no messages: it is cut off");
+}
+
 TEST_F(McapForeign, ChunksWithWrongSizesAreRefused) {
   const Bytes records = makeRecords(drawMessages(11, 20, 200));
   const Bytes large(10U << 20U, 0);

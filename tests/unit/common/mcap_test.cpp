@@ -3,6 +3,7 @@
 // a sentence and never with wrong messages.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <csignal>
@@ -65,6 +66,45 @@ TEST_F(Mcap, EachMessageIsFoundAgainAtItsPlace) {
       EXPECT_EQ(reader.place(), places[at]);
     }
   }
+}
+
+TEST_F(Mcap, ReadersOfOneFileShareItsIndexAndChunksAndNoPlace) {
+  const auto messages = drawMessages(9, 3000, 200);
+  auto opened = McapReader::open(makeFile(messages));
+  ASSERT_TRUE(opened.ok());
+  std::vector<McapReader> readers;
+  for (int i = 0; i < 5; ++i) readers.push_back(opened.value().reopen().value());
+  std::vector<std::size_t> places(readers.size(), 0);
+  std::mt19937 random(10);
+  for (int i = 0; i < 20'000; ++i) {
+    const std::size_t one = random() % readers.size();
+    if (random() % 400 == 0) {
+      const std::size_t wanted = random() % messages.size();
+      readers[one].seek(messages[wanted].time_ns);
+      while (const auto message = readers[one].next()) {
+        if (message->time_ns < messages[wanted].time_ns) continue;
+        places[one] = static_cast<std::size_t>(
+            std::find_if(messages.begin(), messages.end(),
+                         [&](const Kept& each) { return each.time_ns == message->time_ns; }) -
+            messages.begin() + 1);
+        break;
+      }
+      continue;
+    }
+    const auto message = readers[one].next();
+    ASSERT_EQ(message.has_value(), places[one] < messages.size()) << one;
+    if (!message) continue;
+    const Kept& expected = messages[places[one]++];
+    ASSERT_EQ(message->time_ns, expected.time_ns);
+    ASSERT_TRUE(std::equal(message->data.begin(), message->data.end(), expected.data.begin(),
+                           expected.data.end()));
+  }
+}
+
+TEST_F(Mcap, AFifoIsRefusedWithoutAWait) {
+  const std::string fifo = (folder_ / "fifo.mcap").string();
+  ASSERT_EQ(::mkfifo(fifo.c_str(), 0600), 0);
+  EXPECT_EQ(McapReader::open(fifo).error().message, "is no MCAP file");
 }
 
 TEST_F(Mcap, OneBlockHasTheFirstChannels) {

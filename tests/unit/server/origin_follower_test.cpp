@@ -81,7 +81,7 @@ TEST_F(OriginFollowerTest, ReportsWhyItDropsAMessage) {
             "a state contradicts the number of its origin");
   EXPECT_EQ(problem(makeMessage(key_, {6, kOrigin + 1, 1}, makeState(other, kOrigin + 1))),
             "a state has no valid signature");
-  EXPECT_EQ(problem(makeMessage(other, {6, kOrigin, 1}, makeState(other))),
+  EXPECT_EQ(problem(makeMessage(other, {6, kOrigin, 9}, makeState(other))),
             "a message has no valid signature of its origin")
       << "another origin with the number of the followed one";
   EXPECT_TRUE(follow(makeMessage(key_, {5, kOrigin, 5}, makeFrame(11, 3))).content)
@@ -135,8 +135,9 @@ TEST_F(OriginFollowerTest, LeavesASilentOriginAtOnce) {
   ASSERT_TRUE(follow(makeMessage(key_, {term, kOrigin, 1}, makeState(key_))).new_origin);
   for (Duration time = 1s; time < 60s; time += 1s) {
     const std::uint64_t origin = kOrigin + 1 + term % 2;
+    ++term;
     EXPECT_TRUE(
-        follow(makeMessage(other, {++term, origin, 1}, makeState(other, origin)), arriveAt(time))
+        follow(makeMessage(other, {term, origin, term}, makeState(other, origin)), arriveAt(time))
             .new_origin);
   }
 }
@@ -195,6 +196,36 @@ TEST_F(OriginFollowerTest, AStateHasTheKeyOfSealedDatagramsOrMarksItsAbsence) {
   EXPECT_EQ(with->datagram_key, sealed.datagram_key);
   sealed.sealed = false;
   EXPECT_FALSE(pass(sealed)) << "a key of a stream that is not sealed";
+}
+
+TEST_F(OriginFollowerTest, ARepetitionKeepsNoSilentOrigin) {
+  SigningKey rival;
+  const auto high = makeMessage(rival, {900, kOrigin + 1, 1}, makeState(rival, kOrigin + 1));
+  ASSERT_TRUE(follow(high).new_origin);
+  for (Duration time = 100ms; time < 4s; time += 100ms)
+    EXPECT_FALSE(follow(high, arriveAt(time)).content);
+  EXPECT_TRUE(follow(makeMessage(key_, {5, kOrigin, 1}, makeState(key_)), arriveAt(4s)).new_origin);
+  EXPECT_FALSE(follow(high, arriveAt(10s)).content) << "it was followed before";
+}
+
+TEST_F(OriginFollowerTest, APongCountsForAnExpectedPingOfTheFollowedOriginOnly) {
+  SigningKey other;
+  ASSERT_TRUE(follow(makeMessage(key_, {5, kOrigin, 1}, makeState(key_))).content);
+  const RelayPong pong{LocalTime(1s), MediaTime(2s), MediaTime(3s)};
+  int asked = 0;
+  const auto read = [&](SigningKey& key, std::uint64_t origin, LocalTime expected) {
+    return follower_.readPong(makeMessage(key, {5, origin, 0}, pong), kUtc, [&](LocalTime t0) {
+      ++asked;
+      return t0 == expected;
+    });
+  };
+  EXPECT_TRUE(read(key_, kOrigin, LocalTime(1s)));
+  EXPECT_FALSE(read(key_, kOrigin, LocalTime(2s)));
+  EXPECT_FALSE(read(other, kOrigin, LocalTime(1s)));
+  EXPECT_EQ(asked, 3);
+  EXPECT_FALSE(read(key_, kOrigin + 1, LocalTime(1s)));
+  EXPECT_EQ(asked, 3) << "of another origin";
+  EXPECT_FALSE(follow(makeMessage(key_, {5, kOrigin, 2}, pong)).content) << "not by this way";
 }
 
 TEST_F(OriginFollowerTest, NoByteOfAMessageCanChange) {

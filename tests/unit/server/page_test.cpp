@@ -182,6 +182,21 @@ TEST_F(PageTest, RefusesBytesThatAreNoRequest) {
             431);
 }
 
+TEST_F(PageTest, AnswersHeadAsGetWithoutABodyAndRefusesOtherMethods) {
+  for (const std::string path : {"/", "/core.wasm", "/nothing", "/stream"}) {
+    const std::string rest = path + " HTTP/1.1\r\nHost: lab\r\n\r\n";
+    const HttpAnswer head = ask("HEAD " + rest), whole = ask("GET " + rest);
+    EXPECT_EQ(head.head, whole.head) << path;
+    EXPECT_EQ(body(head), "");
+  }
+  for (const std::string method : {"POST", "PUT", "DELETE", "OPTIONS", "get", "BREW"}) {
+    const HttpAnswer answer = ask(method + " / HTTP/1.1\r\nHost: lab\r\n\r\n");
+    expectWhole(answer);
+    EXPECT_EQ(status(answer), 405) << method;
+    EXPECT_THAT(answer.head, HasSubstr("Allow: GET, HEAD\r\n"));
+  }
+}
+
 TEST_F(PageTest, NamesThePackagesThatABuildWithoutTheCoreLacks) {
   PageResponder without({"lab"}, std::span(files).first(1));
   const HttpAnswer answer = without.respond("GET / HTTP/1.1\r\nHost: lab\r\n\r\n", false);
