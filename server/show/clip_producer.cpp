@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
-#include <utility>
 
 #include "server/pipeline/clip_scan.hpp"
 #include "server/pipeline/encoder_thread.hpp"
@@ -57,10 +56,10 @@ class ClipProducer final : public Producer {
   std::uint64_t frames_ = 0;
 };
 
-std::unique_ptr<RgbdSource> openFor(const Settings& settings, KeepWaiting keep_waiting) {
+std::unique_ptr<RgbdSource> openFor(const Settings& settings, const KeepWaiting& keep_waiting) {
   if (settings.loop && isStreamUrl(settings.source))
     throw SourceError("--loop: a live stream has no end; leave the flag out");
-  return openClip(settings, std::move(keep_waiting));
+  return openClip(settings, keep_waiting);
 }
 
 ClipProducer::ClipProducer(const Settings& settings, const Clock& clock)

@@ -73,6 +73,7 @@ TEST_F(Mcap, ReadersOfOneFileShareItsIndexAndChunksAndNoPlace) {
   auto opened = McapReader::open(makeFile(messages));
   ASSERT_TRUE(opened.ok());
   std::vector<McapReader> readers;
+  readers.reserve(5);
   for (int i = 0; i < 5; ++i) readers.push_back(opened.value().reopen().value());
   std::vector<std::size_t> places(readers.size(), 0);
   std::mt19937 random(10);
