@@ -15,22 +15,10 @@
 #include "common/cli/parse.hpp"
 #include "common/cli/subcommands.hpp"
 #include "tests/support/flat_relief.hpp"
+#include "tests/support/frame_ids.hpp"
 
 namespace hapticast::server {
 namespace {
-
-/// A sink that keeps the number of each frame.
-class FrameIds final : public StreamSink {
- public:
-  void describe(const StreamDescription& /*description*/) override {}
-  void changeKey(const DatagramKey& /*key*/) override {}
-  void publish(EncodedFrame frame) override { ids.push_back(frame.id); }
-  void publish(EncodedVideo /*video*/) override {}
-  [[nodiscard]] bool videoWanted() const override { return false; }
-  [[nodiscard]] bool datagramsWanted() const override { return false; }
-
-  std::vector<std::uint64_t> ids;
-};
 
 /// A producer of a plate that comes nearer in each of five frames, 10 ms apart.
 class Pulse final : public Producer {

@@ -11,6 +11,7 @@
 
 #include "server/pipeline/operator_requests.hpp"
 #include "tests/scenes/ball_scene.hpp"
+#include "tests/support/frame_ids.hpp"
 #include "tests/support/log_lines.hpp"
 #include "tests/support/manual_clock.hpp"
 
@@ -19,19 +20,6 @@ namespace {
 
 constexpr std::uint64_t kPumpedFrames = 20;
 constexpr Duration kPumpedPeriod = std::chrono::milliseconds(40);
-
-/// Counts the frames of the stream.
-class PumpedFrames final : public StreamSink {
- public:
-  void describe(const StreamDescription& /*description*/) override {}
-  void changeKey(const DatagramKey& /*key*/) override {}
-  void publish(EncodedFrame frame) override { ids.push_back(frame.id); }
-  void publish(EncodedVideo /*video*/) override {}
-  [[nodiscard]] bool videoWanted() const override { return false; }
-  [[nodiscard]] bool datagramsWanted() const override { return false; }
-
-  std::vector<std::uint64_t> ids;
-};
 
 /// A pump over a ball of 20 frames whose waits move the clock.
 class FramePumpTest : public ::testing::Test {
@@ -79,7 +67,7 @@ class FramePumpTest : public ::testing::Test {
                                }};
   VisionSettings settings_ = makeSettings();
   Vision vision_{scene_.info(), settings_};
-  PumpedFrames sink_;
+  FrameIds sink_;
   EncoderThread encoder_{std::vector<StreamSink*>{&sink_}};
   PipelineCounter counter_{clock_};
   OperatorRequests requests_{clock_};
