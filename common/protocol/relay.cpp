@@ -280,7 +280,6 @@ std::vector<std::vector<std::uint8_t>> splitRelay(std::span<const std::uint8_t> 
 
 Result<std::optional<std::vector<std::uint8_t>>, WireError> RelayJoiner::add(
     std::span<const std::uint8_t> piece) {
-  const std::size_t pieces_before = std::exchange(pieces_, 0);  // lost, unless the piece continues
   if (piece.size() <= kRelayPieceHeadBytes ||
       !std::equal(std::begin(kPieceMagic), std::end(kPieceMagic), piece.begin()))
     return malformed("bytes that are not a piece of a relayed message");
@@ -289,21 +288,31 @@ Result<std::optional<std::vector<std::uint8_t>>, WireError> RelayJoiner::add(
   const std::uint64_t number = readNumber(piece.subspan(8), 8);
   if (count == 0 || count > kMostRelayPieces || index >= count)
     return malformed("the number of a piece is out of range");
+  const auto content = piece.subspan(kRelayPieceHeadBytes);
+  if (count == 1) return std::optional(RelayBytes(content.begin(), content.end()));
+  const bool same = number == number_ && count == pieces_;
   if (index == 0) {
+    const bool again = same && content.size() <= whole_.size() &&
+                       std::equal(content.begin(), content.end(), whole_.begin());
+    if (again || (may_begin_ && !may_begin_(content))) return std::optional<RelayBytes>();
     whole_.clear();
     number_ = number;
-  } else if (index != next_ || count != pieces_before || number != number_) {
-    return WireError{ErrorCode::kMalformed,
-                     pieces_before != 0 ? describeLoss(whole_, number_) : describeLoss({}, number)};
+    pieces_ = count;
+  } else if (number < number_ || (number == number_ && index < next_)) {
+    return std::optional<RelayBytes>();  // it came before
+  } else if (!same || index != next_) {
+    const std::span<const std::uint8_t> begin(whole_.data(), same ? whole_.size() : 0);
+    return WireError{ErrorCode::kMalformed, describeLoss(begin, number)};
   }
-  const auto content = piece.subspan(kRelayPieceHeadBytes);
-  if (whole_.size() + content.size() > kMostRelayBytes)
+  if (whole_.size() + content.size() > kMostRelayBytes) {
+    pieces_ = 0;
     return WireError{ErrorCode::kTooLarge, "a relayed message is larger than 32 MiB"};
+  }
   whole_.insert(whole_.end(), content.begin(), content.end());
-  if (index + 1 == count) return std::optional(std::exchange(whole_, {}));
-  pieces_ = count;
   next_ = index + 1;
-  return std::optional<RelayBytes>();
+  if (next_ != count) return std::optional<RelayBytes>();
+  pieces_ = 0;
+  return std::optional(std::exchange(whole_, {}));
 }
 
 std::vector<std::uint8_t> encodeRelayPing(const RelayPing& ping) {

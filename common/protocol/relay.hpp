@@ -14,6 +14,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -117,17 +118,26 @@ using SignFunction = std::function<Signature(std::span<const std::uint8_t>)>;
                                                                 std::uint64_t number,
                                                                 std::size_t most_bytes);
 
-/// Joins the pieces of messages that arrive in order. It stores at most one message.
+/// Joins the pieces of messages that arrive in order. It stores at most one message. A piece that
+/// came before changes nothing, and a message of one piece leaves the stored message alone.
 class RelayJoiner {
  public:
+  /// Returns whether a message with this first piece counts. The argument is the piece's content.
+  using MayBegin = std::function<bool(std::span<const std::uint8_t>)>;
+
+  /// `may_begin`: add() ignores the first piece of several if this function returns false. Null:
+  /// each first piece begins a message. Thread of `may_begin`: that of add().
+  explicit RelayJoiner(MayBegin may_begin = nullptr) : may_begin_(std::move(may_begin)) {}
   /// Adds a piece. Returns the whole message if the piece completes it, else nullopt. Returns an
-  /// error if the bytes are no piece, or if a piece before it is missing. The message is lost then.
+  /// error if the bytes are no piece, or if a piece before it is missing, or if the message is too
+  /// large.
   [[nodiscard]] Result<std::optional<std::vector<std::uint8_t>>, WireError> add(
       std::span<const std::uint8_t> piece);
 
  private:
-  std::uint64_t number_ = 0;
-  std::size_t pieces_ = 0;  // 0: no message has begun
+  MayBegin may_begin_;
+  std::uint64_t number_ = 0;  // of the stored message, or of the last one
+  std::size_t pieces_ = 0;    // of the stored message; 0: there is none
   std::size_t next_ = 0;
   std::vector<std::uint8_t> whole_;
 };

@@ -37,15 +37,26 @@ FollowedMessage OriginFollower::onMessage(std::span<const std::uint8_t> whole, L
   if (!head.ok()) return dropMessage(head.error().message);
   if (!seen_.isNew(head.value().origin, head.value().number))
     return dropMessage("a message arrives twice or too late");
+  if (!isOfRank(head.value(), now)) return dropMessage();
+  const bool is_leader = leader_ && head.value().origin == leader_->origin;
+  return is_leader ? onLeader(head.value(), whole, now) : onOther(head.value(), whole, now);
+}
+
+bool OriginFollower::mayCount(std::span<const std::uint8_t> begin, LocalTime now,
+                              std::chrono::system_clock::time_point utc) {
+  const auto head = readRelayHead(begin, channel_, utc);
+  return head.ok() && seen_.isNew(head.value().origin, head.value().number) &&
+         isOfRank(head.value(), now);
+}
+
+bool OriginFollower::isOfRank(const RelayHead& head, LocalTime now) {
   // An origin may raise its own term. Its stream goes on.
-  if (leader_ && head.value().origin == leader_->origin)
-    return head.value().term < leader_->term ? dropMessage() : onLeader(head.value(), whole, now);
+  if (leader_ && head.origin == leader_->origin) return head.term >= leader_->term;
   const auto order = [](const auto& of) { return std::pair(of.term, of.origin); };
   const bool lost_rank = leader_ && keys_.empty() && now - leader_->received >= kLoseRankAfter;
-  if (!leader_ || lost_rank || order(head.value()) > order(*leader_))
-    return onOther(head.value(), whole, now);
+  if (!leader_ || lost_rank || order(head) > order(*leader_)) return true;
   rival_ = true;
-  return dropMessage();
+  return false;
 }
 
 FollowedMessage OriginFollower::onOther(const RelayHead& head, std::span<const std::uint8_t> whole,

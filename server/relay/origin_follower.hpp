@@ -71,6 +71,11 @@ class OriginFollower {
   FollowedMessage onMessage(std::span<const std::uint8_t> whole, LocalTime now,
                             std::chrono::system_clock::time_point utc);
 
+  /// Returns whether the message can count of which `begin` is the first piece of several. Most
+  /// messages that onMessage() would drop cannot.
+  [[nodiscard]] bool mayCount(std::span<const std::uint8_t> begin, LocalTime now,
+                              std::chrono::system_clock::time_point utc);
+
   /// Returns the pong of the followed origin in the whole message `whole` if `is_expected` returns
   /// true for its t0, and if its signature is valid. The number of a pong does not count.
   [[nodiscard]] std::optional<RelayPong> readPong(
@@ -95,6 +100,8 @@ class OriginFollower {
     std::optional<std::uint64_t> frame;  // id of its last frame
     std::uint32_t epoch = 0;             // of its last frame
   };
+  /// Returns whether the rank of its origin permits that a message counts.
+  [[nodiscard]] bool isOfRank(const RelayHead& head, LocalTime now);
   FollowedMessage onOther(const RelayHead& head, std::span<const std::uint8_t> whole,
                           LocalTime now);
   FollowedMessage onLeader(const RelayHead& head, std::span<const std::uint8_t> whole,

@@ -54,6 +54,7 @@ RelayPublisher::RelayPublisher(const NatsAddress& address, const NatsCredentials
       election_(numberOrigin(signer.identity().stream), leastTerm(), clock.now()),
       messages_(channel_, std::move(keys), election_),
       nats_("--publish", address, credentials) {
+  number_ = election_.origin() / 2;  // random: no piece fits a message of another origin
   if (shares_datagrams_) datagram_key_ = signer.identity().datagram_key;
   if (!shares_datagrams_)
     spdlog::warn(

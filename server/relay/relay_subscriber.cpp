@@ -37,6 +37,9 @@ RelaySubscriber::RelaySubscriber(const NatsAddress& address, const NatsCredentia
       subjects_(address.channel),
       inbox_(NatsConnection::makeInbox()),
       has_tls_(!credentials.ca_file.empty()),
+      joiner_([this](auto begin) {
+        return follower_.mayCount(begin, clock_.now(), std::chrono::system_clock::now());
+      }),
       follower_(address.channel, std::move(keys)),
       nats_("--source", address, credentials) {
   nats_.subscribe(inbox_, [this](auto bytes, const auto&) { onPong(bytes); });

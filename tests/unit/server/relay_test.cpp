@@ -4,11 +4,15 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <memory>
 #include <random>
 #include <string>
 #include <vector>
 
 #include "server/relay/nats_address.hpp"
+#include "server/relay/origin_follower.hpp"
+#include "tests/support/relay_messages.hpp"
 
 namespace hapticast::server {
 namespace {
@@ -47,6 +51,50 @@ TEST(RelayPieces, AMissingPieceLosesItsMessageOnly) {
   const auto joined = joiner.add(second.back());
   ASSERT_TRUE(joined.ok() && joined.value());
   EXPECT_EQ(*joined.value(), whole);
+}
+
+/// Returns the pieces of a random number of bytes: a state if `is_state`, else a frame.
+std::vector<std::vector<std::uint8_t>> makePieces(SigningKey& key, const RelayHead& head,
+                                                  bool is_state, std::mt19937& random) {
+  RelayFrame frame = makeFrame(head.number);
+  frame.delta =
+      std::make_shared<const std::vector<std::uint8_t>>(1 + random() % 3000, std::uint8_t{1});
+  const RelayContent content =
+      is_state ? RelayContent(makeState(key, head.origin)) : RelayContent(frame);
+  return splitRelay(makeMessage(key, head, content), head.number,
+                    kRelayPieceHeadBytes + 200 + random() % 200);
+}
+
+TEST(RelayPieces, SentAgainChangeNothing) {
+  constexpr std::chrono::system_clock::time_point kUtc{std::chrono::seconds(1'000'000)};
+  OriginFollower follower("lab", {});
+  RelayJoiner joiner([&](auto begin) { return follower.mayCount(begin, LocalTime(), kUtc); });
+  std::size_t counted = 0;
+  const auto add = [&](const std::vector<std::uint8_t>& piece) {
+    const auto whole = joiner.add(piece);
+    if (whole.ok() && whole.value() &&
+        follower.onMessage(*whole.value(), LocalTime(), kUtc).content)
+      ++counted;
+  };
+  std::mt19937 random(7);
+  std::vector<std::vector<std::uint8_t>> sent;
+  std::size_t messages = 0;
+  // The second origin takes over. Its numbers are lower than those of the first one.
+  for (RelayHead head : {RelayHead{5, kTestOrigin, 100}, RelayHead{6, kTestOrigin + 1, 0}}) {
+    SigningKey key;
+    for (std::size_t i = 0; i < 20; ++i) {
+      head.number += 1 + random() % 4;
+      for (const auto& piece : makePieces(key, head, i == 0, random)) {
+        ASSERT_EQ(counted, messages) << "a message counts before its last piece";
+        add(piece);
+        sent.push_back(piece);
+        const std::size_t now = counted;
+        for (const auto& again : sent) add(again);
+        ASSERT_EQ(counted, now) << "a message counts twice";
+      }
+      ASSERT_EQ(counted, ++messages) << "a message is lost";
+    }
+  }
 }
 
 TEST(RelayPieces, StoreNoMoreThanTheLargestMessage) {
