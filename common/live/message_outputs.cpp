@@ -47,7 +47,8 @@ MessageOutputs::MessageOutputs(const OutputSettings& settings, const std::string
 void MessageOutputs::openRecorder(const std::vector<McapChannel>& channels) {
   try {
     recorder_ = std::make_unique<Recorder>(
-        file_, channels, [](const std::string& line) { spdlog::warn("--record {}", line); });
+        file_, channels, [](const std::string& line) { spdlog::warn("--record {}", line); },
+        clock_);
   } catch (const std::runtime_error& error) {
     throw RecordingError("--record " + file_ + ": " + error.what());
   }
@@ -56,7 +57,10 @@ void MessageOutputs::openRecorder(const std::vector<McapChannel>& channels) {
 MessageOutputs::~MessageOutputs() {
   log_.reset();
   live_.reset();
-  if (recorder_) spdlog::info("{} {}", file_, recorder_->finish());
+  if (!recorder_) return;
+  const std::string result = recorder_->finish();
+  spdlog::log(recorder_->isComplete() ? spdlog::level::info : spdlog::level::warn, "{} {}", file_,
+              result);
 }
 
 void MessageOutputs::finish() {

@@ -15,6 +15,7 @@
 #include "common/live/log_tap.hpp"
 #include "common/live/output_settings.hpp"
 #include "common/recording/recorder.hpp"
+#include "common/time.hpp"
 
 namespace hapticast {
 
@@ -46,6 +47,7 @@ class MessageOutputs {
   void openRecorder(const std::vector<McapChannel>& channels);
 
   const std::string file_;
+  const SteadyClock clock_;
   std::unique_ptr<Recorder> recorder_;  // null: no recording
   std::unique_ptr<LiveServer> live_;    // null: no watchers
   std::optional<LogTap> log_;

@@ -182,6 +182,12 @@ bool McapWriter::finish() {
   return has_summary_;
 }
 
+void McapWriter::abandon() {
+  lost_ += chunk_messages_;
+  clearChunk();
+  close();
+}
+
 void McapWriter::close() {
   if (file_ >= 0) ::close(file_);
   file_ = -1;

@@ -38,10 +38,12 @@ class McapWriter {
   /// Writes the messages that wait and the summary, and closes the file. Returns whether the
   /// summary is in the file. A second call does nothing.
   bool finish();
+  /// Closes the file without the summary. The messages that wait, and all later ones, are lost.
+  void abandon();
 
   /// Returns the number of messages in the file.
   [[nodiscard]] std::uint64_t written() const { return written_; }
-  /// Returns the number of messages that the file system refused.
+  /// Returns the number of messages that the file system refused, or that abandon() lost.
   [[nodiscard]] std::uint64_t lost() const { return lost_; }
   /// Returns the last answer of the file system if it refused bytes, such as "No space left on
   /// device"; empty if all were written.

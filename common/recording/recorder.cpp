@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "common/recording/recorder.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
@@ -18,21 +19,23 @@ constexpr std::chrono::seconds kFlushEvery{1};
 }  // namespace
 
 Recorder::Recorder(const std::string& file, const std::vector<McapChannel>& channels,
-                   std::function<void(const std::string&)> report)
+                   std::function<void(const std::string&)> report, const Clock& clock)
     : file_(file),
       report_(std::move(report)),
+      clock_(clock),
       writer_(file, channels),
       thread_([this] { run(); }) {}
 
 std::string Recorder::finish() {
   {
     const std::lock_guard lock(mutex_);
-    ended_ = true;
+    if (!ended_at_) ended_at_ = clock_.now();
   }
   changed_.notify_all();
   if (thread_.joinable()) thread_.join();
-  if (lost() > 0) return "lacks " + std::to_string(lost()) + " messages";
-  return is_complete_ ? "is complete" : "has no index (" + writer_.problem() + "), but can be read";
+  if (lost() > 0)
+    return "lacks " + std::to_string(lost()) + " messages (" + describeProblem() + ")";
+  return is_complete_ ? "is complete" : "has no index (" + describeProblem() + "), but can be read";
 }
 
 void Recorder::push(std::size_t channel, std::uint64_t time_ns,
@@ -53,46 +56,65 @@ std::uint64_t Recorder::lost() const {
 
 void Recorder::run() {
   RateLimiter lines = RateLimiter::makeOnceAMinute();
-  const SteadyClock clock;
-  LocalTime flushed = clock.now();
+  LocalTime flushed = clock_.now();
   Batch batch;
   for (bool ended = false; !ended;) {
     {
       std::unique_lock lock(mutex_);
-      changed_.wait_for(lock, kFetchEvery, [this] { return ended_; });
-      ended = ended_;
+      changed_.wait_for(lock, kFetchEvery, [this] { return ended_at_.has_value(); });
+      ended = ended_at_.has_value();
       std::swap(batch, waiting_);
     }
     write(batch);
-    if (ended) is_complete_ = writer_.finish();
-    if (clock.now() - flushed >= kFlushEvery) {
-      writer_.flush();
-      flushed = clock.now();
+    if (ended || clock_.now() - flushed >= kFlushEvery) {
+      writeInTime([this] { writer_.flush(); });
+      flushed = clock_.now();
     }
+    if (ended) writeInTime([this] { is_complete_ = writer_.finish(); });
     {
       const std::lock_guard lock(mutex_);
       refused_ = writer_.lost();
     }
-    if (lost() > reported_ && lines.allow(clock.now())) reportLost();
+    if (!ended && lost() > reported_ && lines.allow(clock_.now())) reportLost();
   }
 }
 
 void Recorder::write(Batch& batch) {
   std::size_t begin = 0;
   for (const Waiting& each : batch.messages) {
-    writer_.write(each.channel, each.time_ns,
-                  std::span(batch.bytes).subspan(begin, each.end - begin));
+    const auto data = std::span(batch.bytes).subspan(begin, each.end - begin);
+    writeInTime([&] { writer_.write(each.channel, each.time_ns, data); });
     begin = each.end;
   }
   batch.messages.clear();
   batch.bytes.clear();
 }
 
+template <class Step>
+void Recorder::writeInTime(Step step) {
+  const LocalTime begin = clock_.now();
+  std::optional<LocalTime> ended_at;
+  {
+    const std::lock_guard lock(mutex_);
+    ended_at = ended_at_;
+  }
+  if (ended_at && begin + slowest_write_ > std::max(*ended_at, free_at_) + kFinishWithin)
+    writer_.abandon();
+  step();
+  const LocalTime end = clock_.now();
+  slowest_write_ = std::max(slowest_write_, end - begin);
+  if (!ended_at) free_at_ = end;
+}
+
 void Recorder::reportLost() {
   const std::uint64_t count = lost();
   report_(file_ + ": " + std::to_string(count - reported_) + " messages are lost (" +
-          (writer_.problem().empty() ? "the disk is too slow" : writer_.problem()) + ")");
+          describeProblem() + ")");
   reported_ = count;
+}
+
+std::string Recorder::describeProblem() const {
+  return writer_.problem().empty() ? "the disk is too slow" : writer_.problem();
 }
 
 }  // namespace hapticast

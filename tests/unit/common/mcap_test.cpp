@@ -267,7 +267,8 @@ TEST_F(Mcap, TheRecorderWritesInOrderAndCountsItsLosses) {
   const auto messages = drawMessages(13, 2000, 500);
   const std::string file = (folder_ / "recorded.mcap").string();
   {
-    Recorder recorder(file, threeChannels(), [](const std::string& line) { FAIL() << line; });
+    Recorder recorder(
+        file, threeChannels(), [](const std::string& line) { FAIL() << line; }, clock);
     for (const Kept& each : messages)
       recorder.push(each.channel - std::size_t{1}, each.time_ns, each.data);
   }
@@ -281,10 +282,12 @@ TEST_F(Mcap, TheRecorderWritesInOrderAndCountsItsLosses) {
   const int pushed = 64;
   const Bytes large(1U << 20U, 1);
   {
-    Recorder recorder(flood, threeChannels(), [](const std::string&) {});
+    Recorder recorder(
+        flood, threeChannels(), [](const std::string&) {}, clock);
     for (int i = 0; i < pushed; ++i) recorder.push(0, static_cast<std::uint64_t>(i), large);
     lost = recorder.lost();
   }
+  const SteadyClock clock;
   EXPECT_GT(lost, 0U) << "64 MiB do not wait in memory";
   opened = McapReader::open(flood);
   ASSERT_TRUE(opened.ok());
