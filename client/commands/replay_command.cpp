@@ -13,6 +13,7 @@
 #include "client/recording/replay.hpp"
 #include "client/report/tick_log.hpp"
 #include "common/cli/run_program.hpp"
+#include "common/recording/progress_log.hpp"
 #include "common/text.hpp"
 
 namespace hapticast::client {
@@ -65,7 +66,7 @@ std::optional<ReplayCounts> writeOutputs(const Settings& settings, Replay& repla
 int runReplay(const Settings& settings) {
   requireDistinctOutputs(settings);
   const std::string& file = settings.replay_file;
-  auto opened = Replay::open(file);
+  auto opened = Replay::open(file, logScan(file));
   if (!opened.ok()) {
     spdlog::error("--replay {}: {}", file, sanitizeUtf8(opened.error().message));
     return kWrongInput;

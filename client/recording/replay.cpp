@@ -44,8 +44,9 @@ void ReplayCounts::add(const Vec3& force_N, const Vec3& recorded_N) {
   largest_difference_N = std::max(largest_difference_N, (force_N - recorded_N).norm());
 }
 
-Result<std::unique_ptr<Replay>> Replay::open(const std::string& file) {
-  auto opened = TypedReader<RecordedContent>::open(file, listRecordedTypes());
+Result<std::unique_ptr<Replay>> Replay::open(const std::string& file,
+                                             const ReadProgress& progress) {
+  auto opened = TypedReader<RecordedContent>::open(file, listRecordedTypes(), progress);
   if (!opened.ok()) return opened.error();
   if (!opened.value().has(kTickMessages))
     return Error{"has no channel /tick: it is no recording of hapticast-client"};

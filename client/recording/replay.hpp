@@ -64,7 +64,9 @@ struct ReplayOutputs {
 class Replay {
  public:
   /// Opens `file`. Returns an error without the file's name if it is no recording of a client.
-  [[nodiscard]] static Result<std::unique_ptr<Replay>> open(const std::string& file);
+  /// Calls `progress` as McapReader::open() does.
+  [[nodiscard]] static Result<std::unique_ptr<Replay>> open(const std::string& file,
+                                                            const ReadProgress& progress = {});
 
   /// Renders all ticks with `changes`. Call it once.
   ReplayCounts run(const ReplayChanges& changes, const ReplayOutputs& outputs);

@@ -13,6 +13,7 @@
 #include "client/settings/command_line.hpp"
 #include "client/study/motion_file.hpp"
 #include "common/playback/stream_reader.hpp"
+#include "common/recording/progress_log.hpp"
 #include "common/text.hpp"
 
 namespace hapticast::client {
@@ -33,7 +34,7 @@ struct RecordingFacts {
 };
 
 RecordingFacts readFacts(const std::string& file, JsonPlace place, double usual_N_mm) {
-  auto opened = StreamReader::open(file);
+  auto opened = StreamReader::open(file, logScan(file));
   if (!opened.ok())
     throw JsonError(place, fmt::format("the recording {} {}", quote(file), opened.error().message));
   StreamReader reader = std::move(opened).value();

@@ -36,8 +36,8 @@ constexpr unsigned kFrames = setOf(0), kDescriptions = setOf(1), kPictures = set
 
 }  // namespace
 
-Result<StreamReader> StreamReader::open(const std::string& file) {
-  auto opened = TypedReader<RecordedItem>::open(file, kTypes);
+Result<StreamReader> StreamReader::open(const std::string& file, const ReadProgress& progress) {
+  auto opened = TypedReader<RecordedItem>::open(file, kTypes, progress);
   if (!opened.ok()) return opened.error();
   StreamReader reader(std::move(opened).value());
   if (!reader.file_.has(kFrames))

@@ -26,8 +26,9 @@ using RecordedItem = std::variant<StreamDescription, CodedFrame, VideoFrame>;
 class StreamReader {
  public:
   /// Opens `file`. Returns an error without the file's name ("is no MCAP file") if it is no
-  /// recording of a stream, or has no frame.
-  [[nodiscard]] static Result<StreamReader> open(const std::string& file);
+  /// recording of a stream, or has no frame. Calls `progress` as McapReader::open() does.
+  [[nodiscard]] static Result<StreamReader> open(const std::string& file,
+                                                 const ReadProgress& progress = {});
 
   /// Returns another reader of the same file, at its begin, as McapReader::reopen() does.
   [[nodiscard]] Result<StreamReader> reopen() const;

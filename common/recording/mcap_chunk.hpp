@@ -22,7 +22,7 @@ struct McapChunk {
 
 /// Returns the records of the chunk whose record has the content `content`. The CRC is checked,
 /// unless it is 0 (none). Compressions: none, "zstd" and "lz4". Limits hold before memory is
-/// allocated.
+/// allocated. A chunk whose records are too many for its bytes in the file is refused.
 [[nodiscard]] McapChunk readChunk(std::span<const std::uint8_t> content);
 
 }  // namespace hapticast

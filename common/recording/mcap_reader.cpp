@@ -34,14 +34,15 @@ std::optional<McapMessage> readMessage(const McapRecord& record) {
 
 }  // namespace
 
-Result<McapReader> McapReader::open(const std::string& file, std::size_t most_blocks) {
+Result<McapReader> McapReader::open(const std::string& file, const ReadProgress& progress,
+                                    std::size_t most_blocks) {
   auto opened = McapFile::open(file);
   if (!opened.ok()) return opened.error();
   McapReader reader(std::move(opened).value());
   const auto head = reader.readBytes(0, kHeadBytes);
   if (head.size() < kHeadBytes || !std::equal(kMcapMagic.begin(), kMcapMagic.end(), head.begin()))
     return Error{"is no MCAP file"};
-  if (!reader.readSummary()) reader.scan(most_blocks);
+  if (!reader.readSummary()) reader.scan(progress, most_blocks);
   if (reader.shared_->blocks.empty())
     return Error{reader.damage_.empty() ? "has no messages"
                                         : "has no messages: it " + reader.damage_};
@@ -134,10 +135,11 @@ bool McapReader::readChunkIndex(std::span<const std::uint8_t> content) {
   return true;
 }
 
-void McapReader::scan(std::size_t most_blocks) {
+void McapReader::scan(const ReadProgress& progress, std::size_t most_blocks) {
   std::uint64_t offset = kMcapMagic.size();
   std::uint64_t run = offset;  // begin of the records outside of chunks
   while (damage_.empty() && shared_->blocks.size() < most_blocks) {
+    if (progress) progress(static_cast<double>(offset) / static_cast<double>(file_.size()));
     const auto head = readBytes(offset, kMcapRecordHeadBytes);
     McapIn in(head);
     const auto code = static_cast<McapCode>(in.number<std::uint8_t>());
@@ -190,7 +192,12 @@ void McapReader::addBlock(std::uint64_t offset, std::uint64_t bytes, bool is_chu
   Block block{offset, bytes, std::numeric_limits<std::uint64_t>::max(), 0, is_chunk};
   bool any = false;
   McapIn in(records);
-  while (const auto record = readRecord(in)) {
+  while (!in.rest().empty()) {
+    const auto record = readRecord(in);
+    if (!record) {
+      damage_ = "has a damaged chunk";
+      break;
+    }
     readDefinition(*record);
     const auto message = readMessage(*record);
     if (!message) continue;

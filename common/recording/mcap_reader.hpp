@@ -8,6 +8,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <map>
 #include <memory>
@@ -37,14 +38,19 @@ struct McapPlace {
   bool operator==(const McapPlace&) const = default;
 };
 
+/// Receives the share of a file that is read, 0 to 1, each time before a chunk or another record.
+using ReadProgress = std::function<void(double share)>;
+
 /// An MCAP file that is open for reading.
 class McapReader {
  public:
   /// Opens `file`. Returns an error without the file's name ("is no MCAP file") if it cannot be
   /// read, or has no whole message. `most_blocks`: a file without a summary is scanned up to so
-  /// many chunks. One is enough for the first channels.
+  /// many chunks. One is enough for the first channels. `progress` receives how far the scan is; it
+  /// may be empty.
   [[nodiscard]] static Result<McapReader> open(
-      const std::string& file, std::size_t most_blocks = std::numeric_limits<std::size_t>::max());
+      const std::string& file, const ReadProgress& progress = {},
+      std::size_t most_blocks = std::numeric_limits<std::size_t>::max());
   /// Returns another reader of the same file, at its begin, without reading it again. Both share
   /// the index and the chunks that they read at the same time, so they belong to one thread.
   /// Returns an error if the system has no handle for the file.
@@ -57,6 +63,10 @@ class McapReader {
 
   /// Returns the next message. Returns nullopt at the end, and at the first damage (problem()).
   [[nodiscard]] std::optional<McapMessage> next();
+  /// Returns the share of the chunks that next() has begun, 0 to 1.
+  [[nodiscard]] double share() const {
+    return static_cast<double>(next_block_) / static_cast<double>(shared_->blocks.size());
+  }
   /// Continues with the first chunk that has a message of `time_ns` or later. Earlier messages of
   /// that chunk come, too.
   void seek(std::uint64_t time_ns);
@@ -91,10 +101,11 @@ class McapReader {
   /// Returns the records of the summary, or nothing if there is none with a correct checksum.
   [[nodiscard]] std::vector<std::uint8_t> readSummaryBytes() const;
   /// Finds the blocks without a summary, and the damage that ends them.
-  void scan(std::size_t most_blocks);
+  void scan(const ReadProgress& progress, std::size_t most_blocks);
   void scanRun(std::uint64_t begin, std::uint64_t end);
   void scanChunk(std::uint64_t begin, std::uint64_t end);
-  /// Adds the block with these records. Its times are those of its messages.
+  /// Adds the block with these records, up to the first damage. Its times are those of its
+  /// messages.
   void addBlock(std::uint64_t offset, std::uint64_t bytes, bool is_chunk,
                 std::span<const std::uint8_t> records);
   void readDefinition(const McapRecord& record);

@@ -45,9 +45,10 @@ class TypedReader {
   /// At most 32 types. The list must outlive the reader.
   using Types = std::span<const ContentType<Content>>;
 
-  /// Opens `file`. Returns an error as McapReader::open() does.
-  [[nodiscard]] static Result<TypedReader> open(const std::string& file, Types types) {
-    return make(McapReader::open(file), types);
+  /// Opens `file`. Calls `progress` and returns an error as McapReader::open() does.
+  [[nodiscard]] static Result<TypedReader> open(const std::string& file, Types types,
+                                                const ReadProgress& progress = {}) {
+    return make(McapReader::open(file, progress), types);
   }
   /// Returns another reader of the same file, as McapReader::reopen() does.
   [[nodiscard]] Result<TypedReader> reopen() const { return make(file_.reopen(), types_); }

@@ -9,6 +9,7 @@
 #include "common/cli/options.hpp"
 #include "common/cli/subcommands.hpp"
 #include "common/recording/mcap_reader.hpp"
+#include "common/recording/progress_log.hpp"
 #include "common/text.hpp"
 #include "server/author/author_options.hpp"
 #include "server/settings/clip_options.hpp"
@@ -85,7 +86,7 @@ void requireOnDemandFlags(const CLI::App& app, Settings& settings) {
       throw CLI::ValidationError(name, "with --on-demand there is no stream for all viewers");
   }
   if (settings.is_recording) return;
-  const auto reader = McapReader::open(settings.source, 1);
+  const auto reader = McapReader::open(settings.source, logScan(settings.source), 1);
   throw CLI::ValidationError("--source", settings.source + ": " +
                                              (reader.ok() ? "is no recording that --record has made"
                                                           : reader.error().message));

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "common/playback/recording_player.hpp"
+#include "common/recording/progress_log.hpp"
 #include "common/recording/recorder.hpp"
 #include "server/pipeline/control_queue.hpp"
 #include "server/show/show.hpp"
@@ -18,7 +19,7 @@
 namespace hapticast::server {
 
 StreamReader openRecording(const std::string& file) {
-  auto opened = StreamReader::open(file);
+  auto opened = StreamReader::open(file, logScan(file));
   if (!opened.ok()) throw RecordingError("--source " + file + ": " + opened.error().message);
   return std::move(opened).value();
 }

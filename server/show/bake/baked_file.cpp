@@ -9,6 +9,7 @@
 
 #include "common/protocol/recorded.hpp"
 #include "common/recording/mcap_reader.hpp"
+#include "common/recording/progress_log.hpp"
 #include "common/recording/recorder.hpp"
 #include "common/recording/schemas.hpp"
 #include "common/wire_limits.hpp"
@@ -108,7 +109,7 @@ BakedFile::~BakedFile() {
 // Copies the whole blocks into a new file, which then replaces the .part: a writer cannot continue
 // a file.
 void BakedFile::keepBlocks(const std::string& fingerprint) {
-  auto opened = McapReader::open(part_);
+  auto opened = McapReader::open(part_, logScan(part_));
   if (!opened.ok())
     throw RecordingError("--resume: " + part_ + " " + opened.error().message + "; delete it");
   PartReader part(std::move(opened).value(), block_);

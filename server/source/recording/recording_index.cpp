@@ -140,11 +140,13 @@ std::string_view cutName(std::string_view topic) {
 
 }  // namespace
 
-RecordingIndex indexRecording(McapReader& reader) {
+RecordingIndex indexRecording(McapReader& reader, const ReadProgress& progress) {
   IndexBuilder builder;
   std::optional<McapMessage> message;
-  while (!builder.isFull() && (message = reader.next()))
+  while (!builder.isFull() && (message = reader.next())) {
+    progress(reader.share());
     builder.add(*message, reader.channels().at(message->channel), reader.place());
+  }
   RecordingIndex index = builder.finish(reader.channels());
   index.problem = builder.isFull() ? "has more images than can be played" : reader.problem();
   return index;

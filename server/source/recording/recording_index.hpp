@@ -43,8 +43,8 @@ struct RecordingIndex {
   std::string problem;  ///< why the file ends early, as a phrase; empty: it does not
 };
 
-/// Reads all messages of `reader`.
-[[nodiscard]] RecordingIndex indexRecording(McapReader& reader);
+/// Reads all messages of `reader`. Calls `progress` before each one.
+[[nodiscard]] RecordingIndex indexRecording(McapReader& reader, const ReadProgress& progress);
 
 /// Topics of colour and depth.
 struct TopicPair {

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/recording/progress_log.hpp"
 #include "common/text.hpp"
 #include "server/source/scale/depth_scale.hpp"
 #include "server/source/scale/picture_scale.hpp"
@@ -21,7 +22,7 @@ namespace fs = std::filesystem;
 namespace {
 
 McapReader openMcap(const std::string& file) {
-  auto opened = McapReader::open(file);
+  auto opened = McapReader::open(file, logScan(file));
   if (!opened.ok()) throw SourceError(file + ": " + opened.error().message);
   return std::move(opened).value();
 }
@@ -81,7 +82,8 @@ RecordingSource::RecordingSource(const std::string& file, double fps, const Vide
     : file_(file) {
   McapReader reader = openMcap(file);
   refuseOwnRecording(reader, file);
-  const RecordingIndex index = indexRecording(reader);
+  const RecordingIndex index =
+      indexRecording(reader, logProgress("reading the messages of " + file));
   const TopicPair topics = chooseTopics(index, layout.topics, file);
   if (!index.problem.empty())
     spdlog::warn("--source {}: {}; the server plays the images before that", file, index.problem);

@@ -92,7 +92,66 @@ TEST_F(McapForeign, ZerosInAChunkAreDamage) {
     return reader.problem();
   };
   EXPECT_EQ(read(records), "has a damaged chunk");
-  EXPECT_EQ(read(Bytes(64U << 20U)), "has no messages: it is cut off");
+  EXPECT_EQ(read(Bytes(64U << 20U)), "has no messages: it has a damaged chunk");
+}
+
+TEST_F(McapForeign, AScanEndsAtADamagedChunk) {
+  const Bytes zeros(1000);
+  const auto messages = drawMessages(14, 20, 200);
+  const Bytes records = makeRecords(messages);
+  std::vector<double> shares;
+  auto opened = McapReader::open(changed(makeForeign([&](McapOut& out) {
+                                   writeChunk(out, "", records.size(), 0, records);
+                                   for (int i = 0; i < 20; ++i) writeChunk(out, "", 1000, 0, zeros);
+                                 })),
+                                 [&](double share) { shares.push_back(share); });
+  ASSERT_TRUE(opened.ok()) << opened.error().message;
+  EXPECT_EQ(shares.size(), 3U) << "the header, the messages, the first zeros";
+  McapReader reader = std::move(opened).value();
+  EXPECT_EQ(readAll(reader), messages);
+  EXPECT_EQ(reader.problem(), "has a damaged chunk");
+}
+
+TEST_F(McapForeign, FloodsOfRecordsAreRefused) {
+  const auto messages = drawMessages(15, 20, 200);
+  const Bytes records = makeRecords(messages);
+  Bytes unknown, empty;
+  for (int i = 0; i < 1'000'000; ++i) {
+    McapOut(unknown).number(std::uint8_t{0x90}).number(std::uint64_t{0});
+    McapOut(empty).number(static_cast<std::uint8_t>(McapCode::kMessage)).number(std::uint64_t{0});
+  }
+  const auto read = [&](const Bytes& flood) {
+    auto opened = McapReader::open(changed(makeForeign([&](McapOut& out) {
+      writeChunk(out, "", records.size(), 0, records);
+      writeChunk(out, "zstd", flood.size(), 0, compress("zstd", flood));
+    })));
+    EXPECT_TRUE(opened.ok());
+    McapReader reader = std::move(opened).value();
+    EXPECT_EQ(readAll(reader), messages);
+    return reader.problem();
+  };
+  EXPECT_EQ(read(unknown), "has a chunk of too many records");
+  EXPECT_EQ(read(empty), "has a chunk of too many records");
+  EXPECT_EQ(read(makeRecords(std::vector<Kept>(1'000'000, {1, 7, {}}))),
+            "has a chunk of too many records");
+}
+
+TEST_F(McapForeign, TheSmallestMessagesAreRead) {
+  // Without data: equal ones of a simulation that pauses, and ones with regular times.
+  const std::vector<Kept> equal(130'000, {1, 7, {}});
+  std::vector<Kept> regular;
+  for (std::uint64_t i = 0; i < 500'000; ++i) regular.push_back({1, 1'000'000 * i, {}});
+  for (const auto& messages : {equal, regular}) {
+    for (const std::string compression : {"zstd", "lz4"}) {
+      const Bytes records = makeRecords(messages);
+      auto opened = McapReader::open(changed(makeForeign([&](McapOut& out) {
+        writeChunk(out, compression, records.size(), 0, compress(compression, records));
+      })));
+      ASSERT_TRUE(opened.ok()) << opened.error().message;
+      McapReader reader = std::move(opened).value();
+      EXPECT_TRUE(readAll(reader) == messages) << compression << ": " << reader.problem();
+    }
+  }
 }
 
 TEST_F(McapForeign, ChunksWithWrongSizesAreRefused) {

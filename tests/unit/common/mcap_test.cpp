@@ -112,11 +112,32 @@ TEST_F(Mcap, OneBlockHasTheFirstChannels) {
   const auto messages = drawMessages(9, 100, 100);
   Bytes bytes = readBytes(makeFile(messages));
   bytes.resize(bytes.size() - 20);  // without the summary, so the file is scanned
-  auto opened = McapReader::open(changed(bytes), 1);
+  auto opened = McapReader::open(changed(bytes), {}, 1);
   ASSERT_TRUE(opened.ok());
   McapReader reader = std::move(opened).value();
   EXPECT_EQ(reader.channels().size(), 3U);
   EXPECT_EQ(readAll(reader).size(), 20U);
+}
+
+TEST_F(Mcap, AScanReportsItsShareAndASummaryNeedsNone) {
+  const auto messages = drawMessages(10, 200, 100);
+  const std::string file = makeFile(messages);
+  std::vector<double> shares;
+  const auto progress = [&](double share) { shares.push_back(share); };
+  ASSERT_TRUE(McapReader::open(file, progress).ok());
+  EXPECT_TRUE(shares.empty());
+  Bytes bytes = readBytes(file);
+  bytes.resize(bytes.size() - 20);
+  auto opened = McapReader::open(changed(bytes), progress);
+  ASSERT_TRUE(opened.ok());
+  EXPECT_GE(shares.size(), 10U) << "one for each chunk";
+  EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
+  EXPECT_GE(shares.front(), 0.0);
+  EXPECT_LE(shares.back(), 1.0);
+  McapReader reader = std::move(opened).value();
+  EXPECT_EQ(reader.share(), 0.0);
+  EXPECT_EQ(readAll(reader), messages);
+  EXPECT_EQ(reader.share(), 1.0);
 }
 
 TEST_F(Mcap, SeekContinuesWithTheChunkOfTheTime) {
@@ -264,6 +285,7 @@ TEST_F(Mcap, AFullDiskLosesChunksAndKeepsTheFile) {
 }
 
 TEST_F(Mcap, TheRecorderWritesInOrderAndCountsItsLosses) {
+  const SteadyClock clock;
   const auto messages = drawMessages(13, 2000, 500);
   const std::string file = (folder_ / "recorded.mcap").string();
   {
@@ -287,7 +309,6 @@ TEST_F(Mcap, TheRecorderWritesInOrderAndCountsItsLosses) {
     for (int i = 0; i < pushed; ++i) recorder.push(0, static_cast<std::uint64_t>(i), large);
     lost = recorder.lost();
   }
-  const SteadyClock clock;
   EXPECT_GT(lost, 0U) << "64 MiB do not wait in memory";
   opened = McapReader::open(flood);
   ASSERT_TRUE(opened.ok());
