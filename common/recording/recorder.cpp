@@ -71,11 +71,13 @@ void Recorder::run() {
       flushed = clock_.now();
     }
     if (ended) writeInTime([this] { is_complete_ = writer_.finish(); });
+    bool is_ending = false;
     {
       const std::lock_guard lock(mutex_);
       refused_ = writer_.lost();
+      is_ending = ended_at_.has_value();  // finish() returns the losses then
     }
-    if (!ended && lost() > reported_ && lines.allow(clock_.now())) reportLost();
+    if (!is_ending && lost() > reported_ && lines.allow(clock_.now())) reportLost();
   }
 }
 
