@@ -42,5 +42,9 @@ inline constexpr double kLeastSpeed = 0.1, kMostSpeed = 4.0;
 /// Largest number of times that a datagram is sent.
 inline constexpr std::uint32_t kMostCopies = 4;
 inline constexpr std::size_t kJpeg = 4U << 20U;
+/// Largest message with a picture: the JPEG and the other fields, which are at most 64 bytes.
+inline constexpr std::size_t kPictureMessage = kJpeg + 64;
+inline constexpr std::size_t kPicturePart = 64U << 10U;
+inline constexpr std::uint32_t kReceiptHeld_us = 10'000'000;
 
 }  // namespace hapticast::limits

@@ -164,6 +164,7 @@ void Session::Impl::publishStats(bool connected) {
                .frames_late = counts.late,
                .slices_lost = counts.slices_lost,
                .scan_share = scan_share,
+               .picture_reduced = connection.arePicturesReduced(),
                .clock_error_us = toSeconds(receiver.clockErrorBound()) * 1e6,
                .fps = 1.0 / toSeconds(receiver.stream().frame_interval),
                .timeline = timeline});

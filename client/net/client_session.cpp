@@ -25,7 +25,10 @@ Result<std::optional<VerifyingKey>, WireError> readKey(const Welcome& welcome) {
 }  // namespace
 
 ClientSession::ClientSession(SessionSettings settings, Receiver* receiver)
-    : settings_(std::move(settings)), receiver_(receiver), pause_(settings_.first_retry) {}
+    : settings_(std::move(settings)),
+      receiver_(receiver),
+      wants_pictures_(settings_.wants_video),
+      pause_(settings_.first_retry) {}
 
 std::optional<SessionEnd> ClientSession::open(Protection protection, LocalTime now) {
   const bool is_protected =
@@ -52,6 +55,8 @@ Result<Message, SessionEnd> ClientSession::receive(std::span<const std::uint8_t>
     return SessionEnd{.why = "a message of " + std::to_string(bytes.size()) + " bytes, at most " +
                              std::to_string(readLimit()) + " are allowed here",
                       .code = ErrorCode::kTooLarge};
+  state_.received_bytes += bytes.size();
+  state_.received_at = now;
   auto message = decode(bytes);
   auto error = message.ok() ? process(message.value(), bytes, now) : message.error();
   if (error)
@@ -59,6 +64,8 @@ Result<Message, SessionEnd> ClientSession::receive(std::span<const std::uint8_t>
         .why = std::move(error->message), .code = error->code, .untrusted = state_.untrusted};
   state_.deadline = now + settings_.silence_limit;
   state_.overdue = "the server stopped sending";
+  if (state_.sends_receipts && state_.receipt_due == LocalTime::max())
+    state_.receipt_due = std::max(now, state_.receipt_sent + settings_.receipt_interval);
   return std::move(message).value();
 }
 
@@ -69,6 +76,7 @@ std::optional<WireError> ClientSession::process(Message& message,
   if (const auto* const welcome = std::get_if<Welcome>(&message)) return onWelcome(*welcome, now);
   if (!welcomed()) return makeUnexpected("the first message is not a welcome");
   if (auto* const frame = std::get_if<CodedFrame>(&message)) return onFrame(*frame, bytes, now);
+  if (std::holds_alternative<PicturePart>(message)) return onPart(message);
   if (const auto* const pong = std::get_if<Pong>(&message)) {
     onPong(*pong, now);
   } else if (const auto* const description = std::get_if<StreamDescription>(&message)) {
@@ -120,6 +128,8 @@ std::optional<WireError> ClientSession::onWelcome(const Welcome& welcome, LocalT
   if (settings_.sends_pings) state_.unanswered_since = now;
   state_.sent_pings = 0;
   state_.report_due = false;
+  state_.last_delivery = {};
+  if (wants_pictures_ != state_.hello_wants_pictures) request(Delivery{});
   ++state_.welcomes;
   ever_welcomed_ = true;
   if (receiver_ != nullptr) receiver_->connected(welcome.description, now);
@@ -135,6 +145,36 @@ std::optional<WireError> ClientSession::onFrame(CodedFrame& frame,
   if (!state_.first_frame) state_.first_frame = now;
   if (receiver_ != nullptr) receiver_->frame(std::move(frame), now);
   return std::nullopt;
+}
+
+std::optional<WireError> ClientSession::onPart(Message& message) {
+  const auto& part = std::get<PicturePart>(message);
+  if (!settings_.wants_video) return makeUnexpected("a part of a picture that was not requested");
+  state_.sends_receipts = true;
+  state_.reduced = part.reduced;
+  if (part.size > 0) {  // also in place of a picture that the server does not complete
+    state_.picture.clear();
+    state_.picture_bytes = part.size;
+  }
+  state_.picture.insert(state_.picture.end(), part.data.begin(), part.data.end());
+  if (state_.picture.size() > state_.picture_bytes)
+    return WireError{ErrorCode::kMalformed, "the parts of a picture are larger than the picture"};
+  if (state_.picture.size() < state_.picture_bytes) return std::nullopt;
+  auto picture = decode(state_.picture);
+  state_.picture_bytes = 0;
+  state_.picture.clear();
+  if (!picture.ok()) return picture.error();
+  if (!std::holds_alternative<VideoFrame>(picture.value()))
+    return WireError{ErrorCode::kMalformed, "the parts of a picture are no picture"};
+  message = std::move(picture).value();
+  return std::nullopt;
+}
+
+void ClientSession::requestPictures(bool wanted) {
+  if (std::exchange(wants_pictures_, wanted) == wanted || !welcomed()) return;
+  Delivery delivery = state_.delivery.value_or(state_.last_delivery);
+  delivery.pictures = wanted;
+  request(delivery);
 }
 
 void ClientSession::onPong(const Pong& pong, LocalTime now) {
@@ -160,11 +200,22 @@ bool ClientSession::request(const Control& control) {
 
 std::optional<Message> ClientSession::poll(LocalTime now) {
   if (!state_.is_open) return std::nullopt;
-  if (std::exchange(state_.hello_due, false))
-    return Hello{kProtocolVersion, settings_.client_name, settings_.wants_video, true,
-                 settings_.access_token};
+  if (std::exchange(state_.hello_due, false)) {
+    state_.hello_wants_pictures = wants_pictures_;
+    return Hello{kProtocolVersion,       settings_.client_name, wants_pictures_, true,
+                 settings_.access_token, settings_.wants_video};
+  }
   if (!welcomed()) return std::nullopt;
-  if (state_.delivery) return *std::exchange(state_.delivery, std::nullopt);
+  if (state_.delivery) {
+    state_.last_delivery = *std::exchange(state_.delivery, std::nullopt);
+    if (settings_.wants_video) state_.last_delivery.pictures = wants_pictures_;
+    return state_.last_delivery;
+  }
+  if (now >= state_.receipt_due) {
+    state_.receipt_due = LocalTime::max();
+    state_.receipt_sent = now;
+    return Receipt{state_.received_bytes, now - state_.received_at};
+  }
   if (!state_.controls.empty()) {
     state_.has_requested = true;
     const Control next = state_.controls.front();

@@ -8,12 +8,14 @@
 // The calls of a session: open(), then receive(), poll() and expire(), then close(). Thread: one.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "client/net/origin_pin.hpp"
 #include "client/net/receiver.hpp"
@@ -45,6 +47,9 @@ struct SessionSettings {
   /// If the server answers no ping within this time after the welcome, the session counts as lost.
   Duration pong_limit = std::chrono::seconds(5);
   Duration ping_interval = std::chrono::seconds(1);
+  /// Shortest time between two receipts. Chosen: 50 a second are a quarter of the messages that a
+  /// server permits.
+  Duration receipt_interval = std::chrono::milliseconds(20);
   Duration burst_interval =
       std::chrono::milliseconds(20);  ///< interval of the first ClockSync::kBurst pings
 };
@@ -80,9 +85,11 @@ class ClientSession {
                                                     LocalTime now);
   /// Returns the next message for the server, or nullopt if none is due at `now`.
   [[nodiscard]] std::optional<Message> poll(LocalTime now);
-  /// Returns the time of the next ping; LocalTime::max() before the welcome. Requests are due at
-  /// once.
-  [[nodiscard]] LocalTime nextPing() const { return state_.next_ping; }
+  /// Returns the time of the next ping or receipt; LocalTime::max() before the welcome. Requests
+  /// are due at once.
+  [[nodiscard]] LocalTime nextMessage() const {
+    return std::min(state_.next_ping, state_.receipt_due);
+  }
   /// Returns the time at which expire() returns an error if nothing arrives before. Each message
   /// may change it. LocalTime::max() without a session.
   [[nodiscard]] LocalTime nextDeadline() const;
@@ -99,6 +106,10 @@ class ClientSession {
   bool request(const Control& control);
   /// Sets the request for another transport. It replaces one that waits.
   void request(const Delivery& delivery) { state_.delivery = delivery; }
+  /// Requests pictures, or none. Requires SessionSettings::wants_video.
+  void requestPictures(bool wanted);
+  /// Returns whether the link carries fewer or coarser pictures than the stream has.
+  [[nodiscard]] bool arePicturesReduced() const { return state_.reduced; }
   /// Sets the contact flag that the next reports to the server have.
   void setInContact(bool in_contact) { in_contact_ = in_contact; }
 
@@ -130,13 +141,23 @@ class ClientSession {
     std::uint32_t stream = 0;
     bool sealed_datagrams = false;
     std::optional<Delivery> delivery;  // request that waits
-    std::deque<Control> controls;      // requests that wait
-    bool has_requested = false;        // a control, so that one may come back
-    std::size_t sent_pings = 0;        // since the newest welcome
-    std::deque<LocalTime> pings;       // sent and unanswered
+    Delivery last_delivery;
+    bool hello_wants_pictures = false;
+    std::deque<Control> controls;  // requests that wait
+    bool has_requested = false;    // a control, so that one may come back
+    std::size_t sent_pings = 0;    // since the newest welcome
+    std::deque<LocalTime> pings;   // sent and unanswered
     LocalTime next_ping = LocalTime::max();
     bool report_due = false;
     std::optional<LocalTime> unanswered_since;  // welcome without an answered ping yet
+    std::uint64_t received_bytes = 0;           // payloads
+    LocalTime received_at{};
+    bool sends_receipts = false;  // the server sends parts of pictures
+    LocalTime receipt_sent{};
+    LocalTime receipt_due = LocalTime::max();
+    std::vector<std::uint8_t> picture;  // the parts so far
+    std::size_t picture_bytes = 0;      // size of all parts; 0: the first part is next
+    bool reduced = false;
     std::optional<LocalTime> first_frame;
     LocalTime deadline{};
     const char* overdue = "";  // the error after the deadline
@@ -152,6 +173,8 @@ class ClientSession {
   [[nodiscard]] std::optional<WireError> onFrame(CodedFrame& frame,
                                                  std::span<const std::uint8_t> bytes,
                                                  LocalTime now);
+  /// Adds a part of a picture. Turns `message` into the picture if the part is its last.
+  [[nodiscard]] std::optional<WireError> onPart(Message& message);
   void onPong(const Pong& pong, LocalTime now);
   void onDescription(const StreamDescription& description, LocalTime now);
   [[nodiscard]] bool isPermanent(const SessionEnd& end) const;
@@ -163,6 +186,7 @@ class ClientSession {
   State state_;
   bool ever_welcomed_ = false;
   bool in_contact_ = false;
+  bool wants_pictures_;
   Duration pause_;
 };
 

@@ -28,6 +28,7 @@ struct Connection::Sockets {
   std::shared_ptr<UdpReceiver> datagrams;  // null: frames arrive over TCP only
   asio::steady_timer sender;
   asio::steady_timer watcher;
+  LocalTime next_message{};  // for which the sender waits
   bool closed = false;
   std::optional<SessionEnd> expired;  // the time limit that closed the sockets
 };
@@ -129,8 +130,9 @@ asio::awaitable<void> Connection::writeLoop(SocketsPtr sockets) {
       if (!co_await sockets->channel->write(encodeShared(*message))) co_return;
     } else {
       boost::system::error_code woken;
+      sockets->next_message = session_.nextMessage();
       sockets->sender.expires_after(
-          std::min<Duration>(session_.nextPing() - clock_.now(), settings_.ping_interval));
+          std::min<Duration>(sockets->next_message - clock_.now(), settings_.ping_interval));
       co_await sockets->sender.async_wait(asio::redirect_error(asio::use_awaitable, woken));
     }
   }
@@ -151,6 +153,7 @@ asio::awaitable<SessionEnd> Connection::readAll(SocketsPtr sockets) {
     auto message = session_.receive(*payload.value(), clock_.now());
     if (!message.ok()) co_return message.error();
     handle(*sockets, std::move(message).value());
+    if (session_.nextMessage() < sockets->next_message) sockets->sender.cancel();
   }
 }
 

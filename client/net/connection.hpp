@@ -69,6 +69,8 @@ class Connection {
   void control(const Control& control);
   /// Sets the contact flag that the next reports to the server have.
   void setInContact(bool in_contact) { session_.setInContact(in_contact); }
+  /// Returns whether the link carries fewer pictures than the stream has.
+  [[nodiscard]] bool arePicturesReduced() const { return session_.arePicturesReduced(); }
   /// Returns the number of bytes received in all sessions.
   [[nodiscard]] std::uint64_t bytesReceived() const;
   /// Returns the datagram counters, summed over all sessions.

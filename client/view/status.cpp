@@ -140,7 +140,7 @@ std::string statusLine(const TickReport& report, const UiState& ui_state) {
   return paused + touchLine(report, ui_state.user);
 }
 
-std::string stateLines(const TickReport& report) {
+std::string stateLines(const TickReport& report, const ConnectionStats& stream) {
   std::string lines;
   for (const SafetyState state :
        {SafetyState::kMovesHand, SafetyState::kTrustLost, SafetyState::kLateMachine}) {
@@ -150,6 +150,8 @@ std::string stateLines(const TickReport& report) {
     lines += toText(state);
     if (latched) lines += " (press R when you have read this)";
   }
+  if (stream.connected && stream.picture_reduced)
+    lines += (lines.empty() ? "" : "\n") + std::string("picture reduced: the link is slow");
   return lines;
 }
 

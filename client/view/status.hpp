@@ -62,8 +62,9 @@ class TickStatus {
 [[nodiscard]] std::string statusLine(const TickReport& report, const UiState& ui_state);
 
 /// Returns a line for each safety state that holds, except for a halt, which the status line
-/// states. The text is empty without such a state.
-[[nodiscard]] std::string stateLines(const TickReport& report);
+/// states, and a line if the link carries fewer pictures than the stream has. The text is empty
+/// without such a state.
+[[nodiscard]] std::string stateLines(const TickReport& report, const ConnectionStats& stream = {});
 
 /// Returns the request to the user, if there is one (UiState::request). Otherwise returns
 /// a hint for the time before the first touch: the event for which the client waits, or how

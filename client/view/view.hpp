@@ -27,9 +27,10 @@ struct ConnectionStats {
   std::uint64_t frames_lost = 0;
   std::uint64_t frames_late = 0;
   std::uint64_t slices_lost = 0;
-  double scan_share = 1.0;      ///< scanned share of the server's clip, 0..1; 1: no scan
-  double clock_error_us = 0.0;  ///< largest error of the media clock; 0: unknown
-  double fps = 25.0;            ///< frames per second that the server announced
+  double scan_share = 1.0;       ///< scanned share of the server's clip, 0..1; 1: no scan
+  bool picture_reduced = false;  ///< the link carries fewer pictures than the stream has
+  double clock_error_us = 0.0;   ///< largest error of the media clock; 0: unknown
+  double fps = 25.0;             ///< frames per second that the server announced
   std::optional<Timeline> timeline = std::nullopt;  ///< present: the user may seek
 
   /// Returns true if the server scans its clip, so that no frames arrive yet.

@@ -60,6 +60,7 @@ std::optional<Message> WebViewer::receive(std::span<const std::uint8_t> bytes, L
     return std::nullopt;
   }
   ui_.stream.connected = session_.welcomed();
+  ui_.stream.picture_reduced = session_.arePicturesReduced();
   if (const auto* const preparing = std::get_if<Preparing>(&message.value())) {
     ui_.stream.scan_share = preparing->share;
   } else if (std::holds_alternative<Welcome>(message.value()) ||
@@ -135,7 +136,7 @@ std::string WebViewer::stateLine() const {
   TickReport shown = report();
   // One late timer of a page sets this state for a minute. The page counts late ticks itself.
   shown.safety_states &= ~bit(SafetyState::kLateMachine);
-  return stateLines(shown);
+  return stateLines(shown, ui_.stream);
 }
 
 MediaTime WebViewer::mediaNow(LocalTime now) const {

@@ -42,6 +42,8 @@ class WebViewer {
   [[nodiscard]] std::optional<std::vector<std::uint8_t>> poll(LocalTime now);
   /// Sends a request with the next poll().
   void request(const Control& control) { (void)session_.request(control); }
+  /// Requests pictures with the next poll(), or none, for example while the page is hidden.
+  void requestPictures(bool wanted) { session_.requestPictures(wanted); }
   /// Returns whether a time limit of the session has passed; end() has the reason.
   [[nodiscard]] bool expire(LocalTime now);
   /// Sets the reason why the connection has ended, in place of those above.

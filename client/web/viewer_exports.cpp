@@ -163,6 +163,11 @@ void control(double paused, double seek_s, double speed, double stiffness_N_mm, 
   page().viewer->request(request);
 }
 
+/// Requests pictures (1) or none (0) of the server.
+WEB_EXPORT(requestPictures) void requestPictures(int wanted) {
+  page().viewer->requestPictures(wanted != 0);
+}
+
 /// Writes the name of the stream, and the key of the server (hex digits, or empty).
 WEB_EXPORT(streamName) std::size_t streamName() { return web::setOutput(page().description.name); }
 WEB_EXPORT(serverKey) std::size_t serverKey() { return web::setOutput(page().key); }

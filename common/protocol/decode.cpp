@@ -36,8 +36,12 @@ std::string token(const std::string& from, Check& check) {
 }
 
 Hello read(const proto::Hello& from, Check& check) {
-  return {from.protocol_version(), text(from.client_name(), limits::kClientName, check),
-          from.wants_video(), from.wants_frames_on_tcp(), token(from.access_token(), check)};
+  return {from.protocol_version(),
+          text(from.client_name(), limits::kClientName, check),
+          from.wants_video(),
+          from.wants_frames_on_tcp(),
+          token(from.access_token(), check),
+          from.accepts_picture_parts()};
 }
 
 DatagramKey read(const proto::DatagramKey& from, Check& check) {
@@ -143,7 +147,9 @@ Welcome read(const proto::Welcome& from, Check& check) {
 Delivery read(const proto::Delivery& from, Check& check) {
   check.require(from.copies() >= 1 && from.copies() <= limits::kMostCopies,
                 "a number of copies is not 1..4");
-  return {from.on_tcp(), from.datagrams(), from.copies()};
+  Delivery to{from.on_tcp(), from.datagrams(), from.copies()};
+  if (from.has_pictures()) to.pictures = from.pictures();
+  return to;
 }
 
 Ping read(const proto::Ping& from, Check& check) { return {LocalTime(check.time(from.t0_ns()))}; }
@@ -162,6 +168,20 @@ VideoFrame read(const proto::VideoFrame& from, Check& check) {
   VideoFrame to{from.epoch(), from.id(), MediaTime(check.time(from.media_time_ns())), {}};
   if (!check.error()) to.jpeg.assign(from.jpeg().begin(), from.jpeg().end());
   return to;
+}
+
+PicturePart read(const proto::PicturePart& from, Check& check) {
+  check.bound(from.size(), limits::kPictureMessage, "a picture is larger than 4 MiB");
+  check.bound(from.data().size(), limits::kPicturePart, "a part of a picture is too large");
+  check.require(!from.data().empty(), "a part of a picture is empty");
+  PicturePart to{from.size(), {}, from.reduced()};
+  if (!check.error()) to.data.assign(from.data().begin(), from.data().end());
+  return to;
+}
+
+Receipt read(const proto::Receipt& from, Check& check) {
+  check.require(from.held_us() <= limits::kReceiptHeld_us, "a receipt was held for too long");
+  return {from.bytes(), std::chrono::microseconds(from.held_us())};
 }
 
 ReceiverReport read(const proto::Report& from, Check& check) {
@@ -213,6 +233,10 @@ Message readContent(const proto::Message& from, Check& check) {
       return read(from.datagram_key(), check);
     case proto::Message::kControl:
       return read(from.control(), check);
+    case proto::Message::kPicturePart:
+      return read(from.picture_part(), check);
+    case proto::Message::kReceipt:
+      return read(from.receipt(), check);
     case proto::Message::CONTENT_NOT_SET:
       break;
   }

@@ -18,6 +18,7 @@ void write(const Hello& from, proto::Message& message) {
   to.set_wants_video(from.wants_video);
   to.set_wants_frames_on_tcp(from.wants_frames_on_tcp);
   to.set_access_token(from.access_token);
+  to.set_accepts_picture_parts(from.accepts_picture_parts);
 }
 
 void write(const DatagramKey& from, proto::DatagramKey& to) {
@@ -102,6 +103,7 @@ void write(const Delivery& from, proto::Message& message) {
   to.set_on_tcp(from.on_tcp);
   to.set_datagrams(from.datagrams);
   to.set_copies(from.copies);
+  if (from.pictures) to.set_pictures(*from.pictures);
 }
 
 void write(const VideoFrame& from, proto::Message& message) {
@@ -110,6 +112,19 @@ void write(const VideoFrame& from, proto::Message& message) {
   to.set_id(from.id);
   to.set_media_time_ns(from.media_time.time_since_epoch().count());
   to.set_jpeg(from.jpeg.data(), from.jpeg.size());
+}
+
+void write(const PicturePart& from, proto::Message& message) {
+  auto& to = *message.mutable_picture_part();
+  to.set_size(from.size);
+  to.set_data(from.data.data(), from.data.size());
+  to.set_reduced(from.reduced);
+}
+
+void write(const Receipt& from, proto::Message& message) {
+  auto& to = *message.mutable_receipt();
+  to.set_bytes(from.bytes);
+  to.set_held_us(static_cast<std::uint32_t>(from.held / std::chrono::microseconds(1)));
 }
 
 void write(const ReceiverReport& from, proto::Message& message) {

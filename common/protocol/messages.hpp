@@ -30,7 +30,8 @@ struct Hello {
   std::string client_name;
   bool wants_video = false;
   bool wants_frames_on_tcp = true;
-  std::string access_token = {};  ///< secret of the user; empty: none
+  std::string access_token = {};       ///< secret of the user; empty: none
+  bool accepts_picture_parts = false;  ///< pictures may come as PicturePart; Receipts follow
 };
 /// Key of the sealed datagrams (proto/datagrams.md).
 struct DatagramKey {
@@ -79,6 +80,7 @@ struct Delivery {
   /// Number of times that the server sends each datagram, 1..limits::kMostCopies. A client of the
   /// multicast group states the number that it needs.
   std::uint32_t copies = 1;
+  std::optional<bool> pictures = std::nullopt;  ///< absent: as before
   bool operator==(const Delivery&) const = default;
 };
 /// Request of a client for the server's time.
@@ -104,6 +106,18 @@ struct ReceiverReport {
   bool in_contact = false;
 };
 
+/// The next bytes of a picture, of which the first part announces the size.
+struct PicturePart {
+  std::uint32_t size = 0;  ///< in the first part: bytes of the message with the picture; else 0
+  std::vector<std::uint8_t> data;  ///< 1..limits::kPicturePart bytes
+  bool reduced = false;  ///< the link carries fewer or coarser pictures than the stream has
+};
+/// Confirmation of a client: what has arrived. The server computes from it how fast the link is.
+struct Receipt {
+  std::uint64_t bytes = 0;  ///< payloads of the session, summed
+  Duration held{};          ///< from the arrival of the last of them to this message
+};
+
 /// Progress of the server's scan of its clip. The server sends no frames before the end of the
 /// scan.
 struct Preparing {
@@ -111,7 +125,8 @@ struct Preparing {
 };
 
 using Message = std::variant<Hello, Welcome, Ping, Pong, StreamDescription, CodedFrame, VideoFrame,
-                             ReceiverReport, WireError, Preparing, Delivery, DatagramKey, Control>;
+                             ReceiverReport, WireError, Preparing, Delivery, DatagramKey, Control,
+                             PicturePart, Receipt>;
 
 /// Returns the bytes of one message, without the length prefix (framing.hpp). Requires valid
 /// content.

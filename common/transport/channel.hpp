@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "common/result.hpp"
+#include "common/time.hpp"
 #include "common/transport/asio.hpp"
 #include "common/transport/framing.hpp"
 #include "common/wire_error.hpp"
@@ -70,6 +71,11 @@ class Channel {
   /// Returns the number of written bytes that the peer's system has not acknowledged. At 0 close()
   /// loses nothing.
   [[nodiscard]] virtual std::size_t undeliveredBytes() noexcept = 0;
+  /// Returns how long the last of `bytes` more takes to leave the link, by the present figures of
+  /// the connection. 0: unknown, or not at all.
+  [[nodiscard]] virtual Duration estimateDelay(std::size_t /*bytes*/) noexcept {
+    return Duration{0};
+  }
   /// Ends the connection. A running read() or write() returns. The system still delivers bytes that
   /// are already written, if the peer reads them.
   virtual void close() noexcept = 0;

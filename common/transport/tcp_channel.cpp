@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "common/endpoint.hpp"
+#include "common/transport/tcp_delay.hpp"
 #include "common/transport/websocket_framing.hpp"
 
 namespace hapticast {
@@ -261,6 +262,10 @@ std::size_t TcpChannel::undeliveredBytes() noexcept {
   int bytes = 0;
   if (::ioctl(socket_.native_handle(), SIOCOUTQ, &bytes) != 0) return 0;
   return static_cast<std::size_t>(bytes);
+}
+
+Duration TcpChannel::estimateDelay(std::size_t bytes) noexcept {
+  return estimateTcpDelay(socket_.native_handle(), bytes);
 }
 
 void TcpChannel::close() noexcept {

@@ -49,6 +49,8 @@ class TcpChannel final : public Channel {
   asio::awaitable<void> drain(std::size_t most_bytes) override;
   asio::awaitable<void> finishWriting() override;
   std::size_t undeliveredBytes() noexcept override;
+  /// Computes the delay from TCP's own figures (TCP_INFO). Behind a proxy they are the proxy's.
+  [[nodiscard]] Duration estimateDelay(std::size_t bytes) noexcept override;
   void close() noexcept override;
   void abort() noexcept override;
   [[nodiscard]] bool encrypted() const noexcept override { return tls_ && tls_->established(); }

@@ -235,6 +235,7 @@ void Broadcaster::completeWelcome(const Channel& channel, Welcome& welcome) {
 
 void Broadcaster::deliver(std::uint64_t datagram_token, const Delivery& delivery) {
   if (datagrams_ != nullptr) datagrams_->setDelivery(datagram_token, delivery);
+  countViewers();  // it may want pictures from now on, or none
 }
 
 void Broadcaster::onJoined(Session& session) {

@@ -107,6 +107,8 @@ void Listener::accept(asio::ip::tcp::socket socket) {
   boost::system::error_code ignored;  // without it a stalled viewer only buffers more
   socket.set_option(asio::socket_base::send_buffer_size(broadcaster_.settings().send_buffer_bytes),
                     ignored);
+  using UnsentBytes = asio::detail::socket_option::integer<IPPROTO_TCP, TCP_NOTSENT_LOWAT>;
+  socket.set_option(UnsentBytes(broadcaster_.settings().unsent_bytes), ignored);
   auto tls = tls_ ? std::make_unique<TlsEngine>(*tls_) : nullptr;
   broadcaster_.accept(std::make_unique<TcpChannel>(
       std::move(socket), kMaxSmallMessageBytes, std::move(tls), ChannelEnd::kServer, responder_));

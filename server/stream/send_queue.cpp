@@ -1,9 +1,16 @@
 // SPDX-License-Identifier: MIT
 #include "server/stream/send_queue.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace hapticast::server {
+
+namespace {
+// Chosen: the share of sent pictures follows the last second, and a single skip is no reduction.
+constexpr double kShareStep = 1.0 / 16.0;
+constexpr double kReducedShare = 0.8;
+}  // namespace
 
 SendCounts& SendCounts::operator+=(const SendCounts& other) {
   frames_sent += other.frames_sent;
@@ -40,14 +47,24 @@ void SendQueue::pushFrame(EncodedFrame frame) {
 }
 
 void SendQueue::pushVideo(EncodedVideo video) {
-  if (video_) ++counts_.videos_dropped;
+  if (video_) {
+    ++counts_.videos_dropped;
+    countPicture(0.0);
+  }
   video_ = std::move(video);
+}
+
+void SendQueue::countPicture(double sent) { sent_share_ += kShareStep * (sent - sent_share_); }
+
+void SendQueue::clearPictures() {
+  video_.reset();
+  picture_.reset();
 }
 
 void SendQueue::clearFrames() {
   needs_key_frame_ = true;
   frames_.clear();
-  video_.reset();
+  clearPictures();
 }
 
 void SendQueue::clear() {
@@ -61,7 +78,7 @@ SharedBytes SendQueue::pass(const EncodedFrame& frame) {
   return std::exchange(needs_key_frame_, false) ? frame.key_frame->payload() : frame.delta;
 }
 
-SharedBytes SendQueue::pop() {
+SharedBytes SendQueue::pop(LocalTime now) {
   if (!control_.empty()) {
     SharedBytes payload = std::move(control_.front());
     control_.pop_front();
@@ -73,6 +90,7 @@ SharedBytes SendQueue::pop() {
     frames_.pop_front();
     return pass(frame);
   }
+  if (pacer_) return popPart(now);
   if (video_) {
     ++counts_.videos_sent;
     SharedBytes payload = std::move(video_->payload);
@@ -80,6 +98,28 @@ SharedBytes SendQueue::pop() {
     return payload;
   }
   return nullptr;
+}
+
+SharedBytes SendQueue::popPart(LocalTime now) {
+  if (!picture_ && !video_) return nullptr;
+  const std::size_t most_bytes = pacer_->computePartBytes(now);
+  if (most_bytes == 0) return nullptr;
+  PicturePart part;
+  if (!picture_) {
+    ++counts_.videos_sent;
+    countPicture(1.0);
+    picture_ = std::move(video_->payload);
+    picture_sent_bytes_ = 0;
+    video_.reset();
+    part.size = static_cast<std::uint32_t>(picture_->size());
+  }
+  const auto begin = picture_->begin() + static_cast<std::ptrdiff_t>(picture_sent_bytes_);
+  const std::size_t size = std::min(most_bytes, picture_->size() - picture_sent_bytes_);
+  part.data.assign(begin, begin + static_cast<std::ptrdiff_t>(size));
+  part.reduced = sent_share_ < kReducedShare;
+  picture_sent_bytes_ += size;
+  if (picture_sent_bytes_ == picture_->size()) picture_.reset();
+  return encodeShared(part);
 }
 
 }  // namespace hapticast::server

@@ -17,6 +17,9 @@ namespace {
 // Chosen: more than a client has under way at its refusal. These bytes are read and discarded, so
 // that the peer can read the reason.
 constexpr std::size_t kMaxDrainBytes = 1U << 20U;
+// Longest time that a picture which comes whole may delay the frames behind it. Chosen: a frame
+// interval at 25 frames/s.
+constexpr Duration kMostPictureDelay = std::chrono::milliseconds(40);
 
 /// Returns the first 64 bits of an IPv6 address, since one host may use all addresses with this
 /// prefix. Other addresses are returned unchanged.
@@ -68,7 +71,7 @@ void Session::queue(const EncodedFrame& frame) {
 }
 
 void Session::send(const EncodedFrame& frame) {
-  if (!idle_ || !frames_on_tcp_) {
+  if (!idle_ || !frames_on_tcp_ || queue_.sendsPicturesInParts()) {
     queue(frame);
     return flush();
   }
@@ -80,6 +83,9 @@ void Session::send(const EncodedFrame& frame) {
 
 void Session::queue(const EncodedVideo& video) {
   if (!isVideoSubscriber()) return;
+  if (!queue_.sendsPicturesInParts() &&
+      channel_->estimateDelay(video.payload->size()) > kMostPictureDelay)
+    return queue_.dropPicture();
   idle_ = false;
   queue_.pushVideo(video);
 }
@@ -236,6 +242,7 @@ void Session::handle(const Hello& hello) {
   grant_ = host_.findGrant(hello);
   hello_ = hello;
   hello_->access_token.clear();
+  if (hello.accepts_picture_parts) queue_.sendPicturesInParts();
   queueWelcome();
   host_.onJoined(*this);
   flush();
@@ -255,6 +262,7 @@ void Session::refuse(const WireError& why) {
 
 void Session::queueWelcome() {
   frames_on_tcp_ = hello_->wants_frames_on_tcp;
+  wants_pictures_ = hello_->wants_video;
   Welcome welcome{kProtocolVersion, id_, 0, host_.description()};
   host_.completeWelcome(*channel_, welcome);
   datagram_token_ = welcome.datagram_token;
@@ -290,6 +298,8 @@ void Session::handle(const Delivery& delivery) {
   // a key frame.
   if (delivery.on_tcp != frames_on_tcp_) queue_.clearFrames();
   frames_on_tcp_ = delivery.on_tcp;
+  wants_pictures_ = delivery.pictures.value_or(wants_pictures_);
+  if (!wants_pictures_) queue_.clearPictures();
   host_.deliver(datagram_token_, delivery);
 }
 
@@ -313,13 +323,26 @@ void Session::confirm(const Control& control) {
   send(encodeShared(control));
 }
 
+void Session::handle(const Receipt& receipt) {
+  if (!hello_ || !queue_.sendsPicturesInParts())
+    return close({ErrorCode::kUnexpected, "a receipt of a client that accepts no parts"});
+  queue_.onReceipt(receipt, host_.clock().now());
+  flush();  // a part may leave now
+}
+
 template <class Other>
 void Session::handle(const Other&) {
   close({ErrorCode::kUnexpected, "a message that only servers send"});
 }
 
 SharedBytes Session::nextPayload() {
-  if (pongs_.empty() || queue_.controlWaits()) return queue_.pop();
+  const LocalTime now = host_.clock().now();
+  SharedBytes payload = pongs_.empty() || queue_.controlWaits() ? queue_.pop(now) : popPong();
+  if (payload) queue_.countSent(payload->size(), now);
+  return payload;
+}
+
+SharedBytes Session::popPong() {
   Pong pong = pongs_.front();
   pongs_.pop_front();
   pong.t2 = host_.mediaClock().now();

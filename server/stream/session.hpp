@@ -118,7 +118,7 @@ class Session : public std::enable_shared_from_this<Session> {
 
   [[nodiscard]] bool welcomed() const { return hello_.has_value() && !closing_since_; }
   [[nodiscard]] std::uint64_t datagramToken() const { return datagram_token_; }
-  [[nodiscard]] bool isVideoSubscriber() const { return welcomed() && hello_->wants_video; }
+  [[nodiscard]] bool isVideoSubscriber() const { return welcomed() && wants_pictures_; }
   /// Returns the rights of the client's token; nullopt if the server needs no tokens.
   [[nodiscard]] const std::optional<Grant>& grant() const { return grant_; }
   [[nodiscard]] bool encrypted() const { return channel_->encrypted(); }
@@ -145,6 +145,7 @@ class Session : public std::enable_shared_from_this<Session> {
   void handle(const Delivery& delivery);
   void handle(const ReceiverReport& report);
   void handle(const Control& control);
+  void handle(const Receipt& receipt);
   template <class Other>
   void handle(const Other& other);
   /// Adds a welcome to the queue, as its first item. Requires an empty queue.
@@ -162,7 +163,8 @@ class Session : public std::enable_shared_from_this<Session> {
   void sendGoodbye(const WireError& farewell, const std::optional<WireError>& why);
   void end();
   [[nodiscard]] SharedBytes nextPayload();
-  /// Returns whether nextPayload() returns another payload.
+  [[nodiscard]] SharedBytes popPong();
+  /// Returns whether nextPayload() surely returns another payload.
   [[nodiscard]] bool payloadWaits() const { return !pongs_.empty() || !queue_.empty(); }
   void wakeWriter();
 
@@ -182,6 +184,7 @@ class Session : public std::enable_shared_from_this<Session> {
   std::size_t quick_pongs_ = 0;  // pongs that were sent at once, since the newest welcome
   std::size_t unconfirmed_ = 0;  // requests of this operator that are not carried out yet
   std::optional<Hello> hello_;   // without its token
+  bool wants_pictures_ = false;
   std::optional<Grant> grant_;
   std::uint64_t datagram_token_ = 0;  // 0: none was offered
   LocalTime started_;

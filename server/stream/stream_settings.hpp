@@ -36,6 +36,9 @@ struct StreamSettings {
   bool insecure = false;
   /// Limit of the bytes that wait in the system for a client that does not read.
   int send_buffer_bytes = 256 << 10;
+  /// Limit of the bytes that wait in the system because the link is slow (TCP_NOTSENT_LOWAT). What
+  /// waits longer waits in the queue, where newer frames replace it. Chosen: a large key frame.
+  int unsent_bytes = 16 << 10;
 };
 
 /// Counts of clients and sent items since the server's start.

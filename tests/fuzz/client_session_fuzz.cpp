@@ -24,7 +24,7 @@ struct Client {
 
   void open() {
     require(!session.open({}, clock.now()));
-    require(!session.welcomed() && session.nextPing() == LocalTime::max());
+    require(!session.welcomed() && session.nextMessage() == LocalTime::max());
     const auto hello = session.poll(clock.now());
     require(hello && std::holds_alternative<Hello>(*hello));
     require(!session.poll(clock.now()));

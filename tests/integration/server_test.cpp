@@ -85,6 +85,53 @@ TEST_F(ServerTest, SendsVideoToViewersThatRequestIt) {
   EXPECT_TRUE(blind->all<VideoFrame>().empty());
 }
 
+TEST_F(ServerTest, SendsAPictureInPartsThatFollowTheReceipts) {
+  TestServer server(io, clock);
+  RawPeer peer(io, server.port());
+  peer.keeps_payloads = true;
+  peer.send(Hello{kProtocolVersion, "raw", true, true, "", true});
+  ASSERT_TRUE(receives<Welcome>(peer));
+  VideoFrame picture{0, 1, server.media.now(), {0xFF, 0xD8}};
+  picture.jpeg.resize(100'000, 7);
+  server.broadcaster.publish(server::encodeVideo(picture));
+  std::vector<std::uint8_t> bytes;
+  std::size_t parts = 0;
+  ASSERT_TRUE(runUntil([&] {
+    peer.poll();
+    const auto all = peer.all<PicturePart>();
+    for (; parts < all.size(); ++parts)
+      bytes.insert(bytes.end(), all[parts].data.begin(), all[parts].data.end());
+    std::uint64_t received = 0;
+    for (const auto& payload : peer.payloads) received += payload.size();
+    if (parts > 0) peer.send(Receipt{received, {}});
+    return parts > 0 && bytes.size() == all[0].size;
+  }));
+  EXPECT_GT(parts, 10U) << "a part is at most 10 ms of the link";
+  const auto message = decode(bytes);
+  ASSERT_TRUE(message.ok());
+  EXPECT_EQ(std::get<VideoFrame>(message.value()).jpeg, picture.jpeg);
+  EXPECT_TRUE(peer.all<VideoFrame>().empty());
+}
+
+TEST_F(ServerTest, AViewerMayStopItsPicturesAndRequestThemAgain) {
+  TestServer server(io, clock);
+  const auto peer = viewer(server, true);
+  peer->send(Delivery{true, true, 1, false});
+  ASSERT_TRUE(runUntil([&] { return !server.broadcaster.videoWanted(); }));
+  peer->send(Delivery{true, true, 1});
+  peer->send(Delivery{true, true, 1, true});
+  ASSERT_TRUE(runUntil([&] { return server.broadcaster.videoWanted(); }));
+  server.broadcaster.publish(server::encodeVideo({0, 1, server.media.now(), {0xFF, 0xD8}}));
+  EXPECT_TRUE(receives<VideoFrame>(*peer));
+}
+
+TEST_F(ServerTest, RefusesAReceiptOfAViewerWithoutParts) {
+  TestServer server(io, clock);
+  const auto peer = viewer(server, true);
+  peer->send(Receipt{1, {}});
+  EXPECT_EQ(farewell(*peer).code, ErrorCode::kUnexpected);
+}
+
 TEST_F(ServerTest, AnnouncesAnotherStreamToAll) {
   TestServer server(io, clock);
   const auto peer = viewer(server);

@@ -216,7 +216,8 @@ void ViewerWindow::showTexts(const WindowLayout& layout, const UiState& ui_state
                nullptr, wrap);
   if (!state_.help)
     drawNote(list, place_, hintLine(ticks_, ui_state), IM_COL32(255, 240, 180, 255), 0.0);
-  drawNote(list, place_, stateLines(ticks_.last()), IM_COL32(255, 110, 100, 255), 0.84);
+  drawNote(list, place_, stateLines(ticks_.last(), ui_state.stream), IM_COL32(255, 110, 100, 255),
+           0.84);
 }
 
 /// Returns the picture with the HIP and the forces, in px of the screen. In a study the picture

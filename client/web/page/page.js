@@ -92,7 +92,7 @@ class Page {
       ...readFragment()
     });
     this.controls.update();
-    this.askForReliefs();
+    this.askForViews();
   }
 
   /// Ends the worker. No force of it stays on the screen.
@@ -103,8 +103,11 @@ class Page {
     this.texts.showForce({force_N: [0, 0, 0], penetration_mm: 0, halted: false});
   }
 
-  /// The worker sends reliefs only while they are seen.
-  askForReliefs() { this.send({type: 'show', reliefs: this.views.showsRelief}); }
+  /// The worker sends reliefs only while the page shows them, and the server sends no pictures to a
+  /// hidden page.
+  askForViews() {
+    this.send({type: 'show', reliefs: this.views.showsRelief, pictures: !document.hidden});
+  }
 
   send(message) { this.worker?.postMessage(message); }
 
@@ -163,6 +166,7 @@ class Page {
     find('pause').addEventListener('change', ({target}) => this.setPaused(target.checked));
     this.showPanel(this.settings.panel ?? innerWidth >= 900);
     this.connectPress(find('press'));
+    document.addEventListener('visibilitychange', () => this.askForViews());
     for (const name of ['pointerdown', 'keydown'])
       addEventListener(name, () => this.feedback.startSound(), {capture: true});
   }
@@ -225,7 +229,7 @@ class Page {
       case 'view':
         this.settings.view = this.views.chooseNext();
         keepSettings(this.settings);
-        this.askForReliefs();
+        this.askForViews();
         break;
       case 'help':
         if (find('help').open)

@@ -33,6 +33,7 @@ let user = {
   friction: null
 };
 let showReliefs = true;
+let showPictures = true;
 let verified = false;
 
 function sendStatus(state, text, share = null) {
@@ -65,6 +66,8 @@ onmessage = async ({data}) => {
       break;
     case 'show':
       showReliefs = data.reliefs;
+      showPictures = data.pictures;
+      core?.e.requestPictures(Number(showPictures));
       break;
   }
 };
@@ -76,6 +79,7 @@ async function start() {
     core = await startCore(module);
     core.start(open.originKeys ?? [], open.token ?? '');
     core.setControls(user, rearms);
+    core.e.requestPictures(Number(showPictures));
   } catch (error) {
     return sendStatus('failed', `the renderer does not start: ${error.message}`);
   }

@@ -187,6 +187,56 @@ TEST(ClientSession, RequestsWaitForTheWelcomeAndAreLimited) {
   EXPECT_TRUE(client.receive(Control{}, 0.1).ok()) << "the answer";
 }
 
+TEST(ClientSession, JoinsThePartsOfAPictureAndConfirmsThem) {
+  SessionSettings settings;
+  settings.wants_video = true;
+  settings.sends_pings = false;
+  Client client(settings);
+  ASSERT_TRUE(client.welcome());
+  EXPECT_FALSE(client.session.poll(at(0.0))) << "no receipt before the first part";
+  const auto whole = encode(VideoFrame{0, 1, {}, {0xFF, 0xD8, 1, 2, 3, 4}});
+  const auto size = static_cast<std::uint32_t>(whole.size());
+  const auto middle = whole.begin() + 5;
+  std::uint64_t bytes = encode(Welcome{kProtocolVersion, 1, 0, {}}).size();
+  const auto send = [&](const PicturePart& part, double time_s) {
+    bytes += encode(part).size();
+    return client.receive(part, time_s);
+  };
+  ASSERT_TRUE(send({size, {9, 9}, false}, 0.9).ok()) << "a picture that the server gives up";
+  ASSERT_TRUE(send({size, {whole.begin(), middle}, true}, 1.0).ok());
+  EXPECT_TRUE(client.session.arePicturesReduced());
+  const auto receipt = client.session.poll(at(1.0));
+  ASSERT_TRUE(receipt && std::holds_alternative<Receipt>(*receipt));
+  EXPECT_EQ(std::get<Receipt>(*receipt).bytes, bytes);
+  const auto last = send({0, {middle, whole.end()}, false}, 1.001);
+  ASSERT_TRUE(last.ok());
+  ASSERT_TRUE(std::holds_alternative<VideoFrame>(last.value()));
+  EXPECT_EQ(std::get<VideoFrame>(last.value()).jpeg.size(), 6U);
+  EXPECT_FALSE(client.session.poll(at(1.001))) << "receipts have a shortest interval";
+  EXPECT_EQ(client.session.nextMessage(), at(1.02));
+  const auto second = client.session.poll(at(1.02));
+  ASSERT_TRUE(second);
+  EXPECT_EQ(std::get<Receipt>(*second).held, at(1.02) - at(1.001));
+  EXPECT_FALSE(send({0, {1}, false}, 1.1).ok()) << "a part of no picture";
+}
+
+TEST(ClientSession, EndsAtPartsThatAreNoPicture) {
+  SessionSettings settings;
+  settings.wants_video = true;
+  const auto ping = encode(Ping{});
+  for (const auto& parts :
+       {std::vector<PicturePart>{{4, {1, 2, 3, 4, 5}, false}},
+        std::vector<PicturePart>{{static_cast<std::uint32_t>(ping.size()), ping, false}},
+        std::vector<PicturePart>{{2, {0xFF, 0xFF}, false}}}) {
+    Client client(settings);
+    ASSERT_TRUE(client.welcome());
+    for (const PicturePart& part : parts) EXPECT_FALSE(client.receive(part, 0.1).ok());
+  }
+  Client blind;
+  ASSERT_TRUE(blind.welcome());
+  EXPECT_FALSE(blind.receive(PicturePart{4, {1}, false}, 0.1).ok()) << "it requested no pictures";
+}
+
 TEST(ClientSession, AnotherWelcomeBeginsAnew) {
   Client client;
   ASSERT_TRUE(client.welcome());
@@ -197,7 +247,7 @@ TEST(ClientSession, AnotherWelcomeBeginsAnew) {
   EXPECT_EQ(client.session.welcomes(), 2U);
   EXPECT_FALSE(client.session.isDescriptionNew());
   EXPECT_FALSE(client.receiver.stream().connected) << "the clock is measured again";
-  EXPECT_EQ(client.session.nextPing(), at(2.0));
+  EXPECT_EQ(client.session.nextMessage(), at(2.0));
 }
 
 /// Any messages of any kind at any time: the session says hello first, sends nothing before a

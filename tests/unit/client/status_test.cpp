@@ -92,6 +92,8 @@ TEST_F(StatusTest, EveryHaltHasAReasonAndARemedy) {
 TEST_F(StatusTest, SafetyStatesHaveALineOfTheirOwn) {
   touch(1.2);
   EXPECT_EQ(stateLines(report), "");
+  EXPECT_EQ(stateLines(report, {.connected = true, .picture_reduced = true}),
+            "picture reduced: the link is slow");
   report.safety_states = bit(SafetyState::kForceOff);
   EXPECT_EQ(stateLines(report), "") << "the status line states the halt";
   report.safety_states |= bit(SafetyState::kMovesHand) | bit(SafetyState::kLateMachine);

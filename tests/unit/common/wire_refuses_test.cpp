@@ -258,6 +258,10 @@ TEST(WireRefuses, BadVideoReportsAndErrors) {
   EXPECT_NO_THROW(roundTrip(video));
   video.jpeg.push_back(0);
   EXPECT_EQ(refusal(video), ErrorCode::kTooLarge);
+  EXPECT_EQ(refusal(PicturePart{1, {}, false}), ErrorCode::kMalformed);
+  EXPECT_EQ(refusal(PicturePart{1, Bytes(limits::kPicturePart + 1), false}), ErrorCode::kTooLarge);
+  EXPECT_EQ(refusal(PicturePart{limits::kPictureMessage + 1, {1}, false}), ErrorCode::kTooLarge);
+  EXPECT_EQ(refusal(Receipt{1, std::chrono::seconds(11)}), ErrorCode::kMalformed);
   EXPECT_EQ(refusal(ReceiverReport{0, 0, 0, kNan, 0, false}), ErrorCode::kMalformed);
   EXPECT_EQ(refusal(ReceiverReport{0, 0, 0, 0, -1.0, false}), ErrorCode::kMalformed);
   EXPECT_EQ(refusal(WireError{static_cast<ErrorCode>(0), "x"}), ErrorCode::kMalformed);

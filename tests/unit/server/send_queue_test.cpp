@@ -19,7 +19,7 @@ EncodedVideo video(std::uint64_t id) {
   return {id, MediaTime(), bytes("video" + std::to_string(id))};
 }
 std::string pop(SendQueue& queue) {
-  const SharedBytes next = queue.pop();
+  const SharedBytes next = queue.pop({});
   return next ? std::string(next->begin(), next->end()) : "nothing";
 }
 
@@ -115,7 +115,7 @@ TEST(SendQueue, NeverGrowsBeyondItsBounds) {
     queue.pushVideo(video(i));
   }
   std::size_t held = 0;
-  while (queue.pop()) ++held;
+  while (queue.pop({})) ++held;
   EXPECT_EQ(held, SendQueue::kMaxControl + SendQueue::kMaxFrames + 1);
 }
 
