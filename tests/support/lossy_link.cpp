@@ -14,6 +14,17 @@ constexpr std::size_t kChunkBytes = 16U << 10U;
 constexpr std::size_t kMostWaitingBytes = 4U << 20U;  // beyond it the sender has to wait
 constexpr int kPortsTried = 20;
 
+/// Lets TCP's sender sense the link: at most `way`'s queue waits to be read, in segments of
+/// Ethernet. Without a rate nothing waits, so nothing is limited.
+void limitReceiveBuffer(tcp::socket& socket, const LinkProfile& way) {
+  if (way.rate_bits_s <= 0.0) return;
+  using SegmentBytes = asio::detail::socket_option::integer<IPPROTO_TCP, TCP_MAXSEG>;
+  boost::system::error_code ignored;
+  socket.set_option(asio::socket_base::receive_buffer_size(static_cast<int>(way.queue_bytes)),
+                    ignored);
+  socket.set_option(SegmentBytes(LinkModel::kSegmentBytes), ignored);
+}
+
 udp::endpoint sameNumber(const tcp::endpoint& endpoint) {
   return {endpoint.address(), endpoint.port()};
 }
@@ -102,6 +113,9 @@ asio::awaitable<void> LossyLink::acceptAll() {
     co_await acceptor_.async_accept(relay->near_side,
                                     asio::redirect_error(asio::use_awaitable, ec));
     if (ec) co_return;
+    limitReceiveBuffer(relay->near_side, up_.profile);
+    relay->far_side.open(server_.protocol());
+    limitReceiveBuffer(relay->far_side, down_.profile);
     co_await relay->far_side.async_connect(server_, asio::redirect_error(asio::use_awaitable, ec));
     if (ec) continue;  // closes the near side: nobody is there
     start(relay);
