@@ -187,6 +187,17 @@ TEST(ClientSession, RequestsWaitForTheWelcomeAndAreLimited) {
   EXPECT_TRUE(client.receive(Control{}, 0.1).ok()) << "the answer";
 }
 
+TEST(ClientSession, ReceivesTheActsOfOthersIfItWantsThem) {
+  const Control act{true, {}, {}, {}, {}, "Anna", mediaTime(1.0)};
+  for (const bool wants : {false, true}) {
+    SessionSettings settings;
+    settings.wants_acts = wants;
+    Client client(settings);
+    ASSERT_TRUE(client.welcome());
+    EXPECT_EQ(client.receive(act, 0.1).ok(), wants);
+  }
+}
+
 TEST(ClientSession, AnotherWelcomeBeginsAnew) {
   Client client;
   ASSERT_TRUE(client.welcome());
