@@ -84,8 +84,9 @@ std::optional<WireError> ClientSession::process(Message& message,
   } else if (std::holds_alternative<DatagramKey>(message)) {
     if (!state_.sealed_datagrams)
       return makeUnexpected("a key of datagrams for a stream without them");
-  } else if (std::holds_alternative<Control>(message)) {
-    if (!state_.has_requested)
+  } else if (const auto* const control = std::get_if<Control>(&message)) {
+    const bool is_act = control->at.has_value();  // of another operator
+    if (!(is_act ? settings_.wants_acts : state_.has_requested))
       return makeUnexpected("the server answers a request that the client did not send");
   } else if (!std::holds_alternative<VideoFrame>(message) &&
              !std::holds_alternative<Preparing>(message)) {
@@ -202,8 +203,8 @@ std::optional<Message> ClientSession::poll(LocalTime now) {
   if (!state_.is_open) return std::nullopt;
   if (std::exchange(state_.hello_due, false)) {
     state_.hello_wants_pictures = wants_pictures_;
-    return Hello{kProtocolVersion,       settings_.client_name, wants_pictures_, true,
-                 settings_.access_token, settings_.wants_video};
+    return Hello{kProtocolVersion,       settings_.client_name, wants_pictures_,     true,
+                 settings_.access_token, settings_.wants_video, settings_.wants_acts};
   }
   if (!welcomed()) return std::nullopt;
   if (state_.delivery) {

@@ -31,6 +31,7 @@ struct SessionSettings {
   /// True: the client may send the token to other machines without TLS.
   bool insecure = false;
   bool wants_video = false;
+  bool wants_acts = false;  ///< of other operators, if the token is an operator's
   /// False: the surroundings send the pings, so that every pong counts.
   bool sends_pings = true;
   /// Time limit for the welcome. A connection also uses it for the look-up of the name, and for the

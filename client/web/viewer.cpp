@@ -20,18 +20,19 @@ RendererSettings makeSettings() {
   return settings;
 }
 
-SessionSettings makeSessionSettings(OriginPin origin, std::string access_token) {
+SessionSettings makeSessionSettings(OriginPin origin, std::string access_token, std::string name) {
   SessionSettings settings;
   settings.origin = std::move(origin);
-  settings.client_name = "web page";
+  settings.client_name = name.empty() ? "web page" : std::move(name);
   settings.access_token = std::move(access_token);
   settings.wants_video = true;
+  settings.wants_acts = true;
   return settings;
 }
 
 }  // namespace
 
-WebViewer::WebViewer(OriginPin origin, std::string access_token)
+WebViewer::WebViewer(OriginPin origin, std::string access_token, std::string name)
     : settings_(makeSettings()),
       preparation_(pool_, clock_, Method::kHapticast,
                    [this](const PreparedFrame& frame) {
@@ -39,7 +40,8 @@ WebViewer::WebViewer(OriginPin origin, std::string access_token)
                      reliefs_ = frame.playable;
                    }),
       receiver_(preparation_, timing_, 1),
-      session_(makeSessionSettings(std::move(origin), std::move(access_token)), &receiver_),
+      session_(makeSessionSettings(std::move(origin), std::move(access_token), std::move(name)),
+               &receiver_),
       hand_(PlantProfile(), clock_),
       renderer_(settings_, pool_, timing_, user_, nullptr) {
   ui_.pointer_is_device = true;

@@ -24,8 +24,8 @@ namespace hapticast::client {
 class WebViewer {
  public:
   /// `origin` checks the server's key (#origin-key= of the link). `access_token`: empty, or the
-  /// secret of #token=.
-  explicit WebViewer(OriginPin origin = {}, std::string access_token = "");
+  /// secret of #token=. `name`: for the server's log and for operators; empty: "web page".
+  explicit WebViewer(OriginPin origin = {}, std::string access_token = "", std::string name = "");
 
   // Sessions with the server, one after the other (ClientSession).
 

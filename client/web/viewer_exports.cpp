@@ -20,6 +20,7 @@ struct Page {
   std::unique_ptr<WebViewer> viewer;
   StreamDescription description;
   std::string key;
+  Control act;         // of another operator
   double value = 0.0;  // share of a scan, time of a picture, number of viewers
   std::array<double, 40> numbers{};
   std::array<const char*, 40> names{};  // of the numbers
@@ -75,6 +76,10 @@ const char* onMessage(Preparing& preparing) {
   return "preparing";
 }
 const char* onMessage(Control& control) {
+  if (control.at) {
+    page().act = std::move(control);
+    return "act";
+  }
   page().value = control.viewers ? static_cast<double>(*control.viewers) : kNone;
   return "control";
 }
@@ -94,14 +99,17 @@ std::vector<KeyBytes> parseKeys(std::string_view text) {
 }  // namespace
 
 /// Begins with another server. The input: the keys of origins (hex digits, one blank between them;
-/// none: each server counts), a line break, and the access token (or nothing).
+/// none: each server counts), a line break, the name of the user (or nothing), a line break, and
+/// the access token (or nothing).
 WEB_EXPORT(start) void start() {
   const std::string text = web::inputText();
   const std::size_t end = std::min(text.find('\n'), text.size());
   const std::string keys = text.substr(0, end);
+  const std::size_t name = std::min(end + 1, text.size());
+  const std::size_t name_end = std::min(text.find('\n', name), text.size());
   page().viewer = std::make_unique<WebViewer>(
       keys.empty() ? OriginPin() : OriginPin("this link", parseKeys(keys)),
-      text.substr(std::min(end + 1, text.size())));
+      text.substr(std::min(name_end + 1, text.size())), text.substr(name, name_end - name));
 }
 
 /// Begins a session. Returns 1, or 0 if it may not be: closeSession() follows.
@@ -138,6 +146,19 @@ WEB_EXPORT(picture) std::size_t picture() { return web::setOutput(std::move(page
 /// Returns the number that belongs to the last message: the share of a scan (0..1), the media time
 /// of a picture (ms), or the number of viewers (NaN: unknown).
 WEB_EXPORT(value) double value() { return page().value; }
+
+/// Returns the numbers of the last act of another operator. A number that it did not set is NaN.
+WEB_EXPORT(act) const double* act() {
+  const Control& from = page().act;
+  Numbers numbers;
+  numbers.add("at_ms", from.at ? toMs(*from.at) : kNone);
+  numbers.add("paused", from.paused ? (*from.paused ? 1.0 : 0.0) : kNone);
+  numbers.add("seek_s", from.seek_s.value_or(kNone)).add("speed", from.speed.value_or(kNone));
+  numbers.add("material", from.material == Material{} ? kNone : 1.0);
+  return numbers.result();
+}
+/// Writes the name of the operator who acted.
+WEB_EXPORT(actor) std::size_t actor() { return web::setOutput(page().act.operator_name); }
 
 WEB_EXPORT(prepare) int prepare(double now_ms) {
   return page().viewer->prepareNext(web::toLocal(now_ms)) ? 1 : 0;

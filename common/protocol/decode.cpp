@@ -41,7 +41,8 @@ Hello read(const proto::Hello& from, Check& check) {
           from.wants_video(),
           from.wants_frames_on_tcp(),
           token(from.access_token(), check),
-          from.accepts_picture_parts()};
+          from.accepts_picture_parts(),
+          from.wants_acts()};
 }
 
 DatagramKey read(const proto::DatagramKey& from, Check& check) {
@@ -67,6 +68,8 @@ Control read(const proto::Control& from, Check& check) {
   }
   if (from.has_material()) to.material = readMaterial(from.material(), check);
   if (from.has_viewers()) to.viewers = from.viewers();
+  to.operator_name = text(from.operator_name(), limits::kClientName, check);
+  if (from.has_at_ns()) to.at = MediaTime(check.time(from.at_ns()));
   return to;
 }
 

@@ -19,6 +19,7 @@ void write(const Hello& from, proto::Message& message) {
   to.set_wants_frames_on_tcp(from.wants_frames_on_tcp);
   to.set_access_token(from.access_token);
   to.set_accepts_picture_parts(from.accepts_picture_parts);
+  to.set_wants_acts(from.wants_acts);
 }
 
 void write(const DatagramKey& from, proto::DatagramKey& to) {
@@ -38,6 +39,8 @@ void write(const Control& from, proto::Message& message) {
   if (from.speed) to.set_speed(*from.speed);
   if (from.material != Material{}) writeMaterial(from.material, *to.mutable_material());
   if (from.viewers) to.set_viewers(*from.viewers);
+  to.set_operator_name(sanitizeUtf8(from.operator_name, limits::kClientName));
+  if (from.at) to.set_at_ns(from.at->time_since_epoch().count());
 }
 
 void write(const StreamDescription& from, proto::StreamDescription& to) {

@@ -32,6 +32,7 @@ struct Hello {
   bool wants_frames_on_tcp = true;
   std::string access_token = {};       ///< secret of the user; empty: none
   bool accepts_picture_parts = false;  ///< pictures may come as PicturePart; Receipts follow
+  bool wants_acts = false;             ///< an operator that receives the acts of other operators
 };
 /// Key of the sealed datagrams (proto/datagrams.md).
 struct DatagramKey {
@@ -62,7 +63,7 @@ struct Welcome {
   std::optional<DatagramKey> datagram_key = std::nullopt;  ///< absent: datagrams are not sealed
 };
 /// Request of an operator. The server sends it back to the operator when it has accepted the
-/// request.
+/// request, and to other operators with name and time.
 struct Control {
   std::optional<bool> paused;
   std::optional<double> seek_s;  ///< time in the clip, s
@@ -71,6 +72,10 @@ struct Control {
   std::optional<double> speed = std::nullopt;
   /// Number of viewers. The server sets it for an operator; other values are ignored.
   std::optional<std::uint32_t> viewers = std::nullopt;
+  /// Name of the operator, in the copy for another operator. The server sets it.
+  std::string operator_name = {};
+  /// Media time at which the server had carried the request out, in the copy for another operator.
+  std::optional<MediaTime> at = std::nullopt;
   bool operator==(const Control&) const = default;
 };
 /// Request of a client: transport and redundancy of its frames from now on.

@@ -175,7 +175,9 @@ void Broadcaster::checkAccess() {
 std::optional<WireError> Broadcaster::control(const Control& request,
                                               const std::shared_ptr<Session>& sender) {
   Control control = request;
-  control.viewers.reset();  // clients do not set it
+  control.viewers.reset();  // clients set none of these
+  control.operator_name.clear();
+  control.at.reset();
   if (streams_ != nullptr) {
     if (control.material != Material{})
       return WireError{ErrorCode::kForbidden, "a viewer may pause, seek and set the speed only"};
@@ -193,9 +195,13 @@ std::optional<WireError> Broadcaster::control(const Control& request,
     return WireError{ErrorCode::kForbidden, "this access token is a viewer's, not an operator's"};
   if (!control_)
     return WireError{ErrorCode::kForbidden, "this server is an edge; control its origin"};
-  control_(control, [this, control, weak = std::weak_ptr(sender)] {
-    asio::post(io_, [this, control, weak] {
+  control_(control, [this, control, name = sender->name(), weak = std::weak_ptr(sender)] {
+    asio::post(io_, [this, control, name, weak] {
       if (const auto session = weak.lock()) confirm(*session, control);
+      Control act = control;
+      act.operator_name = name;
+      act.at = media_clock_.now();
+      acts_.add(weak, act);
     });
   });
   return std::nullopt;
@@ -247,6 +253,7 @@ void Broadcaster::onJoined(Session& session) {
   if (preparing_) session.queue(preparing_);  // onJoined()'s caller flushes the queue
   if (last_frame_) session.queue(*last_frame_);
   if (last_video_) session.queue(*last_video_);
+  if (session.wantsActs() && acts_.newest()) session.queue(acts_.newest());
   if (streams_ != nullptr) streams_->onJoined(self);
   log(spdlog::level::info, session.label() + " joined");
 }
@@ -317,6 +324,7 @@ asio::awaitable<void> Broadcaster::startTimer() {
     if (now - counted_ < kCountEvery) continue;
     counted_ = now;
     checkAccess();  // tokens expire
+    acts_.sendTo(viewers_);
     if (datagrams_ != nullptr) datagrams_->check(now);
     log_.logStaleFrames(stale_.dropped(), now);
     log_.logSlowViewers(counts(), now);

@@ -18,6 +18,7 @@
 #include "server/stream/datagram_sender.hpp"
 #include "server/stream/encoded.hpp"
 #include "server/stream/limited_sessions.hpp"
+#include "server/stream/operator_acts.hpp"
 #include "server/stream/session.hpp"
 #include "server/stream/stale_frame_filter.hpp"
 #include "server/stream/stream_access.hpp"
@@ -190,6 +191,7 @@ class Broadcaster final : public StreamSink, private SessionHost {
   StreamAccess access_;
   std::function<void()> on_removed_;
   OnControl control_;
+  OperatorActs acts_;
   ViewerStreams* streams_ = nullptr;
   DatagramSender* datagrams_ = nullptr;
   asio::steady_timer timer_;

@@ -121,6 +121,12 @@ class Session : public std::enable_shared_from_this<Session> {
   [[nodiscard]] bool isVideoSubscriber() const { return welcomed() && wants_pictures_; }
   /// Returns the rights of the client's token; nullopt if the server needs no tokens.
   [[nodiscard]] const std::optional<Grant>& grant() const { return grant_; }
+  /// Returns the name that the client gives itself; empty before its hello.
+  [[nodiscard]] std::string name() const { return hello_ ? hello_->client_name : ""; }
+  /// Returns whether the client is an operator that receives the acts of other operators.
+  [[nodiscard]] bool wantsActs() const {
+    return welcomed() && hello_->wants_acts && grant_ && grant_->role == Role::kOperator;
+  }
   [[nodiscard]] bool encrypted() const { return channel_->encrypted(); }
   /// Returns whether its client is connected by a WebSocket.
   [[nodiscard]] bool ofWebSocket() const { return channel_->carrier() == Carrier::kWebSocket; }

@@ -92,6 +92,27 @@ class Trust(support.PageTest):
         server.wait_for(r"(?i)stiffness|material")
         page.shoot("operator")
 
+    def test_an_operator_sees_the_act_of_another(self):
+        server = self.serve(*support.STILL, "--tokens", self.list_tokens())
+        page = self.browser.touchable(f"{server.link}#token={OPERATOR}")
+        page.wait("hapticast.stream.operator", "the page is no operator's")
+        if not page.is_shown("panel"):
+            page.driver.find_element("id", "panel-button").click()
+        self.assertFalse(page.is_shown("operator-act"))
+        token = OPERATOR.encode()
+        content = b"\x08\x03\x12\x04Anna\x2a" + bytes([len(token)]) + token
+        hello, pause = b"\x0a" + bytes([len(content)]) + content, b"\x72\x02\x08\x01"
+        page.driver.execute_script("""
+          const link = window.anna = new WebSocket(arguments[0], 'hapticast.3');
+          const messages = arguments[1];
+          link.onopen = () => messages.forEach(bytes => link.send(new Uint8Array(bytes)));""",
+                                   server.link.replace("http", "ws", 1) + "stream", [list(hello), list(pause)])
+        shown = "document.getElementById('operator-act').innerText"
+        page.wait(f"/^Anna paused, \\d+ s ago$/.test({shown})", "the act of the other operator is not shown")
+        first = page.text("operator-act")
+        page.wait(f"{shown} !== {first!r}", "the age of the act stands still")
+        page.shoot("operator-act")
+
     def move(self, name, value):
         self.browser.driver.execute_script(
             f"const e = document.getElementById('{name}'); e.value = {value};"

@@ -120,6 +120,7 @@ std::vector<std::pair<std::string, Message>> goldenMessages() {
       {"datagram_key", goldenKey()},
       {"control", Control{true, 12.5, {0.5, {}, {}, {}, {}, 0.25}}},
       {"control_with_viewers", Control{false, {}, {}, {}, 300U}},
+      {"control_of_another_operator", Control{false, {}, {}, {}, {}, "Anna", mediaTime(40.04)}},
       {"error", WireError{ErrorCode::kServerFull, "all 64 places are taken"}},
   };
 }

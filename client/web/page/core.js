@@ -59,15 +59,15 @@ export class Core {
     return numbers;
   }
 
-  start(originKeys, token) {
-    this.putText(originKeys.join(' ') + '\n' + token);
+  start(originKeys, token, name = '') {
+    this.putText([originKeys.join(' '), name.replace(/\s+/g, ' '), token].join('\n'));
     this.e.start();
   }
   /// Begins a session. Returns whether it may be; else close() follows.
   open(now_ms, encrypted, ofThisMachine) {
     return this.e.openSession(now_ms, Number(encrypted), Number(ofThisMachine)) !== 0;
   }
-  /// Processes a message. Returns {kind, value, jpeg}, of which a kind has some. Kind 'error':
+  /// Processes a message. Returns {kind, value, jpeg, act}, of which a kind has some. Kind 'error':
   /// close() follows.
   receive(bytes, now_ms) {
     this.put(bytes);
@@ -75,7 +75,8 @@ export class Core {
     return {
       kind,
       value: this.e.value(),
-      jpeg: kind === 'picture' ? this.output(this.e.picture()) : null
+      jpeg: kind === 'picture' ? this.output(this.e.picture()) : null,
+      act: kind === 'act' ? {name: this.text(this.e.actor()), ...this.numbers(this.e.act())} : null
     };
   }
   /// Sets why the connection has ended. `malformed`: the peer sent what is no message.

@@ -15,6 +15,24 @@ const kMaterial = [
   ['mass_kg', 'mass, kg', 0.01, 2, 0.01, 0.1],
 ];
 
+/// Returns who did what and how long ago, in one line.
+function describeAct({name, at_ms, paused, seek_s, speed, material}, media_ms) {
+  const acts = [];
+  if (!Number.isNaN(paused)) acts.push(paused ? 'paused' : 'played');
+  if (!Number.isNaN(seek_s)) acts.push(`went to ${seek_s.toFixed(1)} s`);
+  if (!Number.isNaN(speed)) acts.push(`set the speed x ${speed}`);
+  if (!Number.isNaN(material)) acts.push('changed the material');
+  const age_s = Math.max(0, Math.floor((media_ms - at_ms) / 1000));
+  const age = age_s < 60 ? `${age_s} s` : `${Math.floor(age_s / 60)} min`;
+  return `${name || 'another operator'} ${acts.join(', ')}, ${age} ago`;
+}
+
+/// Shows the last act of another operator, or nothing. `media_ms`: the media time now.
+export function showAct(act, media_ms) {
+  find('operator-act').hidden = !act;
+  if (act) setText(find('operator-act'), describeAct(act, media_ms));
+}
+
 /// Makes the controls. `control(request)` sends a request to the server.
 export function makeOperatorControls(control) {
   find('operator-pause').addEventListener('click', () => control({paused: true}));

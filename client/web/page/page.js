@@ -6,7 +6,7 @@ import {Feedback} from './feedback.js';
 import {Film} from './film.js';
 import {GamepadInput} from './gamepad.js';
 import {Keys} from './keys.js';
-import {makeOperatorControls} from './operator.js';
+import {makeOperatorControls, showAct} from './operator.js';
 import * as panel from './panel.js';
 import {find} from './panel.js';
 import {ForcePlot} from './plot.js';
@@ -286,6 +286,7 @@ class Page {
     else
       this.texts.showForce(report);
     this.timeBar.show(report.play_ms, this.controls.paused);
+    showAct(this.stream?.act, report.media_now_ms);
     panel.showFacts(this.stream, report, this.ticks.stats, this.stats);
   }
 

@@ -28,7 +28,7 @@ export function keepSettings(settings) {
   }
 }
 
-/// Returns {token, originKeys} of the link's fragment and removes the token from the address bar.
+/// Returns {token, originKeys, name} of the link's fragment and removes the token from the address bar.
 export function readFragment() {
   const parts = location.hash.slice(1).split('&').filter(Boolean).map(part => {
     const at = part.indexOf('=');
@@ -40,6 +40,7 @@ export function readFragment() {
     }
   });
   const token = parts.findLast(([name]) => name === 'token')?.[1] ?? '';
+  const name = parts.findLast(([key]) => key === 'name')?.[1] ?? '';
   // A key that is missing or damaged accepts no server.
   const originKeys =
       parts.filter(([name]) => name === 'origin-key').map(([, value]) => value || 'none');
@@ -49,5 +50,5 @@ export function readFragment() {
     history.replaceState(
         null, '', location.pathname + (rest.length > 0 ? '#' + rest.join('&') : ''));
   }
-  return {token, originKeys};
+  return {token, originKeys, name};
 }

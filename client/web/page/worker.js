@@ -22,6 +22,7 @@ let link = null;    // WebSocket, or the port of a player
 let stream = null;
 let operator = false;
 let viewers = null;
+let act = null;    // the last one of another operator
 let asked_ms = 0;  // for the number of viewers
 let rearms = 0;
 let user = {
@@ -42,7 +43,7 @@ function sendStatus(state, text, share = null) {
 
 function sendStream() {
   const signature = stream.key === '' ? 'unsigned' : verified ? 'signed' : 'waiting';
-  postMessage({type: 'stream', ...stream, operator, viewers, signature});
+  postMessage({type: 'stream', ...stream, operator, viewers, act, signature});
 }
 
 onmessage = async ({data}) => {
@@ -77,7 +78,7 @@ async function start() {
   try {
     module = await WebAssembly.compile(await fetchBytes('core.wasm'));
     core = await startCore(module);
-    core.start(open.originKeys ?? [], open.token ?? '');
+    core.start(open.originKeys ?? [], open.token ?? '', open.name ?? '');
     core.setControls(user, rearms);
     core.e.requestPictures(Number(showPictures));
   } catch (error) {
@@ -157,6 +158,10 @@ function onMessage(data) {
     case 'control':
       onControl(message);
       break;
+    case 'act':
+      act = message.act;
+      sendStream();
+      break;
   }
 }
 
@@ -164,6 +169,7 @@ function onWelcome() {
   stream = core.stream();
   operator = false;
   viewers = null;
+  act = null;
   sendStatus('connected', '');
   sendStream();
   if (open.token) askForViewers();

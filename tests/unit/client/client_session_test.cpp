@@ -237,6 +237,17 @@ TEST(ClientSession, EndsAtPartsThatAreNoPicture) {
   EXPECT_FALSE(blind.receive(PicturePart{4, {1}, false}, 0.1).ok()) << "it requested no pictures";
 }
 
+TEST(ClientSession, ReceivesTheActsOfOthersIfItWantsThem) {
+  const Control act{true, {}, {}, {}, {}, "Anna", mediaTime(1.0)};
+  for (const bool wants : {false, true}) {
+    SessionSettings settings;
+    settings.wants_acts = wants;
+    Client client(settings);
+    ASSERT_TRUE(client.welcome());
+    EXPECT_EQ(client.receive(act, 0.1).ok(), wants);
+  }
+}
+
 TEST(ClientSession, AnotherWelcomeBeginsAnew) {
   Client client;
   ASSERT_TRUE(client.welcome());

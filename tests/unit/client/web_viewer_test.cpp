@@ -18,8 +18,11 @@ TEST(WebViewer, SaysThatItIsAPage) {
   const auto& content = std::get<Hello>(hello.value());
   EXPECT_EQ(content.client_name, "web page");
   EXPECT_EQ(content.access_token, "secret");
-  EXPECT_TRUE(content.wants_video && content.wants_frames_on_tcp);
+  EXPECT_TRUE(content.wants_video && content.wants_frames_on_tcp && content.wants_acts);
   EXPECT_FALSE(viewer.poll(at(1))) << "before the welcome";
+  WebViewer named({}, "", "Anna");
+  ASSERT_TRUE(named.open({.of_this_machine = true}, at(0)));
+  EXPECT_EQ(std::get<Hello>(decode(*named.poll(at(0))).value()).client_name, "Anna");
 }
 
 TEST(WebViewer, PingsQuicklyAtFirstAndThenReportsEachSecond) {

@@ -127,6 +127,16 @@ TEST(WireRefuses, KeysTokensAndRequestsOfOperatorsThatAreOutOfRange) {
   EXPECT_EQ(refusal(Control{{}, -0.5, {}}), ErrorCode::kMalformed);
   EXPECT_EQ(refusal(Control{{}, kNan, {}}), ErrorCode::kMalformed);
   EXPECT_EQ(refusal(Control{{}, {}, {1e9, {}, {}, {}, {}, {}}}), ErrorCode::kMalformed);
+  const MediaTime late(Duration(1'000'000'000'000'000'001));
+  EXPECT_EQ(refusal(Control{true, {}, {}, {}, {}, "", late}), ErrorCode::kMalformed);
+  std::vector<std::uint8_t> name{0x72, 66, 0x32, 64};  // Control.operator_name
+  name.resize(name.size() + 64, 'a');
+  EXPECT_TRUE(decode(name).ok());
+  name.push_back('a');
+  ++name[1];
+  ++name[3];
+  ASSERT_FALSE(decode(name).ok());
+  EXPECT_EQ(decode(name).error().code, ErrorCode::kTooLarge);
 }
 
 TEST(WireRefuses, CountsBeforeItAllocates) {

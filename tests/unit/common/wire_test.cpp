@@ -70,9 +70,11 @@ TEST(Wire, CarriesHelloWelcomePingPong) {
   EXPECT_EQ(roundTrip(sealed).datagram_key, sealed.datagram_key);
   EXPECT_EQ(roundTrip(testing::goldenKey()), testing::goldenKey());
   EXPECT_EQ(roundTrip(Hello{kProtocolVersion, "x", false, true, "s3\xFF"}).access_token, "s3\xFF");
-  for (const Control& control : {Control{}, Control{false, {}, {}}, Control{{}, 0.0, {}},
-                                 Control{true, 2.5, {0.5, 1.0, 0.25, 0.25, 30.0, 2.0}},
-                                 Control{{}, {}, {}, 0.5, 0U}, Control{{}, {}, {}, {}, 2000U}})
+  EXPECT_TRUE(roundTrip(Hello{kProtocolVersion, "x", false, true, "", false, true}).wants_acts);
+  for (const Control& control :
+       {Control{}, Control{false, {}, {}}, Control{{}, 0.0, {}},
+        Control{true, 2.5, {0.5, 1.0, 0.25, 0.25, 30.0, 2.0}}, Control{{}, {}, {}, 0.5, 0U},
+        Control{{}, {}, {}, {}, 2000U}, Control{false, {}, {}, {}, {}, "Änna", mediaTime(-2.5)}})
     EXPECT_EQ(roundTrip(control), control);
   const auto delivery = roundTrip(Delivery{false, true, 4});
   EXPECT_FALSE(delivery.on_tcp);
