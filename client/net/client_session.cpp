@@ -125,8 +125,7 @@ std::optional<WireError> ClientSession::onWelcome(const Welcome& welcome, LocalT
   state_.description = welcome.description;
   state_.stream = welcome.stream;
   state_.sealed_datagrams = welcome.datagram_key.has_value();
-  state_.next_ping = now;
-  if (settings_.sends_pings) state_.unanswered_since = now;
+  if (settings_.sends_pings) state_.next_ping = *(state_.unanswered_since = now);
   state_.sent_pings = 0;
   state_.report_due = false;
   state_.last_delivery = {};
@@ -224,7 +223,7 @@ std::optional<Message> ClientSession::poll(LocalTime now) {
     return next;
   }
   if (std::exchange(state_.report_due, false)) return makeReport();
-  if (!settings_.sends_pings || now < state_.next_ping) return std::nullopt;
+  if (now < state_.next_ping) return std::nullopt;
   return makePing(now);
 }
 

@@ -23,7 +23,7 @@ namespace {
 using std::chrono::microseconds;
 using std::chrono::milliseconds;
 
-struct Link {
+struct SimulatedLink {
   double rate_B_s = 0.0;
   Duration delay{0};  // each way
   double loss = 0.0;  // share of packets that come a round trip later, and all behind them
@@ -31,22 +31,22 @@ struct Link {
   std::uint32_t seed = 1;
 };
 
-constexpr Duration kLength = std::chrono::seconds(30);
+constexpr Duration kPlayed = std::chrono::seconds(30);
 constexpr double kFrames_B_s = 25.0 * 1560.0;
 constexpr double kPictures_B_s = 25.0 * 20'000.0;
 
-struct Result {
+struct Simulated {
   std::vector<double> waits_ms;  // of frames, behind pictures
   double picture_bytes = 0;
 };
 
 /// Plays frames and pictures at 25 Hz over `link` for `length`, in steps of 1 ms.
-class Simulation {
+class LinkSimulation {
  public:
-  explicit Simulation(const Link& link) : link_(link), random_(link.seed) {}
+  explicit LinkSimulation(const SimulatedLink& link) : link_(link), random_(link.seed) {}
 
   /// Plays until `end`.
-  const Result& run(Duration end) {
+  const Simulated& run(Duration end) {
     for (; now_ < LocalTime(end); now_ += milliseconds(1)) {
       receive();
       if ((now_.time_since_epoch() / milliseconds(1)) % 40 == 0) publish();
@@ -65,7 +65,7 @@ class Simulation {
     return result_;
   }
   void setRate_B_s(double rate_B_s) { link_.rate_B_s = rate_B_s; }
-  [[nodiscard]] const Result& result() const { return result_; }
+  [[nodiscard]] const Simulated& result() const { return result_; }
 
  private:
   struct Arrival {
@@ -115,10 +115,10 @@ class Simulation {
     }
   }
 
-  Link link_;
+  SimulatedLink link_;
   std::mt19937 random_;
   PicturePacer pacer_;
-  Result result_;
+  Simulated result_;
   LocalTime now_{milliseconds(1)};
   LocalTime free_at_{}, frames_free_at_{}, last_{}, receipt_at_{};
   std::uint64_t total_ = 0;
@@ -129,7 +129,7 @@ class Simulation {
   std::size_t picture_left_ = 0;
 };
 
-double quantile(std::vector<double> values, double share) {
+double computeQuantile(std::vector<double> values, double share) {
   std::sort(values.begin(), values.end());
   return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
 }
@@ -139,10 +139,11 @@ TEST(PicturePacer, AFrameWaitsLittleAtEveryRateAndDelay) {
     for (const int delay_ms : {1, 10, 75, 150}) {
       for (const double loss : {0.0, 0.01}) {
         const double rate_B_s = rate_Mbit_s * 125e3;
-        const Result result = Simulation({rate_B_s, milliseconds(delay_ms), loss}).run(kLength);
-        const double p99_ms = quantile(result.waits_ms, 0.99);
+        const Simulated result =
+            LinkSimulation({rate_B_s, milliseconds(delay_ms), loss}).run(kPlayed);
+        const double p99_ms = computeQuantile(result.waits_ms, 0.99);
         const double free_B_s = std::min(rate_B_s - kFrames_B_s, kPictures_B_s);
-        const double share = result.picture_bytes / toSeconds(kLength) / free_B_s;
+        const double share = result.picture_bytes / toSeconds(kPlayed) / free_B_s;
         const std::string link = fmt::format("{} Mbit/s, {} ms, loss {}: p99 {:.0f} ms, {:.0f} %",
                                              rate_Mbit_s, delay_ms, loss, p99_ms, 100.0 * share);
         EXPECT_LE(p99_ms, 50.0) << link;
@@ -154,7 +155,7 @@ TEST(PicturePacer, AFrameWaitsLittleAtEveryRateAndDelay) {
 
 /// The rate falls to an eighth, as where a phone leaves its Wi-Fi.
 TEST(PicturePacer, ALinkThatBecomesSlowHasNoStandingQueueSoonAfter) {
-  Simulation simulation({500e3, milliseconds(40)});
+  LinkSimulation simulation({500e3, milliseconds(40)});
   (void)simulation.run(std::chrono::seconds(10));
   simulation.setRate_B_s(62.5e3);
   (void)simulation.run(std::chrono::seconds(12));
@@ -162,7 +163,7 @@ TEST(PicturePacer, ALinkThatBecomesSlowHasNoStandingQueueSoonAfter) {
   (void)simulation.run(std::chrono::seconds(22));
   std::vector<double> waits_ms = simulation.result().waits_ms;
   waits_ms.erase(waits_ms.begin(), waits_ms.begin() + static_cast<std::ptrdiff_t>(before));
-  EXPECT_LE(quantile(waits_ms, 0.99), 60.0);
+  EXPECT_LE(computeQuantile(waits_ms, 0.99), 60.0);
 }
 
 TEST(PicturePacer, AViewerThatConfirmsNothingGetsTheFirstWindowAlone) {

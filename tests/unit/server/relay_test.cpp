@@ -56,7 +56,7 @@ TEST(RelayPieces, AMissingPieceLosesItsMessageOnly) {
 /// Returns the pieces of a random number of bytes: a state if `is_state`, else a frame.
 std::vector<std::vector<std::uint8_t>> makePieces(SigningKey& key, const RelayHead& head,
                                                   bool is_state, std::mt19937& random) {
-  RelayFrame frame = makeFrame(head.number);
+  RelayFrame frame = server::makeFrame(head.number);
   frame.delta =
       std::make_shared<const std::vector<std::uint8_t>>(1 + random() % 3000, std::uint8_t{1});
   const RelayContent content =
