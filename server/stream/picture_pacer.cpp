@@ -79,7 +79,7 @@ void PicturePacer::addRate(const Sent& sent, std::uint64_t bytes, LocalTime arri
 double PicturePacer::rate_B_s() const { return std::max(rates_B_s_[0], rates_B_s_[1]); }
 
 void PicturePacer::addRoundTrip(Duration round_trip, LocalTime now) {
-  if (now < drains_until_ || round_trip <= shortest_ + kJitter) shortest_at_ = now;
+  if (now < drains_until_ || round_trip - kJitter <= shortest_) shortest_at_ = now;
   shortest_ = std::min(shortest_, round_trip);
   recent_shortest_ = std::min(recent_shortest_, round_trip);
   if (now - shortest_at_ < kShortestAge) return;
@@ -127,12 +127,13 @@ double PicturePacer::computePart_bytes() const {
 std::size_t PicturePacer::computePartBytes(LocalTime now) {
   begun_ = true;
   refill(now);
+  const double room_bytes = window_bytes_ - static_cast<double>(sent_bytes_ - received_bytes_);
+  const bool has_room = room_bytes >= static_cast<double>(kMinPartBytes);
+  if (!has_room) stopped_picture_ = true;
   const double part_bytes = computePart_bytes();
-  const double on_way_bytes = static_cast<double>(sent_bytes_ - received_bytes_);
-  const bool has_window = on_way_bytes + 0.5 * part_bytes <= window_bytes_;
-  if (!has_window) stopped_picture_ = true;
-  if (!has_window || tokens_bytes_ < 0.5 * part_bytes || now < drains_until_) return 0;
-  return static_cast<std::size_t>(part_bytes);
+  if (!has_room || tokens_bytes_ < 0.5 * part_bytes || now < drains_until_) return 0;
+  if (part_bytes > room_bytes) stopped_picture_ = true;
+  return static_cast<std::size_t>(std::min(part_bytes, room_bytes));
 }
 
 }  // namespace hapticast::server
