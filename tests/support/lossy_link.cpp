@@ -13,15 +13,17 @@ constexpr auto kPoll = std::chrono::milliseconds(1);
 constexpr std::size_t kChunkBytes = 16U << 10U;
 constexpr std::size_t kMostWaitingBytes = 4U << 20U;  // beyond it the sender has to wait
 constexpr int kPortsTried = 20;
+constexpr std::size_t kLeastReceiveBytes = 64U << 10U;
 
 /// Lets TCP's sender sense the link: at most `way`'s queue waits to be read, in segments of
-/// Ethernet. Without a rate nothing waits, so nothing is limited.
+/// Ethernet. Without a rate nothing waits, so nothing is limited. A buffer below
+/// kLeastReceiveBytes makes TCP itself stall.
 void limitReceiveBuffer(tcp::socket& socket, const LinkProfile& way) {
   if (way.rate_bits_s <= 0.0) return;
   using SegmentBytes = asio::detail::socket_option::integer<IPPROTO_TCP, TCP_MAXSEG>;
   boost::system::error_code ignored;
-  socket.set_option(asio::socket_base::receive_buffer_size(static_cast<int>(way.queue_bytes)),
-                    ignored);
+  const std::size_t bytes = std::max(way.queue_bytes, kLeastReceiveBytes);
+  socket.set_option(asio::socket_base::receive_buffer_size(static_cast<int>(bytes)), ignored);
   socket.set_option(SegmentBytes(LinkModel::kSegmentBytes), ignored);
 }
 

@@ -286,7 +286,7 @@ class Page {
     else
       this.texts.showForce(report);
     this.timeBar.show(report.play_ms, this.controls.paused);
-    showAct(this.stream?.act, report.media_now_ms);
+    showAct(this.stream?.act, this.ticks.stats.media_now_ms);
     panel.showFacts(this.stream, report, this.ticks.stats, this.stats);
   }
 

@@ -48,7 +48,7 @@ void addFaults(CLI::App& app, Settings& settings) {
             "what goes through each way (default: 0, no limit)");
   addNumber(
       app, "--queue", profile.queue_bytes, std::size_t{1500}, std::size_t{1} << 30U, "BYTES",
-      "that wait for the rate (default: 131072); TCP has as many again in its receive buffer");
+      "that wait for the rate (default: 131072); TCP has about as many again, at least 65536");
   addNumber(app, "--largest", profile.largest_bytes, std::uint64_t{0}, std::uint64_t{65535},
             "BYTES", "larger datagrams vanish; 0: all do (default: 65535)");
   addNumber(app, "--seed", profile.seed, std::uint64_t{0}, std::uint64_t{4294967295}, "N",
