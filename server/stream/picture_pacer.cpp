@@ -60,7 +60,7 @@ void PicturePacer::onReceipt(const Receipt& receipt, LocalTime now) {
   first_sent_ = last->time;
   addRate(*last, receipt.bytes, arrived);
   // A larger message spends longer on a slow link by itself, which is no queue.
-  if (static_cast<double>(last->bytes) <= computePart_bytes())
+  if (static_cast<double>(last->bytes) <= computeLargestPart_bytes())
     addRoundTrip(arrived - last->time, now);
   checkQueue(now);
 }
@@ -76,7 +76,7 @@ void PicturePacer::addRate(const Sent& sent, std::uint64_t bytes, LocalTime arri
   rates_B_s_[0] = std::max(rates_B_s_[0], rate_B_s);
 }
 
-double PicturePacer::rate_B_s() const { return std::max(rates_B_s_[0], rates_B_s_[1]); }
+double PicturePacer::computeRate_bytes_s() const { return std::max(rates_B_s_[0], rates_B_s_[1]); }
 
 void PicturePacer::addRoundTrip(Duration round_trip, LocalTime now) {
   if (now < drains_until_ || round_trip - kJitter <= shortest_) shortest_at_ = now;
@@ -94,7 +94,7 @@ void PicturePacer::checkQueue(LocalTime now) {
   const Duration queue = is_known ? recent_shortest_ - shortest_ : Duration{0};
   if (queue > kLeastQueue) probes_ = false;
   if (queue > kMostQueue) {
-    window_bytes_ = std::min(window_bytes_, rate_B_s() * toSeconds(shortest_));
+    window_bytes_ = std::min(window_bytes_, computeRate_bytes_s() * toSeconds(shortest_));
     if (queue > kMostWait) window_bytes_ *= kBackOff;  // the rate has fallen
   }
   round_queue_ = std::max(round_queue_, queue);
@@ -110,7 +110,7 @@ void PicturePacer::checkQueue(LocalTime now) {
 }
 
 void PicturePacer::refill(LocalTime now) {
-  const double rate_B_s = (probes_ ? kProbingGain : kPacingGain) * this->rate_B_s();
+  const double rate_B_s = (probes_ ? kProbingGain : kPacingGain) * computeRate_bytes_s();
   const double most_bytes = rate_B_s > 0.0
                                 ? std::max(rate_B_s * toSeconds(kBurst), 2.0 * kMinPartBytes)
                                 : kFirstWindowBytes;
@@ -119,9 +119,9 @@ void PicturePacer::refill(LocalTime now) {
   refilled_ = now;
 }
 
-double PicturePacer::computePart_bytes() const {
-  return std::clamp(rate_B_s() * toSeconds(kPartTime), static_cast<double>(kMinPartBytes),
-                    static_cast<double>(limits::kPicturePart));
+double PicturePacer::computeLargestPart_bytes() const {
+  return std::clamp(computeRate_bytes_s() * toSeconds(kPartTime),
+                    static_cast<double>(kMinPartBytes), static_cast<double>(limits::kPicturePart));
 }
 
 std::size_t PicturePacer::computePartBytes(LocalTime now) {
@@ -130,7 +130,7 @@ std::size_t PicturePacer::computePartBytes(LocalTime now) {
   const double room_bytes = window_bytes_ - static_cast<double>(sent_bytes_ - received_bytes_);
   const bool has_room = room_bytes >= static_cast<double>(kMinPartBytes);
   if (!has_room) stopped_picture_ = true;
-  const double part_bytes = computePart_bytes();
+  const double part_bytes = computeLargestPart_bytes();
   if (!has_room || tokens_bytes_ < 0.5 * part_bytes || now < drains_until_) return 0;
   if (part_bytes > room_bytes) stopped_picture_ = true;
   return static_cast<std::size_t>(std::min(part_bytes, room_bytes));

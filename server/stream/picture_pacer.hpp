@@ -42,7 +42,7 @@ class PicturePacer {
   [[nodiscard]] std::size_t computePartBytes(LocalTime now);
   /// Returns how many bytes of pictures the link has carried in a second of the last moments; 0:
   /// unknown.
-  [[nodiscard]] double rate_B_s() const;
+  [[nodiscard]] double computeRate_bytes_s() const;
 
  private:
   /// A message on its way, with what was known when it left.
@@ -55,7 +55,7 @@ class PicturePacer {
     LocalTime first_sent;  // of the bytes since received_at
   };
 
-  [[nodiscard]] double computePart_bytes() const;
+  [[nodiscard]] double computeLargestPart_bytes() const;
   void addRate(const Sent& sent, std::uint64_t bytes, LocalTime arrived);
   void addRoundTrip(Duration round_trip, LocalTime now);
   /// Adapts the window to the queue that stood since the last check.

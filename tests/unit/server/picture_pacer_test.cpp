@@ -64,7 +64,7 @@ class LinkSimulation {
     }
     return result_;
   }
-  void setRate_B_s(double rate_B_s) { link_.rate_B_s = rate_B_s; }
+  void setRate_bytes_s(double rate_B_s) { link_.rate_B_s = rate_B_s; }
   [[nodiscard]] const Simulated& result() const { return result_; }
 
  private:
@@ -157,7 +157,7 @@ TEST(PicturePacer, AFrameWaitsLittleAtEveryRateAndDelay) {
 TEST(PicturePacer, ALinkThatBecomesSlowHasNoStandingQueueSoonAfter) {
   LinkSimulation simulation({500e3, milliseconds(40)});
   (void)simulation.run(std::chrono::seconds(10));
-  simulation.setRate_B_s(62.5e3);
+  simulation.setRate_bytes_s(62.5e3);
   (void)simulation.run(std::chrono::seconds(12));
   const std::size_t before = simulation.result().waits_ms.size();
   (void)simulation.run(std::chrono::seconds(22));
@@ -187,7 +187,7 @@ TEST(PicturePacer, FalseReceiptsChangeNothing) {
     EXPECT_LE(part, limits::kPicturePart);
     if (part > 0) pacer.onSent(part, now);
     pacer.onReceipt({random() >> (random() % 64), microseconds(random() % 10'000'000)}, now);
-    EXPECT_TRUE(std::isfinite(pacer.rate_B_s()));
+    EXPECT_TRUE(std::isfinite(pacer.computeRate_bytes_s()));
   }
 }
 
