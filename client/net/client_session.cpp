@@ -172,9 +172,7 @@ std::optional<WireError> ClientSession::onPart(Message& message) {
 
 void ClientSession::requestPictures(bool wanted) {
   if (std::exchange(wants_pictures_, wanted) == wanted || !welcomed()) return;
-  Delivery delivery = state_.delivery.value_or(state_.last_delivery);
-  delivery.pictures = wanted;
-  request(delivery);
+  request(state_.delivery.value_or(state_.last_delivery));  // poll() adds the pictures
 }
 
 void ClientSession::onPong(const Pong& pong, LocalTime now) {

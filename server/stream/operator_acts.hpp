@@ -23,7 +23,7 @@ class OperatorActs {
     acts_.push_back({sender, encodeShared(act)});
   }
   /// Sends the newest act of another operator to each of `viewers` that receives acts, unless an
-  /// earlier call has sent it. Call it once a second: a storm of requests then floods nobody.
+  /// earlier call has sent it. Call it at most once a second, which is the rate limit of acts.
   void sendTo(const Sessions& viewers) {
     if (std::all_of(acts_.begin(), acts_.end(), [](const Act& each) { return each.sent; })) return;
     for (const auto& viewer : viewers) {

@@ -12,8 +12,7 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-// A frame may wait 40 ms for pictures. A burst is half of that, a standing queue less than the
-// rest.
+// A burst is half of kMostWait, a standing queue less than the rest.
 constexpr Duration kBurst = milliseconds(20);
 constexpr Duration kMostQueue = milliseconds(12);
 constexpr Duration kLeastQueue = milliseconds(5);  // chosen: a round with less lets the window grow
@@ -24,8 +23,7 @@ constexpr Duration kShortestAge = seconds(10);
 constexpr Duration kJitter = milliseconds(2);  // chosen: of a receipt's way through two programs
 constexpr double kFastGrowth = 0.25;    // of a round; doubling fills the queue of a slow link
 constexpr double kGrowth = 1.0 / 16.0;  // chosen
-constexpr Duration kMostWait = milliseconds(40);
-constexpr double kBackOff = 0.8;  // of CUBIC (RFC 9438)
+constexpr double kBackOff = 0.8;  // chosen; with the 0.7 of CUBIC pictures recover more slowly
 constexpr double kMostWindowBytes = 4U << 20U;
 constexpr double kPacingGain = 1.05;  // as in BBR: a sampled rate can grow by it
 constexpr double kProbingGain = 1.5;

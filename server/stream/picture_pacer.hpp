@@ -23,6 +23,8 @@ namespace hapticast::server {
 /// Limits how many bytes of pictures are on their way to one viewer.
 class PicturePacer {
  public:
+  /// Longest time that a frame may wait for pictures. Chosen: a frame interval at 25 frames/s.
+  static constexpr Duration kMostWait = std::chrono::milliseconds(40);
   /// Largest part of a picture in time of the link. Chosen: a frame that waits behind a part waits
   /// no longer than this.
   static constexpr Duration kPartTime = std::chrono::milliseconds(10);

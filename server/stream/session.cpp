@@ -17,9 +17,6 @@ namespace {
 // Chosen: more than a client has under way at its refusal. These bytes are read and discarded, so
 // that the peer can read the reason.
 constexpr std::size_t kMaxDrainBytes = 1U << 20U;
-// Longest time that a picture which comes whole may delay the frames behind it. Chosen: a frame
-// interval at 25 frames/s.
-constexpr Duration kMostPictureDelay = std::chrono::milliseconds(40);
 
 /// Returns the first 64 bits of an IPv6 address, since one host may use all addresses with this
 /// prefix. Other addresses are returned unchanged.
@@ -84,7 +81,7 @@ void Session::send(const EncodedFrame& frame) {
 void Session::queue(const EncodedVideo& video) {
   if (!isVideoSubscriber()) return;
   if (!queue_.sendsPicturesInParts() &&
-      channel_->estimateDelay(video.payload->size()) > kMostPictureDelay)
+      channel_->estimateDelay(video.payload->size()) > PicturePacer::kMostWait)
     return queue_.dropPicture();
   idle_ = false;
   queue_.pushVideo(video);
